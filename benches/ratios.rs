@@ -37,7 +37,11 @@ fn scalar_loop(h: f64, steps: usize, paths: u64, forcing: &[f64]) -> (f64, f64) 
         for n in 0..steps {
             let s = v + h * b;
             let next_x = x + h * v;
-            let next_v = if s.abs() <= h * f_s { 0.0 } else { s - (h * f_d).copysign(s) };
+            let next_v = if s.abs() <= h * f_s {
+                0.0
+            } else {
+                s - (h * f_d).copysign(s)
+            };
             let xi: f64 = StandardNormal.sample(&mut rng);
             noise = decay * noise + increment_sd * xi;
             b = forcing[n + 1] + 1.5 * noise - next_x;
@@ -83,14 +87,24 @@ impl LaneProgram for Normals {
 
 fn normals(c: &mut Criterion) {
     let mut group = group(c, "normals", 32 * 64);
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
         let paths: Vec<u64> = (0..32).collect();
-        let mut normals = Normals { streams: LaneStreams::new(1, &paths, 32), sums: [0.0; 8] };
+        let mut normals = Normals {
+            streams: LaneStreams::new(1, &paths, 32),
+            sums: [0.0; 8],
+        };
         group.bench_function(set.name(), |b| b.iter(|| set.run(&mut normals)));
     }
     group.bench_function("rand_pcg and rand_distr", |b| {
         let mut rng = Pcg64::seed_from_u64(1);
-        b.iter(|| (0..32 * 64).map(|_| -> f64 { StandardNormal.sample(&mut rng) }).sum::<f64>())
+        b.iter(|| {
+            (0..32 * 64)
+                .map(|_| -> f64 { StandardNormal.sample(&mut rng) })
+                .sum::<f64>()
+        })
     });
 }
 
@@ -100,34 +114,68 @@ fn kernel(c: &mut Criterion) {
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
     let mut bench = |name: &str, set: InstructionSet, scenario: &Scenario| {
         let step = scenario.scheme.step().expect("a time-stepping scheme");
-        let simulation = DiscreteSimulation::new(&scenario.model, &scenario.timeline(), step).with_instructions(set);
-        group.bench_function(name, |b| b.iter(|| simulation.simulate(1, &paths, &mut Deaf)));
+        let simulation = DiscreteSimulation::new(&scenario.model, &scenario.timeline(), step)
+            .with_instructions(set);
+        group.bench_function(name, |b| {
+            b.iter(|| simulation.simulate(1, &paths, &mut Deaf))
+        });
     };
     let noisy = scenario("rho025", &[STEP, END]);
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
         bench(set.name(), set, &noisy);
     }
-    bench("plain", InstructionSet::detect(), &scenario("shaw", &[STEP, END]));
+    bench(
+        "plain",
+        InstructionSet::detect(),
+        &scenario("shaw", &[STEP, END]),
+    );
     // A polynomial of eight operations.
-    let forced = scenario("rho025", &[STEP, END, "force.expression=0.01+x*(0.02-x*(0.003+x*(0.004+xdot*0.005)))"]);
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+    let forced = scenario(
+        "rho025",
+        &[
+            STEP,
+            END,
+            "force.expression=0.01+x*(0.02-x*(0.003+x*(0.004+xdot*0.005)))",
+        ],
+    );
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
         bench(&format!("{} with a force", set.name()), set, &forced);
     }
-    let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
+    let forcing: Vec<f64> = (0..=STEPS)
+        .map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos())
+        .collect();
     group.throughput(Throughput::Elements(16 * STEPS));
-    group.bench_function("scalar loop", |b| b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing)));
+    group.bench_function("scalar loop", |b| {
+        b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing))
+    });
 }
 
 /// The time of a path of the event-driven scheme, with a force of one's own and without.
 fn event_driven(c: &mut Criterion) {
     let mut group = group(c, "event-driven", BLOCK_SIZE);
     let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
-    for (name, set) in
-        [("linear", &[][..]), ("cubic spring", &["force.expression=-0.02*x^3", "initial.displacement=4"])]
-    {
-        let scenario = scenario("rho025", set).with_scheme(EventDriven { tolerance: 1e-3 }).expect("goes together");
-        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline().without_rows());
-        group.bench_function(name, |b| b.iter(|| simulation.simulate(1, &paths, &mut Deaf)));
+    for (name, set) in [
+        ("linear", &[][..]),
+        (
+            "cubic spring",
+            &["force.expression=-0.02*x^3", "initial.displacement=4"],
+        ),
+    ] {
+        let scenario = scenario("rho025", set)
+            .with_scheme(EventDriven { tolerance: 1e-3 })
+            .expect("goes together");
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline().without_rows());
+        group.bench_function(name, |b| {
+            b.iter(|| simulation.simulate(1, &paths, &mut Deaf))
+        });
     }
 }
 
@@ -135,7 +183,10 @@ fn event_driven(c: &mut Criterion) {
 fn statistics(c: &mut Criterion) {
     let paths = BLOCK_SIZE;
     let mut group = group(c, "statistics", paths * STEPS);
-    let plan = Plan { paths, ..scenario("rho025", &[STEP, END]).plan() };
+    let plan = Plan {
+        paths,
+        ..scenario("rho025", &[STEP, END]).plan()
+    };
     group.bench_function("default", |b| b.iter(|| plan.block(0)));
 }
 
@@ -144,11 +195,15 @@ fn statistics(c: &mut Criterion) {
 fn whole_run(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
     let mut group = group(c, "whole run", 10_000 * 60_000);
-    group.sample_size(10).measurement_time(Duration::from_secs(12));
+    group
+        .sample_size(10)
+        .measurement_time(Duration::from_secs(12));
     let folder = tempfile::tempdir().expect("a temporary folder");
     for threads in [1, 2] {
         let target = folder.path().join("run.h5");
-        group.bench_function(format!("{threads} threads"), |b| b.iter(|| run(&scenario, threads, &target)));
+        group.bench_function(format!("{threads} threads"), |b| {
+            b.iter(|| run(&scenario, threads, &target))
+        });
     }
 }
 
@@ -156,7 +211,10 @@ fn whole_run(c: &mut Criterion) {
 /// and closing the file.
 fn writing(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
-    let plan = Plan { paths: 10_000, ..common::scenario("rho025", &["time.step=0.05"]).plan() };
+    let plan = Plan {
+        paths: 10_000,
+        ..common::scenario("rho025", &["time.step=0.05"]).plan()
+    };
     let blocks: Vec<BlockResult> = (0..plan.blocks()).map(|k| plan.block(k)).collect();
     let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     blocks.iter().for_each(|block| totals.merge(&block.totals));
@@ -169,8 +227,11 @@ fn writing(c: &mut Criterion) {
             // A file that is there already is not written over. The first time, there is none.
             let _ = std::fs::remove_file(&target);
             let mut writer =
-                Writer::create(&target, &Provenance::of(&scenario), &scenario.record, false).expect("writable");
-            blocks.iter().for_each(|block| writer.append(&block.rows).expect("room"));
+                Writer::create(&target, &Provenance::of(&scenario), &scenario.record, false)
+                    .expect("writable");
+            blocks
+                .iter()
+                .for_each(|block| writer.append(&block.rows).expect("room"));
             writer.finish(&summary, Status::Complete).expect("room");
         })
     });
@@ -178,7 +239,12 @@ fn writing(c: &mut Criterion) {
 
 fn run(scenario: &Scenario, threads: usize, target: &Path) {
     let mut file = FileSink::new(target, true);
-    let outcome = Run::of(scenario).threads(threads).without_bias().into_sink(&mut file).simulate().expect("room");
+    let outcome = Run::of(scenario)
+        .threads(threads)
+        .without_bias()
+        .into_sink(&mut file)
+        .simulate()
+        .expect("room");
     assert_eq!(outcome.summary.completed_paths, scenario.ensemble.paths);
 }
 
@@ -189,30 +255,83 @@ fn print_ratios() {
     let scalar = measured("kernel", "scalar loop", (16 * STEPS) as f64);
     let whole = |threads: u32| measured("whole run", &format!("{threads} threads"), 6e8);
     let lines: [(&str, Option<f64>, Option<f64>, &str); 12] = [
-        ("kernel AVX-512 / its normals", kernel("AVX-512"), normal("AVX-512"), "at most 1.6"),
-        ("scalar loop / kernel AVX-512", scalar, kernel("AVX-512"), "at least 8"),
-        ("scalar loop / kernel AVX2", scalar, kernel("AVX2"), "at least 3"),
-        ("scalar loop / whole run, 1 thread", scalar, whole(1), "at least 6"),
-        ("whole run, 1 thread / 2 threads", whole(1), whole(2), "at least 1.9"),
+        (
+            "kernel AVX-512 / its normals",
+            kernel("AVX-512"),
+            normal("AVX-512"),
+            "at most 1.6",
+        ),
+        (
+            "scalar loop / kernel AVX-512",
+            scalar,
+            kernel("AVX-512"),
+            "at least 8",
+        ),
+        (
+            "scalar loop / kernel AVX2",
+            scalar,
+            kernel("AVX2"),
+            "at least 3",
+        ),
+        (
+            "scalar loop / whole run, 1 thread",
+            scalar,
+            whole(1),
+            "at least 6",
+        ),
+        (
+            "whole run, 1 thread / 2 threads",
+            whole(1),
+            whole(2),
+            "at least 1.9",
+        ),
         (
             "statistics / kernel",
             measured("statistics", "default", block),
             kernel(InstructionSet::detect().name()),
             "at most 1.25",
         ),
-        ("file / whole run, 1 thread", measured("writing", "10000 paths", 6e8), whole(1), "at most 0.1"),
-        ("with a force / kernel AVX-512", kernel("AVX-512 with a force"), kernel("AVX-512"), "at most 2.5"),
-        ("with a force / kernel AVX2", kernel("AVX2 with a force"), kernel("AVX2"), "at most 2.5"),
+        (
+            "file / whole run, 1 thread",
+            measured("writing", "10000 paths", 6e8),
+            whole(1),
+            "at most 0.1",
+        ),
+        (
+            "with a force / kernel AVX-512",
+            kernel("AVX-512 with a force"),
+            kernel("AVX-512"),
+            "at most 2.5",
+        ),
+        (
+            "with a force / kernel AVX2",
+            kernel("AVX2 with a force"),
+            kernel("AVX2"),
+            "at most 2.5",
+        ),
         (
             "event-driven, cubic spring / linear",
             measured("event-driven", "cubic spring", BLOCK_SIZE as f64),
             measured("event-driven", "linear", BLOCK_SIZE as f64),
             "at most 6",
         ),
-        ("no noise / noise", kernel("plain"), kernel(InstructionSet::detect().name()), ""),
-        ("normals: rand_distr / ours", normal("rand_pcg and rand_distr"), normal(InstructionSet::detect().name()), ""),
+        (
+            "no noise / noise",
+            kernel("plain"),
+            kernel(InstructionSet::detect().name()),
+            "",
+        ),
+        (
+            "normals: rand_distr / ours",
+            normal("rand_pcg and rand_distr"),
+            normal(InstructionSet::detect().name()),
+            "",
+        ),
     ];
-    println!("\n{:36} {:>9} {:>9} {:>7}  target", "ratio", "ns", "ns", "ratio");
+    println!(
+        "\n{:36} {:>9} {:>9} {:>7}  target",
+        "ratio", "ns", "ns", "ratio"
+    );
     for (name, a, b, target) in lines {
         match (a, b) {
             (Some(a), Some(b)) => println!("{name:36} {a:9.3} {b:9.3} {:7.2}  {target}", a / b),
@@ -222,7 +341,9 @@ fn print_ratios() {
 }
 
 fn main() {
-    let mut c = Criterion::default().configure_from_args().warm_up_time(Duration::from_secs(1));
+    let mut c = Criterion::default()
+        .configure_from_args()
+        .warm_up_time(Duration::from_secs(1));
     normals(&mut c);
     kernel(&mut c);
     event_driven(&mut c);

@@ -42,7 +42,13 @@ impl Tally<2> for Inspections {
 
     fn start(&self, mut draws: AddressedDraws) -> Inspected {
         let next = self.0.sample(&mut draws);
-        Inspected { draws, next, is_stuck: true, stuck: 0.0, all: 0.0 }
+        Inspected {
+            draws,
+            next,
+            is_stuck: true,
+            stuck: 0.0,
+            all: 0.0,
+        }
     }
 
     fn event(&self, path: &mut Inspected, event: &Event) {
@@ -67,10 +73,21 @@ impl Tally<2> for Inspections {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scenario = Scenario::shipped("rho025")?;
     scenario.ensemble.paths = 4_000;
-    let (outcome, stuck) = Run::of(&scenario).without_bias().tallied(&Inspections(Exp::new(0.2)?))?;
-    let Measurement { estimate, standard_error, .. } = stuck;
-    let sticking = outcome.summary.estimate(Statistic::StickingFraction).estimate;
-    println!("stuck at {estimate:.4} +- {standard_error:.4} of inspections; sticking fraction {sticking:.4}");
+    let (outcome, stuck) = Run::of(&scenario)
+        .without_bias()
+        .tallied(&Inspections(Exp::new(0.2)?))?;
+    let Measurement {
+        estimate,
+        standard_error,
+        ..
+    } = stuck;
+    let sticking = outcome
+        .summary
+        .estimate(Statistic::StickingFraction)
+        .estimate;
+    println!(
+        "stuck at {estimate:.4} +- {standard_error:.4} of inspections; sticking fraction {sticking:.4}"
+    );
     // 4 standard errors: wrong once in 16 000 seeds.
     assert!((estimate - sticking).abs() < 4.0 * standard_error);
     Ok(())

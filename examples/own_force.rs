@@ -29,6 +29,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scenario.model.force = Some(Force::new(Hardening(0.02)));
     let outcome = Run::of(&scenario).paths(10_000).simulate()?;
     let sticks = outcome.summary.estimate(Statistic::StickDurationMean);
-    println!("mean stick {:.4} +- {:.4}", sticks.estimate, sticks.standard_error);
+    println!(
+        "mean stick {:.4} +- {:.4}",
+        sticks.estimate, sticks.standard_error
+    );
     Ok(())
 }

@@ -44,8 +44,15 @@ impl Tally<2> for LongSticks {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scenario = Scenario::shipped("rho025")?;
     scenario.ensemble.paths = 4_000;
-    let (_, share) = Run::of(&scenario).without_bias().tallied(&LongSticks(1.0))?;
-    let Measurement { estimate, low, high, .. } = share;
+    let (_, share) = Run::of(&scenario)
+        .without_bias()
+        .tallied(&LongSticks(1.0))?;
+    let Measurement {
+        estimate,
+        low,
+        high,
+        ..
+    } = share;
     println!("share of sticks longer than 1: {estimate:.4}, 95 % interval [{low:.4}, {high:.4}]");
     Ok(())
 }

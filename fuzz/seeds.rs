@@ -34,19 +34,27 @@ fn main() -> Done {
         match path.extension().is_some_and(|extension| extension == "csv") {
             true => {
                 // The first day of the series only, to keep the input small.
-                let text: String =
-                    fs::read_to_string(&path)?.lines().take(150).map(|line| format!("{line}\n")).collect();
+                let text: String = fs::read_to_string(&path)?
+                    .lines()
+                    .take(150)
+                    .map(|line| format!("{line}\n"))
+                    .collect();
                 fs::write(corpus.join("series").join(name), format!("\0{text}"))?;
             }
             false => drop(fs::copy(&path, corpus.join("scenario").join(name))?),
         }
     }
-    let forces =
-        ["mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)", "(0.3 - 0.05*x^2)*xdot", "-20*max(x - 3, 0) + 1.5*cos(2*t)"];
+    let forces = [
+        "mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)",
+        "(0.3 - 0.05*x^2)*xdot",
+        "-20*max(x - 3, 0) + 1.5*cos(2*t)",
+    ];
     for (i, force) in forces.iter().enumerate() {
         fs::write(corpus.join("force").join(i.to_string()), force)?;
     }
-    SHIPPED.iter().try_for_each(|shipped| runs(&corpus, shipped.name))
+    SHIPPED
+        .iter()
+        .try_for_each(|shipped| runs(&corpus, shipped.name))
 }
 
 /// Makes a finished run and an unfinished one.
@@ -63,7 +71,12 @@ fn runs(corpus: &Path, name: &str) -> Done {
     let target = folder.path().join("run.h5");
     let stop = AtomicBool::new(false);
     let (mut file, mut stopper) = (FileSink::new(&target, false), Stopper(&stop));
-    Run::of(&scenario).threads(1).stopped_by(&stop).into_sink(&mut file).into_sink(&mut stopper).simulate()?;
+    Run::of(&scenario)
+        .threads(1)
+        .stopped_by(&stop)
+        .into_sink(&mut file)
+        .into_sink(&mut stopper)
+        .simulate()?;
     drop(file);
     let partial = partial_path(&target);
     let state = fs::read(partial.join("state"))?;
@@ -71,12 +84,22 @@ fn runs(corpus: &Path, name: &str) -> Done {
     let rows = fs::read(partial.join("rows"))?;
     // All blocks of rows as they are, and the rows of one block alone.
     fs::write(corpus.join("rows").join(name), [&[1], &rows[..]].concat())?;
-    fs::write(corpus.join("rows").join(format!("{name}-block")), [&[0], &rows[8..rows.len() - 4]].concat())?;
+    fs::write(
+        corpus.join("rows").join(format!("{name}-block")),
+        [&[0], &rows[8..rows.len() - 4]].concat(),
+    )?;
     let target = folder.path().join("finished.h5");
     scenario.record.events = false;
     scenario.ensemble.paths = 64;
-    Run::of(&scenario).threads(1).without_bias().into_sink(&mut FileSink::new(&target, false)).simulate()?;
+    Run::of(&scenario)
+        .threads(1)
+        .without_bias()
+        .into_sink(&mut FileSink::new(&target, false))
+        .simulate()?;
     let results = fs::read(target)?;
-    fs::write(corpus.join("results").join(name), &results[..results.len() - 24])?;
+    fs::write(
+        corpus.join("results").join(name),
+        &results[..results.len() - 24],
+    )?;
     Ok(())
 }

@@ -40,14 +40,30 @@ impl Need {
     /// limit is known.
     pub fn check(&self) -> Result<(), Short> {
         let short = |(free, needed, limit): (Option<f64>, f64, &'static str)| {
-            free.filter(|free| *free < needed).map(|free| Short { needed, free: free.max(0.0), limit })
+            free.filter(|free| *free < needed).map(|free| Short {
+                needed,
+                free: free.max(0.0),
+                limit,
+            })
         };
         let used = self.bytes + RESERVE;
         let limits = [
             (machine(), used, "this machine"),
-            (container(Path::new("/proc/self/cgroup"), Path::new("/sys/fs/cgroup")), used, "this container"),
-            (left("Max address space", "VmSize:"), self.addresses(), "ulimit -v"),
-            (left("Max data size", "VmData:"), used + self.stacks(), "ulimit -d"),
+            (
+                container(Path::new("/proc/self/cgroup"), Path::new("/sys/fs/cgroup")),
+                used,
+                "this container",
+            ),
+            (
+                left("Max address space", "VmSize:"),
+                self.addresses(),
+                "ulimit -v",
+            ),
+            (
+                left("Max data size", "VmData:"),
+                used + self.stacks(),
+                "ulimit -d",
+            ),
         ];
         limits.into_iter().find_map(short).map_or(Ok(()), Err)
     }
@@ -96,9 +112,17 @@ fn container(list: &Path, root: &Path) -> Option<f64> {
         let mut parts = line.splitn(3, ':').skip(1);
         let (controllers, path) = (parts.next()?, parts.next()?.trim_start_matches('/'));
         match controllers {
-            "" => Some((root.to_owned(), path, ["memory.max", "memory.current", "inactive_file"])),
+            "" => Some((
+                root.to_owned(),
+                path,
+                ["memory.max", "memory.current", "inactive_file"],
+            )),
             _ if controllers.split(',').any(|one| one == "memory") => {
-                let names = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"];
+                let names = [
+                    "memory.limit_in_bytes",
+                    "memory.usage_in_bytes",
+                    "total_inactive_file",
+                ];
                 Some((root.join("memory"), path, names))
             }
             _ => None,
@@ -106,8 +130,13 @@ fn container(list: &Path, root: &Path) -> Option<f64> {
     });
     let lefts = groups.flat_map(|(root, path, names)| {
         // In a container of its own the path of the group may not be there, and its root is.
-        let folders: Vec<PathBuf> = Path::new(path).ancestors().map(|above| root.join(above)).collect();
-        folders.into_iter().filter_map(move |folder| left_in_group(&folder, names))
+        let folders: Vec<PathBuf> = Path::new(path)
+            .ancestors()
+            .map(|above| root.join(above))
+            .collect();
+        folders
+            .into_iter()
+            .filter_map(move |folder| left_in_group(&folder, names))
     });
     lefts.reduce(f64::min)
 }
@@ -115,10 +144,18 @@ fn container(list: &Path, root: &Path) -> Option<f64> {
 /// Bytes that are left of the limit of a group. What it holds of files that nobody reads now is
 /// given back when memory is needed.
 fn left_in_group(folder: &Path, [limit, used, unread]: [&str; 3]) -> Option<f64> {
-    let number = |name: &str| fs::read_to_string(folder.join(name)).ok()?.trim().parse::<f64>().ok();
+    let number = |name: &str| {
+        fs::read_to_string(folder.join(name))
+            .ok()?
+            .trim()
+            .parse::<f64>()
+            .ok()
+    };
     let limit = number(limit)?;
     let text = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
-    let unread = text.lines().find_map(|line| line.strip_prefix(unread)?.trim().parse::<f64>().ok());
+    let unread = text
+        .lines()
+        .find_map(|line| line.strip_prefix(unread)?.trim().parse::<f64>().ok());
     Some(limit - number(used).unwrap_or(0.0) + unread.unwrap_or(0.0))
 }
 
@@ -152,9 +189,22 @@ mod tests {
 
     #[test]
     fn every_thread_needs_a_stack_and_the_first_ones_an_arena() {
-        let need = |threads| Need { bytes: 0.0, threads }.addresses();
+        let need = |threads| {
+            Need {
+                bytes: 0.0,
+                threads,
+            }
+            .addresses()
+        };
         assert!(need(2) > need(1) + ARENA + STACK);
         assert_eq!(need(1000) - need(999), STACK);
-        assert!(Need { bytes: 1e18, threads: 1 }.check().is_err());
+        assert!(
+            Need {
+                bytes: 1e18,
+                threads: 1
+            }
+            .check()
+            .is_err()
+        );
     }
 }

@@ -50,7 +50,12 @@ struct Stripped<'a> {
 
 /// Counts the sticks that end in `steps` steps of 256 paths that start at rest with a relaxed
 /// spring. T is that of the clock, plus the noise. None if a path is lost.
-pub fn count_sticks(set: InstructionSet, scene: Scene, clock: &HarmonicClock, steps: usize) -> Option<u64> {
+pub fn count_sticks(
+    set: InstructionSet,
+    scene: Scene,
+    clock: &HarmonicClock,
+    steps: usize,
+) -> Option<u64> {
     let mut start = [0.0];
     clock.fill(0, &mut start);
     let paths: Vec<u64> = (0..LANES as u64).collect();
@@ -114,20 +119,43 @@ fn regime<L: Lanes>(v: L, fs: f64, fd: L) -> Regime<L> {
     Regime {
         moves: L::or(up, down),
         push: L::either(up, zero.sub(fd), down, fd),
-        least: v.where_zero(L::splat(-fs), L::either(up, L::splat(fs.next_up()), down, L::splat(f64::NEG_INFINITY))),
-        most: v.where_zero(L::splat(fs), L::either(up, L::splat(f64::INFINITY), down, L::splat(-fs.next_up()))),
+        least: v.where_zero(
+            L::splat(-fs),
+            L::either(
+                up,
+                L::splat(fs.next_up()),
+                down,
+                L::splat(f64::NEG_INFINITY),
+            ),
+        ),
+        most: v.where_zero(
+            L::splat(fs),
+            L::either(up, L::splat(f64::INFINITY), down, L::splat(-fs.next_up())),
+        ),
     }
 }
 
 #[inline(always)]
 fn settle<L: Lanes>(s: L, fs: f64, fd: L) -> L {
-    L::either(s.gt(L::splat(fs)), s.sub(fd), s.lt(L::splat(-fs)), s.add(fd))
+    L::either(
+        s.gt(L::splat(fs)),
+        s.sub(fd),
+        s.lt(L::splat(-fs)),
+        s.add(fd),
+    )
 }
 
 /// V' of a register of which some lane of the group turns. If some lane of this register does, its
 /// velocities are kept in `turns`.
 #[inline(always)]
-fn turn<L: Lanes>(s: L, v: L, now: &mut Regime<L>, (fs, fd): (f64, L), turns: &mut Turns, lane: usize) -> L {
+fn turn<L: Lanes>(
+    s: L,
+    v: L,
+    now: &mut Regime<L>,
+    (fs, fd): (f64, L),
+    turns: &mut Turns,
+    lane: usize,
+) -> L {
     let next = settle(s, fs, fd);
     let turned = 255 ^ L::bitmask(s.not_beyond(now.least, now.most, L::always()));
     if turned != 0 {
@@ -140,17 +168,38 @@ fn turn<L: Lanes>(s: L, v: L, now: &mut Regime<L>, (fs, fd): (f64, L), turns: &m
 impl Stripped<'_> {
     #[inline(always)]
     fn noisy<L: Lanes, const R: usize>(&mut self, lane: usize, steps: usize) {
-        let Scene { h, mass, stiffness, static_force, dynamic_force, noise, .. } = self.scene;
-        let (Some((force, theta, sigma)), Some(streams)) = (noise, &mut self.streams) else { return };
-        let Transition { decay, increment_sd } = Transition::new(theta, sigma, h);
-        let (decay, noise_force) = (L::splat(decay), L::splat(force * increment_sd * std::f64::consts::SQRT_2));
+        let Scene {
+            h,
+            mass,
+            stiffness,
+            static_force,
+            dynamic_force,
+            noise,
+            ..
+        } = self.scene;
+        let (Some((force, theta, sigma)), Some(streams)) = (noise, &mut self.streams) else {
+            return;
+        };
+        let Transition {
+            decay,
+            increment_sd,
+        } = Transition::new(theta, sigma, h);
+        let (decay, noise_force) = (
+            L::splat(decay),
+            L::splat(force * increment_sd * std::f64::consts::SQRT_2),
+        );
         let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
-        let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
+        let (h_over_m, h, minus_stiffness) =
+            (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
         let (mut x, mut v, mut noise) = ([h; R], [h; R], [h; R]);
         let mut regimes = [regime(h, fs, fd); R];
         for r in 0..R {
             let at = lane + r * L::WIDTH;
-            (x[r], v[r], noise[r]) = (L::load(&self.x[at..]), L::load(&self.v[at..]), L::load(&self.noise[at..]));
+            (x[r], v[r], noise[r]) = (
+                L::load(&self.x[at..]),
+                L::load(&self.v[at..]),
+                L::load(&self.noise[at..]),
+            );
             regimes[r] = regime(v[r], fs, fd);
         }
         let mut normals = streams.take::<L, R>(lane);
@@ -159,7 +208,8 @@ impl Stripped<'_> {
             let mut s = [h; R];
             let mut same = L::always();
             for r in 0..R {
-                let b = minus_stiffness.mul_add(x[r], noise_force.mul_add(noise[r], L::splat(forcing)));
+                let b =
+                    minus_stiffness.mul_add(x[r], noise_force.mul_add(noise[r], L::splat(forcing)));
                 s[r] = h_over_m.mul_add(b, v[r]);
                 same = s[r].not_beyond(regimes[r].least, regimes[r].most, same);
             }
@@ -168,7 +218,14 @@ impl Stripped<'_> {
                 let next = if all {
                     s[r].add_where(regimes[r].push, regimes[r].moves)
                 } else {
-                    turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
+                    turn(
+                        s[r],
+                        v[r],
+                        &mut regimes[r],
+                        (fs, fd),
+                        &mut self.turns,
+                        lane + r * L::WIDTH,
+                    )
                 };
                 x[r] = h.mul_add(v[r], x[r]);
                 v[r] = next;
@@ -186,9 +243,17 @@ impl Stripped<'_> {
 
     #[inline(always)]
     fn plain<L: Lanes, const R: usize>(&mut self, lane: usize, steps: usize) {
-        let Scene { h, mass, stiffness, static_force, dynamic_force, .. } = self.scene;
+        let Scene {
+            h,
+            mass,
+            stiffness,
+            static_force,
+            dynamic_force,
+            ..
+        } = self.scene;
         let (fs, fd) = (h / mass * static_force, L::splat(h / mass * dynamic_force));
-        let (h_over_m, h, minus_stiffness) = (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
+        let (h_over_m, h, minus_stiffness) =
+            (L::splat(h / mass), L::splat(h), L::splat(-stiffness));
         let (mut x, mut v) = ([h; R], [h; R]);
         let mut regimes = [regime(h, fs, fd); R];
         for r in 0..R {
@@ -208,7 +273,14 @@ impl Stripped<'_> {
                 let next = if all {
                     s[r].add_where(regimes[r].push, regimes[r].moves)
                 } else {
-                    turn(s[r], v[r], &mut regimes[r], (fs, fd), &mut self.turns, lane + r * L::WIDTH)
+                    turn(
+                        s[r],
+                        v[r],
+                        &mut regimes[r],
+                        (fs, fd),
+                        &mut self.turns,
+                        lane + r * L::WIDTH,
+                    )
                 };
                 x[r] = h.mul_add(v[r], x[r]);
                 v[r] = next;

@@ -113,25 +113,58 @@ impl Multilevel {
         let temperature = &model.temperature;
         let fits = !temperature.is_pinned && !temperature.has_two_noises();
         let noise = temperature.effective_noise().filter(|_| fits)?;
-        let rates = model.temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency.abs());
-        let rates = rates.chain(model.temperature.series.as_ref().map(|series| 1.0 / series.usual_spacing()));
-        let fastest = rates.fold(model.oscillator.natural_frequency().max(noise.relaxation_rate), f64::max);
+        let rates = model
+            .temperature
+            .harmonics
+            .iter()
+            .map(|harmonic| harmonic.angular_frequency.abs());
+        let rates = rates.chain(
+            model
+                .temperature
+                .series
+                .as_ref()
+                .map(|series| 1.0 / series.usual_spacing()),
+        );
+        let fastest = rates.fold(
+            model
+                .oscillator
+                .natural_frequency()
+                .max(noise.relaxation_rate),
+            f64::max,
+        );
         let coarsest_steps = (end * fastest / COARSEST).ceil();
         let is_usable = end > 0.0 && coarsest_steps * 2f64.powi(MOST_LEVELS as i32) < 1e15;
-        is_usable.then(|| Multilevel { model: model.clone(), end, statistic, seed, coarsest_steps })
+        is_usable.then(|| Multilevel {
+            model: model.clone(),
+            end,
+            statistic,
+            seed,
+            coarsest_steps,
+        })
     }
 
     /// Simulate until the root mean square error is `target`. The bias may use at most half of its
     /// square, and the variance uses the rest. Fails if it is stopped, if a path diverges, or if
     /// the bias stays too large.
-    pub fn run(&self, target: f64, threads: usize, stop: &AtomicBool) -> Result<Outcome, MultilevelError> {
+    pub fn run(
+        &self,
+        target: f64,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<Outcome, MultilevelError> {
         let most_bias = target / std::f64::consts::SQRT_2;
         let mut samples = vec![Sample::default(); FIRST_LEVELS];
         self.extend(&mut samples, |_| PILOT_BLOCKS, threads, stop)?;
         loop {
             let outcome = self.outcome(&samples);
-            let wanted = blocks_for(&outcome.levels, target.powi(2) - outcome.bias.min(most_bias).powi(2));
-            let is_short = samples.iter().zip(&wanted).any(|(sample, wanted)| sample.blocks < wanted - wanted / 50);
+            let wanted = blocks_for(
+                &outcome.levels,
+                target.powi(2) - outcome.bias.min(most_bias).powi(2),
+            );
+            let is_short = samples
+                .iter()
+                .zip(&wanted)
+                .any(|(sample, wanted)| sample.blocks < wanted - wanted / 50);
             // More paths also make the bias better known. They are not worth simulating if the bias
             // is too large with certainty.
             let least_bias = outcome.bias - 2.0 * outcome.bias_error;
@@ -161,7 +194,11 @@ impl Multilevel {
     }
 
     fn outcome(&self, samples: &[Sample]) -> Outcome {
-        let levels: Vec<Level> = samples.iter().enumerate().map(|(l, sample)| self.level(l, sample)).collect();
+        let levels: Vec<Level> = samples
+            .iter()
+            .enumerate()
+            .map(|(l, sample)| self.level(l, sample))
+            .collect();
         let variance_of_mean = |level: &Level| level.variance / level.paths as f64;
         // The scheme is of order 1, so the remaining bias is about the last difference or half of
         // the one before it. The greater of the two is used.
@@ -169,7 +206,10 @@ impl Multilevel {
         let (bias, bias_error) = if last.mean.abs() >= before.mean.abs() / 2.0 {
             (last.mean.abs(), variance_of_mean(last).sqrt())
         } else {
-            (before.mean.abs() / 2.0, variance_of_mean(before).sqrt() / 2.0)
+            (
+                before.mean.abs() / 2.0,
+                variance_of_mean(before).sqrt() / 2.0,
+            )
         };
         Outcome {
             estimate: levels.iter().map(|level| level.mean).sum(),
@@ -196,7 +236,10 @@ impl Multilevel {
         let pairs: Vec<Pair> = (0..samples.len()).map(|l| self.pair(l)).collect();
         let make = |piece: u64| {
             let (l, block) = missing[piece as usize];
-            (l, pairs[l].sample(l as u64 * LEVEL_BLOCKS + block, self.statistic))
+            (
+                l,
+                pairs[l].sample(l as u64 * LEVEL_BLOCKS + block, self.statistic),
+            )
         };
         let mut diverged = false;
         let deliver = |(l, sample): (usize, Option<Sample>)| {
@@ -204,7 +247,11 @@ impl Multilevel {
                 Some(sample) => samples[l].merge(&sample),
                 None => diverged = true,
             }
-            Ok::<_, Infallible>(if diverged { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            Ok::<_, Infallible>(if diverged {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
         };
         match in_order(missing.len() as u64, threads, stop, make, deliver) {
             _ if diverged => Err(MultilevelError::Diverged),
@@ -216,22 +263,49 @@ impl Multilevel {
     /// The plans of the two members of level `l`.
     fn pair(&self, l: usize) -> Pair {
         let plan = |steps: f64, refinement: usize| {
-            let timeline = Timeline { end: self.end, output_step: self.end, period: None, after: 0.0 };
-            let scheme = Scheme::from(CorrectedVi { step: self.end / steps });
-            let simulation = scheme.simulation(&self.model, &timeline).fed_by_finer(refinement);
-            let record = Record { paths: true, ..Record::NOTHING };
-            Plan { simulation, record, seed: self.seed, paths: u64::MAX, antithetic: false }
+            let timeline = Timeline {
+                end: self.end,
+                output_step: self.end,
+                period: None,
+                after: 0.0,
+            };
+            let scheme = Scheme::from(CorrectedVi {
+                step: self.end / steps,
+            });
+            let simulation = scheme
+                .simulation(&self.model, &timeline)
+                .fed_by_finer(refinement);
+            let record = Record {
+                paths: true,
+                ..Record::NOTHING
+            };
+            Plan {
+                simulation,
+                record,
+                seed: self.seed,
+                paths: u64::MAX,
+                antithetic: false,
+            }
         };
         let steps = self.coarsest_steps * 2f64.powi(l as i32);
-        Pair { fine: plan(steps, 1), coarse: (l > 0).then(|| plan(steps / 2.0, 2)) }
+        Pair {
+            fine: plan(steps, 1),
+            coarse: (l > 0).then(|| plan(steps / 2.0, 2)),
+        }
     }
 }
 
 /// The number of blocks of each level that reaches this variance of the estimate at the least cost.
 fn blocks_for(levels: &[Level], variance: f64) -> Vec<u64> {
-    let total: f64 = levels.iter().map(|level| (level.variance * level.cost).sqrt()).sum();
+    let total: f64 = levels
+        .iter()
+        .map(|level| (level.variance * level.cost).sqrt())
+        .sum();
     let paths = |level: &Level| (level.variance / level.cost).sqrt() * total / variance;
-    levels.iter().map(|level| ((paths(level) / BLOCK_SIZE as f64).ceil() as u64).max(PILOT_BLOCKS)).collect()
+    levels
+        .iter()
+        .map(|level| ((paths(level) / BLOCK_SIZE as f64).ceil() as u64).max(PILOT_BLOCKS))
+        .collect()
 }
 
 /// The plans that simulate a level: the fine member and, except on level 0, the coarse one.
@@ -250,21 +324,37 @@ impl Pair {
         if let Some(coarse) = &self.coarse {
             let block = coarse.block(block);
             let columns = kept(&block)?;
-            values.iter_mut().zip(value(coarse, columns)).for_each(|(fine, coarse)| *fine -= coarse);
+            values
+                .iter_mut()
+                .zip(value(coarse, columns))
+                .for_each(|(fine, coarse)| *fine -= coarse);
             events += events_of(columns);
         }
-        Some(Sample { blocks: 1, values: Moments::of(&values), events })
+        Some(Sample {
+            blocks: 1,
+            values: Moments::of(&values),
+            events,
+        })
     }
 }
 
 /// The scalars of the paths of a block, if none of its paths diverged.
 fn kept(block: &BlockResult) -> Option<&PathColumns> {
-    block.rows.path_columns.as_ref().filter(|_| block.diverged.is_empty())
+    block
+        .rows
+        .path_columns
+        .as_ref()
+        .filter(|_| block.diverged.is_empty())
 }
 
 fn events_of(columns: &PathColumns) -> f64 {
-    let all = columns.sub_phases.iter().zip(&columns.slips).zip(&columns.sticks);
-    all.map(|((sub_phases, slips), sticks)| f64::from(sub_phases + slips.max(sticks))).sum()
+    let all = columns
+        .sub_phases
+        .iter()
+        .zip(&columns.slips)
+        .zip(&columns.sticks);
+    all.map(|((sub_phases, slips), sticks)| f64::from(sub_phases + slips.max(sticks)))
+        .sum()
 }
 
 type Value = fn(&Plan, &PathColumns) -> Vec<f64>;
@@ -274,11 +364,19 @@ fn value_of(statistic: Statistic) -> Option<Value> {
     let value: Value = match statistic {
         Statistic::DisplacementEndMean => |_, columns| columns.displacement_end.clone(),
         Statistic::FrictionWorkMean => |_, columns| columns.friction_work.clone(),
-        Statistic::StickingFraction => {
-            |plan, columns| columns.stick_time.iter().map(|t| t / plan.timeline().end).collect()
+        Statistic::StickingFraction => |plan, columns| {
+            columns
+                .stick_time
+                .iter()
+                .map(|t| t / plan.timeline().end)
+                .collect()
+        },
+        Statistic::SticksPerPath => {
+            |_, columns| columns.sticks.iter().map(|&n| f64::from(n)).collect()
         }
-        Statistic::SticksPerPath => |_, columns| columns.sticks.iter().map(|&n| f64::from(n)).collect(),
-        Statistic::SlipsPerPath => |_, columns| columns.slips.iter().map(|&n| f64::from(n)).collect(),
+        Statistic::SlipsPerPath => {
+            |_, columns| columns.slips.iter().map(|&n| f64::from(n)).collect()
+        }
         _ => return None,
     };
     Some(value)

@@ -13,12 +13,14 @@ use std::path::Path;
 use stickslip::config::{self, Override, ScenarioError};
 use stickslip::scenario::{BridgeScene, Scenario as Checked};
 use stickslip_bearing::calibration::{
-    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld, Quantity, Response,
-    calibrate as calibrated, twin as made, values,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld,
+    Quantity, Response, calibrate as calibrated, twin as made, values,
 };
 use stickslip_bearing::forecast::{ForecastQuestion as Asked, Foreseen};
 use stickslip_bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
-use stickslip_data::{BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording};
+use stickslip_data::{
+    BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
+};
 use stickslip_files::dataset::{Dataset, StoredCalibration};
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
@@ -26,15 +28,23 @@ use stickslip_files::dataset::{Dataset, StoredCalibration};
 type Given = (String, Option<String>, Vec<(String, String)>);
 
 /// The bearing of a scenario, the name of the scenario, and its overrides.
-fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<(BridgeScene, String, Vec<Override>)> {
+fn read(
+    py: Python<'_>,
+    (name, text, overrides): Given,
+) -> PyResult<(BridgeScene, String, Vec<Override>)> {
     let parsed = || -> Result<_, ScenarioError> {
-        let laid = |(key, value): &(String, String)| Override::flag(&format!("set {key} ="), key, value);
+        let laid =
+            |(key, value): &(String, String)| Override::flag(&format!("set {key} ="), key, value);
         let overrides: Vec<_> = overrides.iter().map(laid).collect();
         let (name, text) = match &text {
             Some(text) => (name.clone(), text.clone()),
             None => config::text_of(Path::new(&name))?,
         };
-        Ok((BridgeScene::parse(&name, &text, &overrides)?, name, overrides))
+        Ok((
+            BridgeScene::parse(&name, &text, &overrides)?,
+            name,
+            overrides,
+        ))
     };
     parsed().map_err(|error| errors::of_scenario(py, &error))
 }
@@ -90,7 +100,13 @@ impl LaidOut {
         let mark = |text: &String| match text.as_str() {
             "." => Ok('.'),
             "," => Ok(','),
-            _ => Err(errors::of_argument(py, "decimal", text, "must be a decimal separator", "write \".\" or \",\"")),
+            _ => Err(errors::of_argument(
+                py,
+                "decimal",
+                text,
+                "must be a decimal separator",
+                "write \".\" or \",\"",
+            )),
         };
         let layout = Layout {
             time: self.time.clone(),
@@ -117,7 +133,13 @@ impl Measured<'_> {
     }
 
     fn arrays(&self) -> Option<Vec<Vec<f64>>> {
-        Some(self.arrays.as_ref()?.iter().map(|array| array.as_array().to_vec()).collect())
+        Some(
+            self.arrays
+                .as_ref()?
+                .iter()
+                .map(|array| array.as_array().to_vec())
+                .collect(),
+        )
     }
 
     fn wrong(&self, py: Python<'_>, error: &DataError) -> PyErr {
@@ -128,31 +150,48 @@ impl Measured<'_> {
     fn temperature_column(&self, scenario: &ColumnSource) -> ColumnSource {
         ColumnSource {
             column: self.temperature.clone().or_else(|| scenario.column.clone()),
-            unit: self.temperature_unit.clone().or_else(|| scenario.unit.clone()),
+            unit: self
+                .temperature_unit
+                .clone()
+                .or_else(|| scenario.unit.clone()),
             ..ColumnSource::default()
         }
     }
 
     /// The measurement in the columns that a scenario names, and what was repaired in it.
-    fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(MeasuredRecord, Vec<String>)> {
+    fn record(
+        &self,
+        py: Python<'_>,
+        scene: &BridgeScene,
+    ) -> PyResult<(MeasuredRecord, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
             let all = self.layout.averaged;
-            let averaged = [self.temperature_layout.averaged.or(all), all].map(Option::unwrap_or_default);
-            let record = MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
+            let averaged =
+                [self.temperature_layout.averaged.or(all), all].map(Option::unwrap_or_default);
+            let record =
+                MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
             return Ok((record, Vec::new()));
         }
         let (air, sensor) = (&scene.temperature_source, &scene.displacement_source);
         let displacement = ColumnSource {
             file: None,
             column: self.displacement.clone().or_else(|| sensor.column.clone()),
-            unit: self.displacement_unit.clone().or_else(|| sensor.unit.clone()),
+            unit: self
+                .displacement_unit
+                .clone()
+                .or_else(|| sensor.unit.clone()),
             layout: self.layout.over(py, &sensor.layout)?,
         };
         let temperature = ColumnSource {
-            layout: self.temperature_layout.over(py, &self.layout.over(py, &air.layout)?)?,
+            layout: self
+                .temperature_layout
+                .over(py, &self.layout.over(py, &air.layout)?)?,
             ..self.temperature_column(air)
         };
-        let temperatures = self.temperature_file.as_deref().map(|file| Origin::File(Path::new(file)));
+        let temperatures = self
+            .temperature_file
+            .as_deref()
+            .map(|file| Origin::File(Path::new(file)));
         let pair = BearingData::read(self.origin(), temperatures, &temperature, &displacement);
         let measured = pair.map_err(|error| self.wrong(py, &error))?;
         Ok((MeasuredRecord::from(&measured), measured.repairs))
@@ -160,7 +199,11 @@ impl Measured<'_> {
 }
 
 /// Times, values, and what was repaired.
-type Repaired<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<String>);
+type Repaired<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Vec<String>,
+);
 
 /// Times and values of a measurement in memory, repaired as those of a file are, and what was
 /// repaired. `quantity` is temperature or displacement.
@@ -174,15 +217,29 @@ pub fn repaired<'py>(
     values: PyReadonlyArray1<'py, f64>,
     outliers: Option<u64>,
 ) -> PyResult<Repaired<'py>> {
-    let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement, ColumnQuantity::Input];
-    let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
+    let quantities = [
+        ColumnQuantity::Temperature,
+        ColumnQuantity::Displacement,
+        ColumnQuantity::Input,
+    ];
+    let quantity = quantities
+        .into_iter()
+        .find(|known| known.word() == quantity)
+        .unwrap_or(quantities[0]);
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
-    let layout = Layout { outliers, ..Layout::default() };
+    let layout = Layout {
+        outliers,
+        ..Layout::default()
+    };
     let (mut columns, repairs) = stickslip_data::arrays(&[(quantity, &times, &values)], &layout)
         .map_err(|error| errors::of_argument(py, argument, "the samples", &error, &error.remedy))?;
     let column = columns.swap_remove(0);
     let said = repairs.of_file(argument);
-    Ok((PyArray1::from_vec(py, column.times), PyArray1::from_vec(py, column.values), said))
+    Ok((
+        PyArray1::from_vec(py, column.times),
+        PyArray1::from_vec(py, column.values),
+        said,
+    ))
 }
 
 fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
@@ -193,7 +250,10 @@ fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
 /// displacement. Returns the data set and warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, workers))]
-#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
 pub fn calibrate<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -209,14 +269,38 @@ pub fn calibrate<'py>(
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
     let quantity = |key: &str| {
-        let remedy = format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", "));
-        let unknown = || errors::of_argument(py, "fit or bounds", key, "it is not a parameter of a bearing", &remedy);
+        let remedy = format!(
+            "write some of {}",
+            Quantity::FITTED.map(Quantity::key).join(", ")
+        );
+        let unknown = || {
+            errors::of_argument(
+                py,
+                "fit or bounds",
+                key,
+                "it is not a parameter of a bearing",
+                &remedy,
+            )
+        };
         Quantity::fitted(key).ok_or_else(unknown)
     };
-    let fitted = fit.iter().map(|key| quantity(key)).collect::<PyResult<Vec<_>>>()?;
-    let bounds =
-        bounds.iter().map(|(key, low, high)| Ok((quantity(key)?, [*low, *high]))).collect::<PyResult<Vec<_>>>()?;
-    let no_method = || errors::of_argument(py, "method", method, "unknown method", "write slips, err or both");
+    let fitted = fit
+        .iter()
+        .map(|key| quantity(key))
+        .collect::<PyResult<Vec<_>>>()?;
+    let bounds = bounds
+        .iter()
+        .map(|(key, low, high)| Ok((quantity(key)?, [*low, *high])))
+        .collect::<PyResult<Vec<_>>>()?;
+    let no_method = || {
+        errors::of_argument(
+            py,
+            "method",
+            method,
+            "unknown method",
+            "write slips, err or both",
+        )
+    };
     let question = CalibrationQuestion {
         method: CalibrationMethod::from_name(method).ok_or_else(no_method)?,
         starts,
@@ -228,21 +312,30 @@ pub fn calibrate<'py>(
     let question = question.fitting(&fitted, &scene).map_err(|error| {
         let (quantity, remedy) = match error {
             NotHeld::NoNumber(quantity) => (quantity, "fit it too, or give it a value with `set`"),
-            NotHeld::TakesShearStiffness(quantity) => {
-                (quantity, "give bearing.stiffness, in the scenario or with `set`")
-            }
+            NotHeld::TakesShearStiffness(quantity) => (
+                quantity,
+                "give bearing.stiffness, in the scenario or with `set`",
+            ),
         };
         errors::of_argument(py, "fit or bounds", quantity.key(), error, remedy)
     })?;
-    let (calibration, is_interrupted) =
-        watched(py, None, |watch| calibrated(&record, &question, workers.0, &watch.stop))?;
+    let (calibration, is_interrupted) = watched(py, None, |watch| {
+        calibrated(&record, &question, workers.0, &watch.stop)
+    })?;
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
     if is_interrupted {
         remarks.push("interrupted: fewer least-squares starts than requested".into());
     }
     Ok((
-        to_python(py, Dataset::of_calibration(&StoredCalibration::of(&scene.title, &scene.text, calibration)))?,
+        to_python(
+            py,
+            Dataset::of_calibration(&StoredCalibration::of(
+                &scene.title,
+                &scene.text,
+                calibration,
+            )),
+        )?,
         remarks,
     ))
 }
@@ -251,7 +344,10 @@ pub fn calibrate<'py>(
 /// same measurement. Returns the data set and warnings.
 #[pyfunction]
 #[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, workers))]
-#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
 pub fn forecast<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -266,38 +362,77 @@ pub fn forecast<'py>(
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
-    let asked = Asked { draws, years, seed, level: interval, share };
-    let (ended, is_interrupted) =
-        watched(py, None, |watch| Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop))?;
+    let asked = Asked {
+        draws,
+        years,
+        seed,
+        level: interval,
+        share,
+    };
+    let (ended, is_interrupted) = watched(py, None, |watch| {
+        Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop)
+    })?;
     let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
-    let stopped = || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
+    let stopped =
+        || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
     let foreseen = foreseen.ok_or_else(stopped)?;
     let found = &foreseen.forecast;
     remarks.extend(foreseen.warnings().into_iter().map(|(_, text)| text));
     if is_interrupted {
-        remarks.push(format!("interrupted: {} of {draws} parameter draws are included", found.years.len()));
+        remarks.push(format!(
+            "interrupted: {} of {draws} parameter draws are included",
+            found.years.len()
+        ));
     }
-    Ok((to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?, remarks))
+    Ok((
+        to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?,
+        remarks,
+    ))
 }
 
 /// The fields of `stickslip.Weather`, which are described there.
-fn weather<'py>(py: Python<'py>, fit: &WeatherFit, start: Option<String>) -> PyResult<Bound<'py, PyDict>> {
+fn weather<'py>(
+    py: Python<'py>,
+    fit: &WeatherFit,
+    start: Option<String>,
+) -> PyResult<Bound<'py, PyDict>> {
     let temperature = fit.temperature();
     let cycle = |c: &Cycle| {
-        [("period", c.period), ("amplitude", c.amplitude), ("phase", c.phase), ("standard_error", c.error)]
-            .into_py_dict(py)
+        [
+            ("period", c.period),
+            ("amplitude", c.amplitude),
+            ("phase", c.phase),
+            ("standard_error", c.error),
+        ]
+        .into_py_dict(py)
     };
     let process = |p: &Process| {
-        let rate = [("relaxation_rate", p.relaxation_rate), ("relaxation_rate_relative_error", p.rate_error)];
-        [("sd", p.sd), ("sd_relative_error", p.sd_error)].into_iter().chain(rate).into_py_dict(py)
+        let rate = [
+            ("relaxation_rate", p.relaxation_rate),
+            ("relaxation_rate_relative_error", p.rate_error),
+        ];
+        [("sd", p.sd), ("sd_relative_error", p.sd_error)]
+            .into_iter()
+            .chain(rate)
+            .into_py_dict(py)
     };
     let harmonics = temperature.harmonics.iter().map(|wave| {
-        [("amplitude", wave.amplitude), ("angular_frequency", wave.angular_frequency), ("phase", wave.phase)]
-            .into_py_dict(py)
+        [
+            ("amplitude", wave.amplitude),
+            ("angular_frequency", wave.angular_frequency),
+            ("phase", wave.phase),
+        ]
+        .into_py_dict(py)
     });
     let noises = temperature.effective_noises().map(|noise| {
-        let numbers = [("intensity", noise.intensity), ("relaxation_rate", noise.relaxation_rate)];
-        let numbers = numbers.into_iter().chain([("diffusion", noise.diffusion)]).into_py_dict(py)?;
+        let numbers = [
+            ("intensity", noise.intensity),
+            ("relaxation_rate", noise.relaxation_rate),
+        ];
+        let numbers = numbers
+            .into_iter()
+            .chain([("diffusion", noise.diffusion)])
+            .into_py_dict(py)?;
         numbers.set_item("initial", "stationary")?;
         Ok(numbers)
     });
@@ -309,8 +444,20 @@ fn weather<'py>(py: Python<'py>, fit: &WeatherFit, start: Option<String>) -> PyR
     fields.set_item("samples", fit.samples)?;
     fields.set_item("duration", fit.duration)?;
     fields.set_item("mean", vec![mean, error])?;
-    fields.set_item("harmonics", fit.cycles().iter().map(cycle).collect::<PyResult<Vec<_>>>()?)?;
-    fields.set_item("processes", fit.processes().iter().map(process).collect::<PyResult<Vec<_>>>()?)?;
+    fields.set_item(
+        "harmonics",
+        fit.cycles()
+            .iter()
+            .map(cycle)
+            .collect::<PyResult<Vec<_>>>()?,
+    )?;
+    fields.set_item(
+        "processes",
+        fit.processes()
+            .iter()
+            .map(process)
+            .collect::<PyResult<Vec<_>>>()?,
+    )?;
     fields.set_item("sensor_sd", fit.white)?;
     fields.set_item("smoothing", fit.smoothing().map(|(tau, _)| tau))?;
     fields.set_item("log_likelihood", fit.log_likelihood)?;
@@ -332,16 +479,34 @@ pub fn fit_temperature<'py>(
 ) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
     let (times, temperatures, averaged, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
-            let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
-            (times, values, measured.layout.averaged.unwrap_or_default(), None, Vec::new())
+            let (values, times) = (
+                arrays.pop().unwrap_or_default(),
+                arrays.pop().unwrap_or_default(),
+            );
+            (
+                times,
+                values,
+                measured.layout.averaged.unwrap_or_default(),
+                None,
+                Vec::new(),
+            )
         }
         None => {
             let layout = measured.layout.over(py, &Layout::default())?;
-            let source = ColumnSource { layout, ..measured.temperature_column(&ColumnSource::default()) };
+            let source = ColumnSource {
+                layout,
+                ..measured.temperature_column(&ColumnSource::default())
+            };
             let read = source.read(measured.origin(), ColumnQuantity::Temperature);
             let (column, start, repairs) = read.map_err(|error| measured.wrong(py, &error))?;
             let start = start.and_then(|start| start.after(-0.5 * column.averaged));
-            (column.times, column.values, column.averaged, start.map(|start| start.to_string()), repairs)
+            (
+                column.times,
+                column.values,
+                column.averaged,
+                start.map(|start| start.to_string()),
+                repairs,
+            )
         }
     };
     let periods = periods.unwrap_or_else(|| {
@@ -350,7 +515,9 @@ pub fn fit_temperature<'py>(
         told
     });
     // The fit cannot be interrupted, but it takes only seconds.
-    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes, averaged))?;
+    let (found, _) = watched(py, None, |_| {
+        fit(&times, &temperatures, &periods, processes, averaged)
+    })?;
     let fit = found.map_err(|error| errors::of_run(py, error, error.remedy()))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
     Ok((weather(py, &fit, start)?, remarks))
@@ -362,7 +529,10 @@ pub fn fit_temperature<'py>(
 /// remarks.
 #[pyfunction]
 #[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every, start, duration, every))]
-#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
 pub fn twin<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -386,42 +556,81 @@ pub fn twin<'py>(
     let mut remarks = Vec::new();
     let given = start.as_deref().map(|date| {
         let remedy = "write a date such as 2024-06-01, also with a time and a zone";
-        Start::of_calendar(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is not a valid date", remedy))
+        Start::of_calendar(date)
+            .ok_or_else(|| errors::of_argument(py, "start", date, "it is not a valid date", remedy))
     });
     let is_measured = temperature.is_some() || scene.temperature_source.file.is_some();
     if let Some(date) = start.as_deref().filter(|_| is_measured) {
         let remedy = "remove it, or remove the measured temperature";
-        return Err(errors::of_argument(py, "start", date, "the measured temperature already has dates", remedy));
+        return Err(errors::of_argument(
+            py,
+            "start",
+            date,
+            "the measured temperature already has dates",
+            remedy,
+        ));
     }
     let mut start = given.transpose()?;
     let air = match (&temperature, &scene.temperature_source.file) {
-        (Some([times, values]), _) => Air::measured(times.as_array().to_vec(), values.as_array().to_vec()),
+        (Some([times, values]), _) => {
+            Air::measured(times.as_array().to_vec(), values.as_array().to_vec())
+        }
         (None, Some(file)) => {
-            let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
-            let shipped = text.as_deref().and_then(|text| config::shipped(&name).filter(|known| known.text == text));
+            let path = Path::new(&name)
+                .parent()
+                .unwrap_or(Path::new(""))
+                .join(file);
+            let shipped = text
+                .as_deref()
+                .and_then(|text| config::shipped(&name).filter(|known| known.text == text));
             let built_in = shipped.and_then(|shipped| shipped.file(file));
             let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
-            let read = scene.temperature_source.read(origin, ColumnQuantity::Temperature);
-            let (column, begin, repairs) =
-                read.map_err(|error| errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy))?;
+            let read = scene
+                .temperature_source
+                .read(origin, ColumnQuantity::Temperature);
+            let (column, begin, repairs) = read.map_err(|error| {
+                errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy)
+            })?;
             (start, remarks) = (begin, repairs);
             Air::measured(column.times, column.values)
         }
         (None, None) => {
             let text = text.as_deref().unwrap_or(&scene.text);
-            let scenario = Checked::parse(&name, text, &overrides).map_err(|error| errors::of_scenario(py, &error))?;
-            Air::drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
+            let scenario = Checked::parse(&name, text, &overrides)
+                .map_err(|error| errors::of_scenario(py, &error))?;
+            Air::drawn(
+                &scenario.model.temperature,
+                (duration / every) as usize,
+                every,
+                seed,
+            )
         }
     };
     let first = air.temperatures.first().copied().unwrap_or(0.0);
     let response = Response::of(&scene, first);
     let (white, red, memory) = noise;
-    let flaws =
-        Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every };
+    let flaws = Flaws {
+        white,
+        red,
+        memory,
+        scatter,
+        lag,
+        resolution,
+        spikes,
+        gaps,
+        drift,
+        zero_set,
+        thermometer_every,
+    };
     let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
-    let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
+    let start = start
+        .or_else(|| Start::parse(EPOCH))
+        .map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
-    Ok((to_python(py, Dataset::of_twin(&scene.title, &start, &truth, &found))?, remarks))
+    Ok((
+        to_python(py, Dataset::of_twin(&scene.title, &start, &truth, &found))?,
+        remarks,
+    ))
 }
 
 /// The date of the first sample, if no measurement provides one.

@@ -7,10 +7,17 @@ use stickslip::config::{Fault, ScenarioError};
 use stickslip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
-fn exception(py: Python<'_>, class: &str, message: &str, attributes: PyResult<Bound<'_, PyDict>>) -> PyErr {
+fn exception(
+    py: Python<'_>,
+    class: &str,
+    message: &str,
+    attributes: PyResult<Bound<'_, PyDict>>,
+) -> PyErr {
     let made = || -> PyResult<PyErr> {
         let class = py.import("stickslip.errors")?.getattr(class)?;
-        Ok(PyErr::from_value(class.call((message,), Some(&attributes?))?))
+        Ok(PyErr::from_value(
+            class.call((message,), Some(&attributes?))?,
+        ))
     };
     made().unwrap_or_else(|error| error)
 }
@@ -18,14 +25,28 @@ fn exception(py: Python<'_>, class: &str, message: &str, attributes: PyResult<Bo
 /// The exception for an error in a scenario.
 pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
     let attributes = || match error {
-        ScenarioError::Unreadable { path, reason, remedy } => {
-            [("origin", path), ("problem", reason), ("remedy", remedy)].into_py_dict(py)
-        }
+        ScenarioError::Unreadable {
+            path,
+            reason,
+            remedy,
+        } => [("origin", path), ("problem", reason), ("remedy", remedy)].into_py_dict(py),
         // The message names all faults; the attributes are those of the first one.
         ScenarioError::Invalid(faults) => {
-            let Some(first) = faults.first() else { return Ok(PyDict::new(py)) };
-            let Fault { origin, line, column, key, value, problem, remedy, excerpt } = first;
-            let attributes = [("origin", origin), ("problem", problem), ("remedy", remedy)].into_py_dict(py)?;
+            let Some(first) = faults.first() else {
+                return Ok(PyDict::new(py));
+            };
+            let Fault {
+                origin,
+                line,
+                column,
+                key,
+                value,
+                problem,
+                remedy,
+                excerpt,
+            } = first;
+            let attributes =
+                [("origin", origin), ("problem", problem), ("remedy", remedy)].into_py_dict(py)?;
             attributes.set_item("line", line)?;
             attributes.set_item("column", column)?;
             attributes.set_item("key", key)?;
@@ -39,7 +60,11 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
 
 /// A problem with its remedy behind it. The text of some errors of the engine has its remedy already.
 fn with_remedy(problem: &str, remedy: &str) -> String {
-    if problem.contains("\n  fix: ") { problem.to_string() } else { format!("{problem}\n  fix: {remedy}") }
+    if problem.contains("\n  fix: ") {
+        problem.to_string()
+    } else {
+        format!("{problem}\n  fix: {remedy}")
+    }
 }
 
 /// A problem without the remedy behind it.
@@ -48,11 +73,22 @@ fn bare(problem: &str) -> &str {
 }
 
 /// The exception for a wrong argument of a function.
-pub fn of_argument(py: Python<'_>, argument: &str, value: impl Display, problem: impl Display, remedy: &str) -> PyErr {
+pub fn of_argument(
+    py: Python<'_>,
+    argument: &str,
+    value: impl Display,
+    problem: impl Display,
+    remedy: &str,
+) -> PyErr {
     let (value, problem) = (value.to_string(), problem.to_string());
     let message = format!("{argument} = {value}: {}", with_remedy(&problem, remedy));
-    let attributes =
-        [("argument", argument), ("value", &value), ("problem", bare(&problem)), ("remedy", remedy)].into_py_dict(py);
+    let attributes = [
+        ("argument", argument),
+        ("value", &value),
+        ("problem", bare(&problem)),
+        ("remedy", remedy),
+    ]
+    .into_py_dict(py);
     exception(py, "ArgumentError", &message, attributes)
 }
 

@@ -48,6 +48,11 @@ mod _native {
         module.add("GIT_HASH", stickslip::engine::commit())?;
         let statistics = stickslip::stats::Statistic::ALL.map(stickslip::stats::Statistic::name);
         module.add("STATISTICS", statistics.to_vec())?;
-        module.add("SHIPPED", stickslip::config::SHIPPED.map(|shipped| shipped.name).to_vec())
+        module.add(
+            "SHIPPED",
+            stickslip::config::SHIPPED
+                .map(|shipped| shipped.name)
+                .to_vec(),
+        )
     }
 }

@@ -26,19 +26,28 @@ impl Picture {
     /// The picture as the bytes of a PNG file with this resolution.
     #[pyo3(signature = (dots_per_inch = 300.0))]
     fn png(&self, py: Python<'_>, dots_per_inch: f64) -> PyResult<Vec<u8>> {
-        stickslip_figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error, "report it"))
+        stickslip_figure::png(&self.0, dots_per_inch)
+            .map_err(|error| errors::of_run(py, &error, "report it"))
     }
 
     /// The picture as the bytes of a PDF file.
     fn pdf(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
-        stickslip_figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "internal error: no PDF", "report it"))
+        stickslip_figure::pdf(&self.0)
+            .ok_or_else(|| errors::of_run(py, "internal error: no PDF", "report it"))
     }
 }
 
 /// How a picture is drawn: the name of its only figure or panel (none for all figures), whether it is dark,
 /// the width of a figure in millimetres, whether vertical axes are logarithmic, the heading, and
 /// words for keys and statistics of a sweep.
-type Drawn = (Option<String>, bool, f64, bool, Option<String>, Vec<(String, String)>);
+type Drawn = (
+    Option<String>,
+    bool,
+    f64,
+    bool,
+    Option<String>,
+    Vec<(String, String)>,
+);
 
 /// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
 /// calibration, or sweeps over the same key.
@@ -54,15 +63,44 @@ pub fn plot(
 ) -> PyResult<Picture> {
     let of = of.map(|name| statistic(py, name)).transpose()?;
     let read = |(name, handed): (String, Handed<'_>)| Ok((name, from_python(handed)?));
-    let data = data.into_iter().map(read).collect::<PyResult<Vec<(String, Dataset)>>>()?;
+    let data = data
+        .into_iter()
+        .map(read)
+        .collect::<PyResult<Vec<(String, Dataset)>>>()?;
     let wrong = |problem: String| damaged(py, &problem);
-    let format = data.first().and_then(|(_, first)| first.attribute("format_name"));
-    match (scenario.map(|scenario| &scenario.checked), data.as_slice(), format) {
-        (Some(scenario), [], _) => draw(py, &Subject::Path(DrawnPath { scenario, number: path, from: 0.0 }), drawn),
+    let format = data
+        .first()
+        .and_then(|(_, first)| first.attribute("format_name"));
+    match (
+        scenario.map(|scenario| &scenario.checked),
+        data.as_slice(),
+        format,
+    ) {
+        (Some(scenario), [], _) => draw(
+            py,
+            &Subject::Path(DrawnPath {
+                scenario,
+                number: path,
+                from: 0.0,
+            }),
+            drawn,
+        ),
         (Some(scenario), [(_, run), ..], _) => {
             let summary = run.summary(scenario.scheme.step()).map_err(wrong)?;
-            let path = DrawnPath { scenario, number: path, from: 0.0 };
-            draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
+            let path = DrawnPath {
+                scenario,
+                number: path,
+                from: 0.0,
+            };
+            draw(
+                py,
+                &Subject::Run {
+                    scenario,
+                    summary: &summary,
+                    path,
+                },
+                drawn,
+            )
         }
         (None, [(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
             let prices = trade.trade().map_err(wrong)?.prices(of);
@@ -70,14 +108,34 @@ pub fn plot(
             draw(py, &Subject::Trade(&prices), drawn)
         }
         (None, [(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
-            let StoredCalibration { title, calibration, .. } = fit.calibration().map_err(wrong)?;
-            draw(py, &Subject::Calibration { title: &title, calibration: &calibration }, drawn)
+            let StoredCalibration {
+                title, calibration, ..
+            } = fit.calibration().map_err(wrong)?;
+            draw(
+                py,
+                &Subject::Calibration {
+                    title: &title,
+                    calibration: &calibration,
+                },
+                drawn,
+            )
         }
         (None, sweeps, _) => {
-            let read =
-                |(name, sweep): &(String, Dataset)| Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?));
-            let sweeps = sweeps.iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
-            draw(py, &Subject::Sweep { sweeps: &sweeps, statistics: of.as_slice() }, drawn)
+            let read = |(name, sweep): &(String, Dataset)| {
+                Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?))
+            };
+            let sweeps = sweeps
+                .iter()
+                .map(read)
+                .collect::<PyResult<Vec<(String, Sweep)>>>()?;
+            draw(
+                py,
+                &Subject::Sweep {
+                    sweeps: &sweeps,
+                    statistics: of.as_slice(),
+                },
+                drawn,
+            )
         }
     }
 }
@@ -88,7 +146,8 @@ fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
     stored.whole(|settings| {
         let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
         let own: Vec<Override> = settings.iter().map(laid).collect();
-        Checked::parse_stored("sweep", &text, &own, &samples).map_err(|error| errors::of_scenario(py, &error))
+        Checked::parse_stored("sweep", &text, &own, &samples)
+            .map_err(|error| errors::of_scenario(py, &error))
     })
 }
 
@@ -97,7 +156,11 @@ fn damaged(py: Python<'_>, problem: &str) -> PyErr {
     errors::of_argument(py, "subject", "a data set", problem, remedy)
 }
 
-fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, labels): Drawn) -> PyResult<Picture> {
+fn draw(
+    py: Python<'_>,
+    subject: &Subject,
+    (only, dark, width, log, title, labels): Drawn,
+) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
         return Err(errors::of_argument(
             py,
@@ -108,7 +171,13 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, label
         ));
     }
     let theme = if dark { Theme::Dark } else { Theme::Light };
-    let style = Style { theme, width, log, title: title.as_deref(), labels: &labels };
+    let style = Style {
+        theme,
+        width,
+        log,
+        title: title.as_deref(),
+        labels: &labels,
+    };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
             Absent::Panel(..) => "choose one of them, or drop the letter for all",
@@ -116,13 +185,20 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, label
         };
         errors::of_argument(py, "only", name, &absent, remedy)
     };
-    let unknown =
-        |name: &str, problem: String| errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says");
-    let only = only.map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem))).transpose()?;
+    let unknown = |name: &str, problem: String| {
+        errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says")
+    };
+    let only = only
+        .map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem)))
+        .transpose()?;
     let drawn = || {
         stickslip_figure::draw(only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
-            NoPage::Empty => errors::of_run(py, "nothing to draw: every path was lost", "draw another run"),
+            NoPage::Empty => errors::of_run(
+                py,
+                "nothing to draw: every path was lost",
+                "draw another run",
+            ),
             NoPage::Label(name, known) => {
                 let remedy = format!("name a statistic, or one of {known}");
                 errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)

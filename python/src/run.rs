@@ -13,7 +13,9 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use stickslip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError};
+use stickslip::engine::{
+    Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError,
+};
 use stickslip::ensemble::ThreadsError;
 use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Goal;
@@ -29,12 +31,20 @@ type OwnEstimate = (String, f64, f64, f64, f64);
 
 /// The results of a run: its data set, warnings, the statistics of the caller's own, and its state
 /// if it is a part.
-type Ran<'py> = (Variables<'py>, Vec<String>, Vec<OwnEstimate>, Option<Vec<u8>>);
+type Ran<'py> = (
+    Variables<'py>,
+    Vec<String>,
+    Vec<OwnEstimate>,
+    Option<Vec<u8>>,
+);
 
 /// Simulates a scenario. With goals, the number of paths is limited only if `is_bounded`.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, goals, is_bounded, max_time, part, bias, threads, progress, own))]
-#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
 pub fn run<'py>(
     py: Python<'py>,
     scenario: &Scenario,
@@ -50,15 +60,22 @@ pub fn run<'py>(
     let scenario = &scenario.checked;
     let goal = |text: &String| {
         let remedy = "write NAME < 0.5% or NAME < 0.01, where NAME is one of stickslip.STATISTICS";
-        text.parse::<Goal>().map_err(|error| errors::of_argument(py, "until", text, &error, remedy))
+        text.parse::<Goal>()
+            .map_err(|error| errors::of_argument(py, "until", text, &error, remedy))
     };
     let goals = goals.iter().map(goal).collect::<PyResult<Vec<_>>>()?;
     let is_open = !goals.is_empty() && !is_bounded;
-    let paths = if is_open { MOST_PATHS } else { scenario.ensemble.paths };
+    let paths = if is_open {
+        MOST_PATHS
+    } else {
+        scenario.ensemble.paths
+    };
     enough_memory(py, scenario, paths, threads)?;
     let asked = Asked {
         paths,
-        part: part.map(|text| cut(py, text, scenario, &goals, max_time)).transpose()?,
+        part: part
+            .map(|text| cut(py, text, scenario, &goals, max_time))
+            .transpose()?,
         goals,
         max_time: max_time.map(Duration::from_secs_f64),
         with_bias: bias,
@@ -69,16 +86,30 @@ pub fn run<'py>(
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
         let mut reported = WatchedProgress(watch);
         let run = Run::of(&watched_scenario).asked(asked).threads(threads.0);
-        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).into_sink(&mut part).simulate()
+        run.stopped_by(&watch.stop)
+            .with_progress(&mut reported)
+            .into_sink(&mut kept)
+            .into_sink(&mut part)
+            .simulate()
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let Kept { recorder, own, .. } = kept;
     let named = |own: &Own| {
-        let Measurement { estimate, standard_error, low, high } = own.estimated()?;
+        let Measurement {
+            estimate,
+            standard_error,
+            low,
+            high,
+        } = own.estimated()?;
         Some((own.name.clone(), estimate, standard_error, low, high))
     };
-    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().filter_map(named).collect(), part.into_state()))
+    Ok((
+        to_python(py, recorder.into_dataset())?,
+        remarks,
+        own.iter().filter_map(named).collect(),
+        part.into_state(),
+    ))
 }
 
 /// Joins the parts of a run, given the name, the data set and the state of each, with the checks of
@@ -96,42 +127,74 @@ pub fn merge<'py>(
         let remedy = "give all parts of one run, as run() returned them";
         errors::of_argument(py, "parts", "these", error, remedy)
     };
-    let states = parts.iter().map(|(name, _, state)| (PathBuf::from(name), state.clone()));
+    let states = parts
+        .iter()
+        .map(|(name, _, state)| (PathBuf::from(name), state.clone()));
     let whole = Parts::of_bytes(states).map_err(refused)?;
-    let mut given: HashMap<String, Handed> = parts.into_iter().map(|(name, dataset, _)| (name, dataset)).collect();
+    let mut given: HashMap<String, Handed> = parts
+        .into_iter()
+        .map(|(name, dataset, _)| (name, dataset))
+        .collect();
     let mut datasets = Vec::new();
     for (number, name) in whole.names().enumerate() {
-        let Some(handed) = name.to_str().and_then(|name| given.remove(name)) else { continue };
+        let Some(handed) = name.to_str().and_then(|name| given.remove(name)) else {
+            continue;
+        };
         let dataset = from_python(handed)?;
         whole.check_rows(number, &dataset).map_err(refused)?;
         datasets.push(dataset);
     }
     let scenario = &whole.question.scenario;
-    let asked = Asked { with_bias: bias, ..whole.question.asked.clone() };
+    let asked = Asked {
+        with_bias: bias,
+        ..whole.question.asked.clone()
+    };
     let mut recorder = Recorder::default();
     let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
         let mut reported = WatchedProgress(watch);
         let run = Run::of(scenario).asked(asked).threads(threads.0);
-        run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(whole.so_far.clone())
+        run.stopped_by(&watch.stop)
+            .with_progress(&mut reported)
+            .into_sink(&mut recorder)
+            .go_on(whole.so_far.clone())
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let mut dataset = recorder.into_dataset();
     for part in &datasets {
-        dataset.append_rows(part).map_err(|cause| refused(PartsError::Rows { path: "a part".into(), cause }))?;
+        dataset.append_rows(part).map_err(|cause| {
+            refused(PartsError::Rows {
+                path: "a part".into(),
+                cause,
+            })
+        })?;
     }
     Ok((to_python(py, dataset)?, remarks))
 }
 
 /// Reads the number of a part. Refuses what only a whole run can have: goals and a time limit.
-fn cut(py: Python<'_>, text: &str, scenario: &Checked, goals: &[Goal], max_time: Option<f64>) -> PyResult<Part> {
-    let wrong = |problem: &str, remedy: &str| errors::of_argument(py, "part", text, problem, remedy);
-    let part: Part = text.parse().map_err(|_| wrong("it is not a part", "write 3/16 for the third of 16 parts"))?;
+fn cut(
+    py: Python<'_>,
+    text: &str,
+    scenario: &Checked,
+    goals: &[Goal],
+    max_time: Option<f64>,
+) -> PyResult<Part> {
+    let wrong =
+        |problem: &str, remedy: &str| errors::of_argument(py, "part", text, problem, remedy);
+    let part: Part = text
+        .parse()
+        .map_err(|_| wrong("it is not a part", "write 3/16 for the third of 16 parts"))?;
     if !goals.is_empty() || max_time.is_some() {
         let problem = "a part cannot be combined with a goal or max_time, whose end depends on all parts together";
         return Err(wrong(problem, "give the number of paths of the whole run"));
     }
-    let blocks = Asked { part: None, ..Run::of(scenario).question() }.blocks().end;
+    let blocks = Asked {
+        part: None,
+        ..Run::of(scenario).question()
+    }
+    .blocks()
+    .end;
     if part.of() > blocks {
         let problem = format!("the run has {blocks} blocks, and each part needs at least one");
         return Err(wrong(&problem, &format!("use at most {blocks} parts")));
@@ -154,31 +217,52 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
 }
 
 /// The warnings about an outcome. An outcome without paths is an exception instead.
-fn remarks(py: Python<'_>, scenario: &Checked, outcome: &Outcome, is_interrupted: bool) -> PyResult<Vec<String>> {
+fn remarks(
+    py: Python<'_>,
+    scenario: &Checked,
+    outcome: &Outcome,
+    is_interrupted: bool,
+) -> PyResult<Vec<String>> {
     let paths = outcome.summary.completed_paths;
     if paths == 0 {
         return Err(match is_interrupted {
             true => PyKeyboardInterrupt::new_err("interrupted before the first paths were done"),
             false => {
                 let remedy = "use a longer max_time, or a larger step or tolerance";
-                errors::of_run(py, "the time limit was reached before the first paths were done", remedy)
+                errors::of_run(
+                    py,
+                    "the time limit was reached before the first paths were done",
+                    remedy,
+                )
             }
         });
     }
     let mut remarks = Vec::new();
     if is_interrupted {
-        remarks.push(format!("interrupted after {paths} paths; the statistics include only these"));
+        remarks.push(format!(
+            "interrupted after {paths} paths; the statistics include only these"
+        ));
     }
     if outcome.is_all_lost() {
         let first = outcome.summary.diverged.first();
         let why = first.and_then(|path| scenario.plan().why_lost(*path, &AtomicBool::new(false)));
-        let why = why.map_or_else(|| "use a smaller step".to_string(), |why| format!("of the first, {why}"));
-        remarks.push(format!("every path diverged or was given up, so there are no statistics: {why}"));
+        let why = why.map_or_else(
+            || "use a smaller step".to_string(),
+            |why| format!("of the first, {why}"),
+        );
+        remarks.push(format!(
+            "every path diverged or was given up, so there are no statistics: {why}"
+        ));
     }
     if let Some(reason @ EndedBy::Hopeless(_)) = &outcome.ended_by {
         remarks.push(format!("the goal is out of reach: {reason}"));
     }
-    let missed = |missed: &MissedGoal| format!("{} is not reached after {} paths", missed.goal, missed.paths);
+    let missed = |missed: &MissedGoal| {
+        format!(
+            "{} is not reached after {} paths",
+            missed.goal, missed.paths
+        )
+    };
     remarks.extend(outcome.missed.iter().map(missed));
     Ok(remarks)
 }
@@ -191,8 +275,16 @@ pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<
     let paths = scenario.ensemble.paths;
     if path >= paths {
         let remedy = format!("give a number from 0 to {}", paths.saturating_sub(1));
-        return Err(errors::of_argument(py, "path", path, format!("the ensemble has {paths} paths"), &remedy));
+        return Err(errors::of_argument(
+            py,
+            "path",
+            path,
+            format!("the ensemble has {paths} paths"),
+            &remedy,
+        ));
     }
-    let (dataset, _) = watched(py, None, |_| Dataset::of_replay(&Replay::of(scenario, path)))?;
+    let (dataset, _) = watched(py, None, |_| {
+        Dataset::of_replay(&Replay::of(scenario, path))
+    })?;
     to_python(py, dataset)
 }

@@ -34,7 +34,14 @@ struct Source {
 
 impl Source {
     fn parse(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
-        let Source { name, text, overrides, samples, are_stored, shipped } = self;
+        let Source {
+            name,
+            text,
+            overrides,
+            samples,
+            are_stored,
+            shipped,
+        } = self;
         let overrides = [overrides, more].concat();
         match shipped {
             Some(shipped) if samples.is_empty() => shipped.parse(&overrides),
@@ -52,7 +59,10 @@ impl Scenario {
 
     /// Another checked scenario with the same source.
     pub fn replaced(&self, checked: Checked) -> Scenario {
-        Scenario { checked, source: self.source.clone() }
+        Scenario {
+            checked,
+            source: self.source.clone(),
+        }
     }
 }
 
@@ -101,7 +111,9 @@ impl Scenario {
     fn warnings(&self, measures_bias: bool) -> Vec<(&'static str, String)> {
         let measures = measures_bias && self.checked.bias_plan(self.checked.ensemble.paths).is_ok();
         let due = self.checked.warnings_of_run(measures);
-        due.iter().map(|warning| (warning.name(), warning.to_string())).collect()
+        due.iter()
+            .map(|warning| (warning.name(), warning.to_string()))
+            .collect()
     }
 }
 
@@ -122,21 +134,37 @@ pub fn parse(
     are_stored: bool,
 ) -> PyResult<Scenario> {
     let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
-    let overrides = overrides.iter().map(|(shown, key, value)| Override::flag(shown, key, value)).collect();
-    let shipped = text.and_then(|text| config::shipped(name).filter(|shipped| shipped.text == text));
+    let overrides = overrides
+        .iter()
+        .map(|(shown, key, value)| Override::flag(shown, key, value))
+        .collect();
+    let shipped =
+        text.and_then(|text| config::shipped(name).filter(|shipped| shipped.text == text));
     let (name, text) = match text {
         Some(text) => (name.to_string(), text.to_string()),
         None => config::text_of(Path::new(name)).map_err(wrong)?,
     };
-    let series = |(name, times, values): (String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)| {
-        let series = Series::new(times.as_array().to_vec(), values.as_array().to_vec()).map_err(|error| {
-            let remedy = "give finite values at ascending times, at least two of them";
-            errors::of_argument(py, &name, "the samples", error, remedy)
-        })?;
-        Ok(NamedSeries { name, series: series.into() })
-    };
+    let series =
+        |(name, times, values): (String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)| {
+            let series = Series::new(times.as_array().to_vec(), values.as_array().to_vec())
+                .map_err(|error| {
+                    let remedy = "give finite values at ascending times, at least two of them";
+                    errors::of_argument(py, &name, "the samples", error, remedy)
+                })?;
+            Ok(NamedSeries {
+                name,
+                series: series.into(),
+            })
+        };
     let samples = samples.into_iter().map(series).collect::<PyResult<_>>()?;
-    let source = Source { name, text, overrides, samples, are_stored, shipped };
+    let source = Source {
+        name,
+        text,
+        overrides,
+        samples,
+        are_stored,
+        shipped,
+    };
     let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
 }

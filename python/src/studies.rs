@@ -16,7 +16,8 @@ use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Statistic;
 use stickslip::study::accuracy::{Accuracy, AccuracyGoal};
 use stickslip::study::sweep::{
-    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis, SweepQuestion, SweepSimulation,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis,
+    SweepQuestion, SweepSimulation,
 };
 use stickslip::study::trade::{Limits, measure_within};
 use stickslip_files::dataset::Dataset;
@@ -29,11 +30,19 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS);
-        let wrong = |problem: String| errors::of_argument(given.py(), "threads", given.to_string(), problem, REMEDY);
+        let cores = || {
+            std::thread::available_parallelism()
+                .map_or(1, usize::from)
+                .min(MOST_THREADS)
+        };
+        let wrong = |problem: String| {
+            errors::of_argument(given.py(), "threads", given.to_string(), problem, REMEDY)
+        };
         let number = match given.is_none() {
             true => cores(),
-            false => given.extract().map_err(|_| wrong("must be a number of threads".into()))?,
+            false => given
+                .extract()
+                .map_err(|_| wrong("must be a number of threads".into()))?,
         };
         check_threads(number).map_err(|error| wrong(error.to_string()))?;
         Ok(Threads(number))
@@ -43,8 +52,16 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
 const REMEDY: &str = "give 1 to 1024, or None for one per core; the results do not depend on it";
 
 /// Refuses a run of so many paths for which there is too little memory.
-pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(threads): Threads) -> PyResult<()> {
-    let need = Need { bytes: scenario.run_bytes(paths, threads), threads };
+pub fn enough_memory(
+    py: Python<'_>,
+    scenario: &Checked,
+    paths: u64,
+    Threads(threads): Threads,
+) -> PyResult<()> {
+    let need = Need {
+        bytes: scenario.run_bytes(paths, threads),
+        threads,
+    };
     need.check().map_err(|Short { needed, free, limit }| {
         let megabytes = |bytes: f64| (bytes / 1e6).round();
         let (needed, free) = (megabytes(needed), megabytes(free));
@@ -57,7 +74,8 @@ pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(thr
 /// The statistic with this name.
 pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
     let remedy = "write one of stickslip.STATISTICS";
-    Statistic::from_name(name).ok_or_else(|| errors::of_argument(py, "statistic", name, "unknown statistic", remedy))
+    Statistic::from_name(name)
+        .ok_or_else(|| errors::of_argument(py, "statistic", name, "unknown statistic", remedy))
 }
 
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
@@ -72,26 +90,49 @@ pub fn choose(
     max_time: Option<f64>,
     workers: Threads,
 ) -> PyResult<(Scenario, String)> {
-    let named = statistics.iter().map(|name| statistic(py, name)).collect::<PyResult<Vec<_>>>()?;
+    let named = statistics
+        .iter()
+        .map(|name| statistic(py, name))
+        .collect::<PyResult<Vec<_>>>()?;
     let max_time = max_time.map(Duration::from_secs_f64);
-    let accuracy = Accuracy { target, named: &named, max_time, threads: workers.0 };
+    let accuracy = Accuracy {
+        target,
+        named: &named,
+        max_time,
+        threads: workers.0,
+    };
     let (chosen, is_interrupted) = watched(py, None, |watch| {
-        accuracy.choose(&scenario.checked, Limits { stop: Some(&watch.stop), ..Limits::default() })
+        accuracy.choose(
+            &scenario.checked,
+            Limits {
+                stop: Some(&watch.stop),
+                ..Limits::default()
+            },
+        )
     })?;
     if is_interrupted {
-        return Err(PyKeyboardInterrupt::new_err("interrupted during the pilot run"));
+        return Err(PyKeyboardInterrupt::new_err(
+            "interrupted during the pilot run",
+        ));
     }
     let remedy = "use a larger error, more time, or fewer statistics; trade() gives details";
-    let (decision, _) = chosen.map_err(|error| errors::of_run(py, format!("accuracy: {error}"), remedy))?;
+    let (decision, _) =
+        chosen.map_err(|error| errors::of_run(py, format!("accuracy: {error}"), remedy))?;
     let accuracy_goal: AccuracyGoal = decision.accuracy_goal();
-    Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
+    Ok((
+        scenario.replaced(decision.scenario),
+        accuracy_goal.to_string(),
+    ))
 }
 
 /// Computes statistics as functions of keys, with `vary` as `mc sweep --vary` takes it, or the
 /// elasticities of keys. Returns the data set, and whether it was interrupted.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, workers, progress))]
-#[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
 pub fn sweep<'py>(
     py: Python<'py>,
     scenario: &Scenario,
@@ -116,42 +157,73 @@ pub fn sweep<'py>(
         };
         let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
         let remedy = "give different names, equal numbers of values with zip, or fewer values";
-        let refused = |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
+        let refused =
+            |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
         Design::of(axes, zip).map_err(refused)?
     } else {
         star(py, scenario, elasticity, relative_step)?
     };
     if let Some(key) = scenario.checked.record.curve() {
         let remedy = format!("turn it off, or run each point with ss.run and {key} = true");
-        return Err(errors::of_argument(py, "scenario", key, "a sweep stores statistics only, no curves", &remedy));
+        return Err(errors::of_argument(
+            py,
+            "scenario",
+            key,
+            "a sweep stores statistics only, no curves",
+            &remedy,
+        ));
     }
-    let laid = |Setting { key, value }: &Setting| Override::number(&format!("{key}, swept to"), key, *value);
+    let laid = |Setting { key, value }: &Setting| {
+        Override::number(&format!("{key}, swept to"), key, *value)
+    };
     let point = |settings: &[Setting]| {
         let own: Vec<Override> = settings.iter().map(laid).collect();
-        scenario.with(&own).map_err(|error| errors::of_scenario(py, &error))
+        scenario
+            .with(&own)
+            .map_err(|error| errors::of_scenario(py, &error))
     };
-    let seeds = if independent { Seeds::Independent } else { Seeds::Common };
+    let seeds = if independent {
+        Seeds::Independent
+    } else {
+        Seeds::Common
+    };
     let question = SweepQuestion::at_each(design, seeds, bias, point)?;
     for point in &question.points {
         enough_memory(py, point, point.ensemble.paths, workers)?;
     }
     let mut swept = Sweep::new(question);
     let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let simulation =
-            SweepSimulation { threads: workers.0, stop: &watch.stop, progress: &mut WatchedProgress(watch) };
+        let simulation = SweepSimulation {
+            threads: workers.0,
+            stop: &watch.stop,
+            progress: &mut WatchedProgress(watch),
+        };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
     ended.map_err(|error| errors::of_run(py, &error, "report it"))?;
     if swept.done() == 0 {
-        return Err(PyKeyboardInterrupt::new_err("interrupted before the first point was done"));
+        return Err(PyKeyboardInterrupt::new_err(
+            "interrupted before the first point was done",
+        ));
     }
     Ok((to_python(py, Dataset::of_sweep(&swept))?, is_interrupted))
 }
 
-fn star(py: Python<'_>, scenario: &Scenario, keys: Vec<String>, relative_step: f64) -> PyResult<Design> {
+fn star(
+    py: Python<'_>,
+    scenario: &Scenario,
+    keys: Vec<String>,
+    relative_step: f64,
+) -> PyResult<Design> {
     if !RELATIVE_STEPS.contains(&relative_step) {
         let problem = "out of range";
-        return Err(errors::of_argument(py, "relative_step", relative_step, problem, "must be between 1e-6 and 0.5"));
+        return Err(errors::of_argument(
+            py,
+            "relative_step",
+            relative_step,
+            problem,
+            "must be between 1e-6 and 0.5",
+        ));
     }
     let star = Design::star(&keys, relative_step, |key| scenario.checked.number_at(key));
     star.map_err(|(key, error)| {
@@ -185,10 +257,17 @@ pub fn trade<'py>(
     }
     enough_memory(py, scenario, scenario.ensemble.paths, workers)?;
     let (measured, is_interrupted) = watched(py, None, |watch| {
-        let limits = Limits { stop: Some(&watch.stop), ..Limits::default() };
+        let limits = Limits {
+            stop: Some(&watch.stop),
+            ..Limits::default()
+        };
         measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
     })?;
-    let measured =
-        measured.map_err(|error| errors::of_run(py, &error, "use a larger budget, or a shorter time.end"))?;
-    Ok((to_python(py, Dataset::of_trade(scenario, &measured))?, is_interrupted))
+    let measured = measured.map_err(|error| {
+        errors::of_run(py, &error, "use a larger budget, or a shorter time.end")
+    })?;
+    Ok((
+        to_python(py, Dataset::of_trade(scenario, &measured))?,
+        is_interrupted,
+    ))
 }

@@ -42,15 +42,33 @@ pub fn verify<'py>(
 ) -> PyResult<(Compared<'py>, Option<Differs>)> {
     let dataset = from_python(run)?;
     let sample = blocks.map_or(BlocksAgain::All, BlocksAgain::Some);
-    let (again, is_interrupted) = watched(py, None, |watch| again_in_memory(&dataset, sample, threads.0, &watch.stop))?;
-    let again = again.map_err(|problem| errors::of_run(py, &problem, "use the unmodified data set"))?;
+    let (again, is_interrupted) = watched(py, None, |watch| {
+        again_in_memory(&dataset, sample, threads.0, &watch.stop)
+    })?;
+    let again =
+        again.map_err(|problem| errors::of_run(py, &problem, "use the unmodified data set"))?;
     if is_interrupted {
-        return Err(PyKeyboardInterrupt::new_err("interrupted while blocks were simulated again"));
+        return Err(PyKeyboardInterrupt::new_err(
+            "interrupted while blocks were simulated again",
+        ));
     }
     let difference = again.difference.map(|difference| {
         let place = difference.to_string();
-        let Difference { variable, path, index, stored, computed } = difference;
-        Differs { variable, path, index, stored, computed, place }
+        let Difference {
+            variable,
+            path,
+            index,
+            stored,
+            computed,
+        } = difference;
+        Differs {
+            variable,
+            path,
+            index,
+            stored,
+            computed,
+            place,
+        }
     });
     let compared = Compared {
         blocks: again.blocks.end - again.blocks.start,

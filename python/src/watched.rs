@@ -60,7 +60,8 @@ pub fn watched<T: Send>(
                 tick += 1;
                 let received = receiver.recv_timeout(TICK);
                 let is_over = !matches!(received, Err(RecvTimeoutError::Timeout));
-                let [done, expected] = [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
+                let [done, expected] =
+                    [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
                 let is_due = done != reported && (is_over || tick.is_multiple_of(TOLD_EVERY));
                 let heard = Python::attach(|py| {
                     py.check_signals()?;
@@ -86,6 +87,10 @@ pub fn watched<T: Send>(
         (_, Some(error)) if !is_interrupt(&error) => Err(error),
         (Ok(Ok(result)), failure) => Ok((result, failure.is_some())),
         (Ok(Err(flaw)), _) => Err(errors::of_flaw(py, &flaw)),
-        (Err(_), _) => Err(errors::of_run(py, "internal error: the computation ended without a result", Flaw::REMEDY)),
+        (Err(_), _) => Err(errors::of_run(
+            py,
+            "internal error: the computation ended without a result",
+            Flaw::REMEDY,
+        )),
     }
 }

@@ -25,7 +25,13 @@ const TYPICAL_SD: f64 = 3.0;
 /// A rough upper estimate of |x| up to `end`. With a step h it is that of the explicit scheme, and
 /// without one that of the model.
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
-    let Model { oscillator, friction, temperature, initial_displacement: x0, .. } = model;
+    let Model {
+        oscillator,
+        friction,
+        temperature,
+        initial_displacement: x0,
+        ..
+    } = model;
     let w0 = oscillator.natural_frequency();
     let force = model.force_bound(NEVER_SD, end);
     let v0 = model.initial_velocity;
@@ -43,14 +49,20 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     // the run bounds it.
     let most = 1.0 + w0 * end / 2.0;
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
-        (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
+        (
+            Complex::unit(harmonic.phase) * harmonic.amplitude,
+            Complex::new(0.0, harmonic.angular_frequency),
+        )
     });
-    let relaxing = temperature.effective_noises().filter_map(|noise| match noise.initial {
-        InitialNoise::At(v) => {
-            Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0)))
-        }
-        InitialNoise::Stationary => None,
-    });
+    let relaxing = temperature
+        .effective_noises()
+        .filter_map(|noise| match noise.initial {
+            InitialNoise::At(v) => Some((
+                Complex::new(noise.intensity * v, 0.0),
+                Complex::new(-noise.relaxation_rate, 0.0),
+            )),
+            InitialNoise::Stationary => None,
+        });
     // x and x'/w0 of the forced motion: at t = 0, and their largest sizes.
     let (mut x, mut y, mut most_x, mut most_y) = (0.0, 0.0, 0.0, 0.0);
     for (amplitude, s) in harmonics.chain(relaxing) {
@@ -65,16 +77,29 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     if let Some(series) = &temperature.series {
         let (low, high) = series.range();
         most_x += dilatation.abs() * low.abs().max(high.abs());
-        (x, y) = (x + dilatation * series.at(0.0), y + dilatation * series.steepest() / w0);
+        (x, y) = (
+            x + dilatation * series.at(0.0),
+            y + dilatation * series.steepest() / w0,
+        );
         most_y += dilatation.abs() * series.steepest() / w0;
     }
     if temperature.has_line() {
         most_x += dilatation.abs() * (temperature.offset.abs() + temperature.trend.abs() * end);
-        (x, y) = (x + dilatation * temperature.offset, y + dilatation * temperature.trend / w0);
+        (x, y) = (
+            x + dilatation * temperature.offset,
+            y + dilatation * temperature.trend / w0,
+        );
         most_y += dilatation.abs() * temperature.trend.abs() / w0;
     }
-    let noise = temperature.effective_noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
-    most_x + (x0 - x).hypot(v0 / w0 - y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
+    let noise = temperature
+        .effective_noises()
+        .map(|noise| noise_amplitude(model, &noise, end, step))
+        .sum::<f64>();
+    most_x
+        + (x0 - x)
+            .hypot(v0 / w0 - y)
+            .max((friction.static_force / oscillator.stiffness).hypot(most_y))
+        + noise
 }
 
 /// H at p, limited to `most` at resonance.
@@ -95,7 +120,11 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
 /// friction takes. A then gets that large with a probability of about exp(-2 a A/D), which is set
 /// to one in a thousand here.
 fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
-    let Model { oscillator, friction, .. } = model;
+    let Model {
+        oscillator,
+        friction,
+        ..
+    } = model;
     let (w0, theta) = (oscillator.natural_frequency(), noise.relaxation_rate);
     let sd = oscillator.rest_position(1.0).abs() * noise.intensity * noise.stationary_sd();
     // w0 S/sd^2, which is 2 theta w0/(theta^2 + w0^2) without a step.
@@ -108,7 +137,11 @@ fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) ->
     };
     let time = end.min(0.5 * oscillator.mass / oscillator.damping.max(0.0));
     let without_loss = TYPICAL_SD * sd * (spectrum * w0 * time).sqrt();
-    let with_friction =
-        0.5 * 1000f64.ln() * sd * sd * spectrum * (0.5 * PI * oscillator.stiffness / friction.dynamic_force);
+    let with_friction = 0.5
+        * 1000f64.ln()
+        * sd
+        * sd
+        * spectrum
+        * (0.5 * PI * oscillator.stiffness / friction.dynamic_force);
     TYPICAL_SD * sd + without_loss.min(with_friction)
 }

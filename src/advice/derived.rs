@@ -78,30 +78,60 @@ impl Derived {
     /// All quantities with their names.
     pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 21] {
         let critical_amplitude = match self.stability {
-            Some(Stability::Undamped { critical_amplitude } | Stability::Growing { critical_amplitude }) => {
-                Some(critical_amplitude)
-            }
+            Some(
+                Stability::Undamped { critical_amplitude }
+                | Stability::Growing { critical_amplitude },
+            ) => Some(critical_amplitude),
             _ => None,
         };
         [
-            ("natural_frequency", DerivedQuantity::Real(self.natural_frequency)),
-            ("frequency_ratios", DerivedQuantity::Reals(self.frequency_ratios.clone())),
+            (
+                "natural_frequency",
+                DerivedQuantity::Real(self.natural_frequency),
+            ),
+            (
+                "frequency_ratios",
+                DerivedQuantity::Reals(self.frequency_ratios.clone()),
+            ),
             ("friction_ratio", self.friction_ratio.into()),
             ("noise_force", self.noise_force.into()),
             ("corridor_half_width", self.corridor_half_width.into()),
             ("corridor_time", self.corridor_time.into()),
             ("runaway_amplitude", self.runaway_amplitude.into()),
             ("critical_amplitude", critical_amplitude.into()),
-            ("largest_step", self.stability.and_then(Stability::largest_step).into()),
+            (
+                "largest_step",
+                self.stability.and_then(Stability::largest_step).into(),
+            ),
             ("monitoring_shift", self.monitoring_shift.into()),
             ("tolerance", self.tolerance.into()),
-            ("resolution_static_force", self.resolution.map(|resolution| resolution.static_force).into()),
-            ("resolution_shortest_slip", self.resolution.map(|resolution| resolution.shortest_slip).into()),
-            ("expected_amplitude", DerivedQuantity::Real(self.expected_amplitude)),
+            (
+                "resolution_static_force",
+                self.resolution
+                    .map(|resolution| resolution.static_force)
+                    .into(),
+            ),
+            (
+                "resolution_shortest_slip",
+                self.resolution
+                    .map(|resolution| resolution.shortest_slip)
+                    .into(),
+            ),
+            (
+                "expected_amplitude",
+                DerivedQuantity::Real(self.expected_amplitude),
+            ),
             ("period", self.period.map(|period| period.length).into()),
             ("whole_periods", DerivedQuantity::Real(self.whole_periods)),
-            ("counted_periods", DerivedQuantity::Count(self.counted_periods as u64)),
-            ("steps", self.steps.map_or(DerivedQuantity::Unknown, DerivedQuantity::Count)),
+            (
+                "counted_periods",
+                DerivedQuantity::Count(self.counted_periods as u64),
+            ),
+            (
+                "steps",
+                self.steps
+                    .map_or(DerivedQuantity::Unknown, DerivedQuantity::Count),
+            ),
             ("path_steps", self.path_steps.into()),
             ("rows", DerivedQuantity::Count(self.rows as u64)),
             ("output_bytes", DerivedQuantity::Real(self.output_bytes)),
@@ -112,12 +142,19 @@ impl Derived {
 impl Scenario {
     /// The quantities that follow from the scenario before it is run.
     pub fn derived(&self) -> Derived {
-        let Model { oscillator, friction, temperature, .. } = &self.model;
+        let Model {
+            oscillator,
+            friction,
+            temperature,
+            ..
+        } = &self.model;
         let w0 = oscillator.natural_frequency();
         let force_per_kelvin = oscillator.force_per_temperature().abs();
         // Variances of independent noises add up.
         let both = |of: fn(&Noise) -> f64| {
-            let forces = temperature.effective_noises().map(|noise| force_per_kelvin * noise.intensity * of(&noise));
+            let forces = temperature
+                .effective_noises()
+                .map(|noise| force_per_kelvin * noise.intensity * of(&noise));
             forces.reduce(f64::hypot)
         };
         let noise_force = both(Noise::stationary_sd);
@@ -126,22 +163,33 @@ impl Scenario {
         let steps = self.steps();
         Derived {
             natural_frequency: w0,
-            frequency_ratios: temperature.harmonics.iter().map(|harmonic| harmonic.angular_frequency / w0).collect(),
-            friction_ratio: (friction.static_force > 0.0).then(|| friction.dynamic_force / friction.static_force),
+            frequency_ratios: temperature
+                .harmonics
+                .iter()
+                .map(|harmonic| harmonic.angular_frequency / w0)
+                .collect(),
+            friction_ratio: (friction.static_force > 0.0)
+                .then(|| friction.dynamic_force / friction.static_force),
             noise_force,
-            corridor_half_width: noise_force.filter(|c| *c > 0.0).map(|c| friction.static_force / c),
+            corridor_half_width: noise_force
+                .filter(|c| *c > 0.0)
+                .map(|c| friction.static_force / c),
             corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
             runaway_amplitude: self.model.runaway_amplitude(0.0),
             stability: self.scheme.stability(&self.model),
             monitoring_shift: match self.scheme.discretisation() {
                 Discretisation::CorrectedStep { h } => Some(monitoring_shift(&self.model, h)),
-                Discretisation::Step { .. } | Discretisation::Tolerance { .. } | Discretisation::Approximation => None,
+                Discretisation::Step { .. }
+                | Discretisation::Tolerance { .. }
+                | Discretisation::Approximation => None,
             },
             resolution: self.resolution(),
             tolerance: self.scheme.tolerance(),
             expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
             period,
-            whole_periods: period.map_or(0.0, |period| (self.time.end / period.length * (1.0 + 1e-9)).floor()),
+            whole_periods: period.map_or(0.0, |period| {
+                (self.time.end / period.length * (1.0 + 1e-9)).floor()
+            }),
             counted_periods: self.timeline().counted_periods(),
             steps,
             path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),

@@ -39,28 +39,50 @@ impl Scenario {
         PROGRAM_BYTES
             + rows * (ROW_OF_ANY_BYTES + share * SUMS_ROW_BYTES)
             + threads as f64 * TABLES_BYTES
-            + Plan { paths, ..self.plan() }.blocks_held(threads) as f64 * block
+            + Plan {
+                paths,
+                ..self.plan()
+            }
+            .blocks_held(threads) as f64
+                * block
     }
 }
 
 /// Bytes of what is recorded of this many single paths.
 fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
     let record = &scenario.record;
-    let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
-    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0 };
+    let events = scenario
+        .steps()
+        .map_or(f64::INFINITY, |steps| steps as f64)
+        .min(events(scenario))
+        + 1.0;
+    let sensor = if scenario.bearing.is_some() {
+        SENSOR_BYTES
+    } else {
+        0
+    };
     let rows = scenario.timeline().rows() as f64;
     let of_path = (NUMBER_BYTES + PathColumns::bytes_along(&["path"])) as f64;
-    let [count, of_event] = [["path"], ["event"]].map(|axes| EventColumns::bytes_along(&axes) as f64);
+    let [count, of_event] =
+        [["path"], ["event"]].map(|axes| EventColumns::bytes_along(&axes) as f64);
     let of_row = (TrajectoryRows::bytes_along(ON_THE_GRID) + sensor) as f64;
     let scalars = if record.paths { paths * of_path } else { 0.0 };
-    let events = if record.events { paths * (count + events * of_event) } else { 0.0 };
+    let events = if record.events {
+        paths * (count + events * of_event)
+    } else {
+        0.0
+    };
     scalars + events + paths.min(record.trajectories as f64) * rows * of_row
 }
 
 /// Estimated size of the output file in bytes, uncompressed.
 pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
     let rows = scenario.timeline().rows() as f64;
-    let samples: usize = scenario.measured.iter().map(|measured| measured.series.times().len()).sum();
+    let samples: usize = scenario
+        .measured
+        .iter()
+        .map(|measured| measured.series.times().len())
+        .sum();
     EMPTY_BYTES
         + rows * ROW_BYTES
         + rows_bytes(scenario, scenario.ensemble.paths as f64)
@@ -73,19 +95,38 @@ pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
 /// time, and a series as much as it varies. The noise builds up 2 (f_s - f_d) in a time of ((2 f_s
 /// - 2 f_d)/(K beta rho sigma))^2.
 fn events(scenario: &Scenario) -> f64 {
-    let Model { oscillator, friction, temperature, .. } = &scenario.model;
+    let Model {
+        oscillator,
+        friction,
+        temperature,
+        ..
+    } = &scenario.model;
     let end = scenario.time.end;
     let half_cycles = end * oscillator.natural_frequency() / PI;
     let gap = 2.0 * (friction.static_force - friction.dynamic_force);
     let gain = oscillator.force_per_temperature().abs();
-    let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
-    let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
+    let harmonic: f64 = temperature
+        .harmonics
+        .iter()
+        .map(|h| gain * h.amplitude.abs() * h.angular_frequency)
+        .sum();
+    let measured = temperature
+        .series
+        .as_ref()
+        .map_or(0.0, |series| gain * series.variation() / series.end());
     let trend = gain * temperature.trend.abs();
-    let noise =
-        temperature.effective_noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
-    let slips = end * (2.0 / PI * harmonic / gap + measured / gap + trend / gap + (noise / gap).powi(2));
+    let noise = temperature
+        .effective_noises()
+        .map(|noise| gain * noise.intensity * noise.diffusion)
+        .fold(0.0, f64::hypot);
+    let slips =
+        end * (2.0 / PI * harmonic / gap + measured / gap + trend / gap + (noise / gap).powi(2));
     // Without a gap the number of slips is infinite or 0/0, and the half-cycles count. Without a
     // spring there are none.
     let has_spring = oscillator.stiffness > 0.0;
-    2.0 * if slips < half_cycles || (!has_spring && slips.is_finite()) { slips } else { half_cycles }
+    2.0 * if slips < half_cycles || (!has_spring && slips.is_finite()) {
+        slips
+    } else {
+        half_cycles
+    }
 }

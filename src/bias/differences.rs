@@ -16,7 +16,9 @@ use super::widening::widening_factor;
 use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
-use crate::stats::{Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals};
+use crate::stats::{
+    Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals,
+};
 use crate::sums::interval::Measured;
 use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
@@ -106,7 +108,13 @@ pub struct Differences {
 
 impl Differences {
     /// The plan for a run of a scheme with a step, with this seed and number of paths.
-    pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
+    pub fn new(
+        scheme: Scheme,
+        model: &Model,
+        timeline: &Timeline,
+        seed: u64,
+        paths: u64,
+    ) -> Result<Self, NoBias> {
         let h = scheme.step().ok_or(NoBias::FewSteps)?;
         let is_random = model.temperature.is_random();
         if is_random && model.friction.static_force == model.friction.dynamic_force {
@@ -116,26 +124,55 @@ impl Differences {
             return Err(NoBias::FewSteps);
         }
         // Where nothing is random, one path is the ensemble.
-        let (groups, per_group) = if is_random { (GROUPS, paths / (ONE_PATH_IN * GROUPS as u64)) } else { (1, 1) };
+        let (groups, per_group) = if is_random {
+            (GROUPS, paths / (ONE_PATH_IN * GROUPS as u64))
+        } else {
+            (1, 1)
+        };
         if per_group == 0 {
-            return Err(NoBias::FewPaths { needed: ONE_PATH_IN * GROUPS as u64 });
+            return Err(NoBias::FewPaths {
+                needed: ONE_PATH_IN * GROUPS as u64,
+            });
         }
         // Rows of the output grid are left out, because the bands have no bias estimate.
         let timeline = timeline.without_rows();
         let coarsest = LEVELS[LEVELS.len() - 1];
         let levels = LEVELS.map(|k| {
-            let simulation = scheme.kind().with(k as f64 * h).simulation(model, &timeline);
-            simulation.fed_by_finer(k).observed_every((coarsest / k) as u64)
+            let simulation = scheme
+                .kind()
+                .with(k as f64 * h)
+                .simulation(model, &timeline);
+            simulation
+                .fed_by_finer(k)
+                .observed_every((coarsest / k) as u64)
         });
         let (model, record) = (model.clone(), Record::NOTHING);
-        Ok(Differences { model, timeline, levels, h, seed, groups, per_group, antithetic: false, record })
+        Ok(Differences {
+            model,
+            timeline,
+            levels,
+            h,
+            seed,
+            groups,
+            per_group,
+            antithetic: false,
+            record,
+        })
     }
 
     /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving out a group
     /// shows the scatter of pairs. If a group had only one path, no pairs are formed.
     pub fn in_pairs(self) -> Self {
         let per_group = self.per_group & !1;
-        if per_group == 0 { self } else { Differences { per_group, antithetic: true, ..self } }
+        if per_group == 0 {
+            self
+        } else {
+            Differences {
+                per_group,
+                antithetic: true,
+                ..self
+            }
+        }
     }
 
     /// Number of paths that are simulated at each step.
@@ -145,54 +182,105 @@ impl Differences {
 
     /// The bias of every statistic that exists and can be extrapolated. The result has the same
     /// bits for any number of `threads`.
-    pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
-        Ok(self.extrapolate(threads, stop)?.0.into_iter().map(|found| (found.statistic, found.bias)).collect())
+    pub fn estimate(
+        &self,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<Vec<(Statistic, Bias)>, NoBias> {
+        Ok(self
+            .extrapolate(threads, stop)?
+            .0
+            .into_iter()
+            .map(|found| (found.statistic, found.bias))
+            .collect())
     }
 
     /// The same with what the paths show of the scatter of each statistic, and whether the longer steps
     /// are stable.
-    pub(super) fn extrapolate(&self, threads: usize, stop: &AtomicBool) -> Result<(Vec<Extrapolated>, bool), NoBias> {
+    pub(super) fn extrapolate(
+        &self,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<(Vec<Extrapolated>, bool), NoBias> {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
-        let levels = self.simulate(threads, stop)?.map(|groups| self.values(&groups, is_wanted));
+        let levels = self
+            .simulate(threads, stop)?
+            .map(|groups| self.values(&groups, is_wanted));
         let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
-        let grows = |statistic: Statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH);
+        let grows =
+            |statistic: Statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH);
         let is_stable = !GROWING.into_iter().any(grows);
         let sticks = levels[0].0[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|(all, _)| all[i]);
-            let without: Vec<Levels> = (0..self.groups).map(|g| at(&|(_, without)| without[g][i])).collect();
+            let without: Vec<Levels> = (0..self.groups)
+                .map(|g| at(&|(_, without)| without[g][i]))
+                .collect();
             let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
-            let has_rare_events =
-                self.groups == GROUPS && Measured::jackknifed(all.0[0], &at_h).freedom() < LEAST_FREEDOM;
-            let error = if has_rare_events { 0.0 } else { jackknife::standard_error(&at_h) };
+            let has_rare_events = self.groups == GROUPS
+                && Measured::jackknifed(all.0[0], &at_h).freedom() < LEAST_FREEDOM;
+            let error = if has_rare_events {
+                0.0
+            } else {
+                jackknife::standard_error(&at_h)
+            };
             let scatter = error * (self.paths() as f64).sqrt();
-            let bias = if all.are_finite() { self.bias(statistic, all, &without, sticks) } else { None };
-            bias.map(|bias| Extrapolated { statistic, bias, scatter })
+            let bias = if all.are_finite() {
+                self.bias(statistic, all, &without, sticks)
+            } else {
+                None
+            };
+            bias.map(|bias| Extrapolated {
+                statistic,
+                bias,
+                scatter,
+            })
         };
-        Ok((Statistic::ALL.iter().enumerate().filter_map(bias).collect(), is_stable))
+        Ok((
+            Statistic::ALL.iter().enumerate().filter_map(bias).collect(),
+            is_stable,
+        ))
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,
     /// `without` without each group. `sticks` is the number of sticks per path. None where so few
     /// groups decide it that it has no interval.
-    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Option<Bias> {
+    fn bias(
+        &self,
+        statistic: Statistic,
+        all: Levels,
+        without: &[Levels],
+        sticks: f64,
+    ) -> Option<Bias> {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
         };
-        let is_determined = |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
+        let is_determined =
+            |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_determined);
         if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase lie on the grid, so that its duration may be off by h.
-            let grid = if statistic.dimension() == Dimension::TIME { self.h } else { 0.0 };
-            return Some(Bias { estimate, uncertainty: uncertainty + grid, order });
+            let grid = if statistic.dimension() == Dimension::TIME {
+                self.h
+            } else {
+                0.0
+            };
+            return Some(Bias {
+                estimate,
+                uncertainty: uncertainty + grid,
+                order,
+            });
         }
         let p = leading_order(statistic, all);
         let second_term_error = error(&|y| y.second_term(p));
         let weight = weight(all.second_term(p), second_term_error);
         let estimate = all.bias(p, weight);
-        let biases: Vec<f64> = without.iter().map(|levels| levels.bias(p, weight)).collect();
+        let biases: Vec<f64> = without
+            .iter()
+            .map(|levels| levels.bias(p, weight))
+            .collect();
         let [low, high] = Measured::jackknifed(estimate, &biases).interval();
         let sampling = (high - estimate).max(estimate - low);
         let grid = match statistic {
@@ -201,19 +289,33 @@ impl Differences {
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
-        let model_error =
-            all.model_error(p, model_error_share(statistic, self.noise_to_gap()), STUDENT * second_term_error);
+        let model_error = all.model_error(
+            p,
+            model_error_share(statistic, self.noise_to_gap()),
+            STUDENT * second_term_error,
+        );
         // The uncertainty is a plain sum and not a root of squares, because the error of
         // extrapolation is the same for every seed.
         let uncertainty = widening_factor(self.paths()) * (sampling + model_error + grid);
-        (!uncertainty.is_nan()).then_some(Bias { estimate, uncertainty, order })
+        (!uncertainty.is_nan()).then_some(Bias {
+            estimate,
+            uncertainty,
+            order,
+        })
     }
 
     /// The standard deviation of the change of the force by the noise in a step, as a share of the
     /// gap: K beta rho sigma sqrt(h)/(f_s - f_d).
     fn noise_to_gap(&self) -> f64 {
-        let Model { oscillator, friction, temperature, .. } = &self.model;
-        let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
+        let Model {
+            oscillator,
+            friction,
+            temperature,
+            ..
+        } = &self.model;
+        let noise = temperature
+            .effective_noise()
+            .map_or(0.0, |noise| noise.intensity * noise.diffusion);
         let force = oscillator.force_per_temperature() * noise * self.h.sqrt();
         force.abs() / (friction.static_force - friction.dynamic_force)
     }
@@ -229,9 +331,17 @@ impl Differences {
     }
 
     /// The totals of each group, at each step.
-    fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Vec<Totals>; LEVELS.len()], NoBias> {
+    fn simulate(
+        &self,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<[Vec<Totals>; LEVELS.len()], NoBias> {
         let width = self.per_group.div_ceil(PIECES).min(MAX_WIDTH);
-        let width = if self.antithetic { width.next_multiple_of(2) } else { width };
+        let width = if self.antithetic {
+            width.next_multiple_of(2)
+        } else {
+            width
+        };
         let pieces = self.per_group.div_ceil(width);
         let mut levels = LEVELS.map(|_| vec![self.empty(); self.groups]);
         let mut diverged = 0;
@@ -241,11 +351,12 @@ impl Differences {
             let (totals, lost) = self.piece(level, done, width.min(self.per_group - done), stop)?;
             Some((level, totals, lost))
         };
-        let deliver = |(level, totals, lost): (usize, Vec<Totals>, usize)| -> Result<_, Infallible> {
-            levels[level].merge(&totals);
-            diverged += lost;
-            Ok(ControlFlow::Continue(()))
-        };
+        let deliver =
+            |(level, totals, lost): (usize, Vec<Totals>, usize)| -> Result<_, Infallible> {
+                levels[level].merge(&totals);
+                diverged += lost;
+                Ok(ControlFlow::Continue(()))
+            };
         let count = pieces * LEVELS.len() as u64;
         let Ok(delivered) = in_order_while(count, threads, stop, make, deliver);
         match diverged {
@@ -257,16 +368,33 @@ impl Differences {
 
     /// The totals of each group over its next `width` paths, after the first `done` of them, and
     /// the number of paths that diverged. `None` if `stop` is set meanwhile.
-    fn piece(&self, level: usize, done: u64, width: u64, stop: &AtomicBool) -> Option<(Vec<Totals>, usize)> {
+    fn piece(
+        &self,
+        level: usize,
+        done: u64,
+        width: u64,
+        stop: &AtomicBool,
+    ) -> Option<(Vec<Totals>, usize)> {
         let (groups, lanes) = (self.groups as u64, width as usize);
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
-        let group = |numbers| BlockObserver::new(&self.model, &self.timeline, &self.record, numbers, Replicate::Path);
+        let group = |numbers| {
+            BlockObserver::new(
+                &self.model,
+                &self.timeline,
+                &self.record,
+                numbers,
+                Replicate::Path,
+            )
+        };
         let observers = numbers.chunks(lanes).map(group).collect();
         let mut all = (Flight { observers, lanes }, stop);
-        let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut all);
+        let lost =
+            self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut all);
         let ended = all.0.observers.into_iter().zip((first..).step_by(lanes));
-        let totals = ended.map(|(group, first)| group.finish(first, width, Vec::new()).totals).collect();
+        let totals = ended
+            .map(|(group, first)| group.finish(first, width, Vec::new()).totals)
+            .collect();
         (!stop.load(Ordering::Relaxed)).then_some((totals, lost.len()))
     }
 }
@@ -283,26 +411,48 @@ mod tests {
     /// 6e-5. A standard error that is wrong by a factor of two gives 70 % or 99.9 %.
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
-        let model = Scenario::shipped("rho025").expect("a scene of the paper").model;
-        let timeline = Timeline { end: 30.0, output_step: 30.0, period: None, after: 0.0 };
+        let model = Scenario::shipped("rho025")
+            .expect("a scene of the paper")
+            .model;
+        let timeline = Timeline {
+            end: 30.0,
+            output_step: 30.0,
+            period: None,
+            after: 0.0,
+        };
         for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
             let i = statistic.index();
             let differences: Vec<(f64, f64)> = (0..400)
                 .map(|seed| {
                     let scheme = DiscreteVi { step: 0.05 }.into();
-                    let plan = Differences::new(scheme, &model, &timeline, seed, 8000).expect("enough paths");
-                    let levels = plan.simulate(1, &AtomicBool::new(false)).expect("none diverges");
-                    let [fine, middle, _] = levels.map(|groups| plan.values(&groups, |each| each == statistic));
-                    let without: Vec<f64> =
-                        middle.1.iter().zip(&fine.1).map(|(middle, fine)| middle[i] - fine[i]).collect();
+                    let plan = Differences::new(scheme, &model, &timeline, seed, 8000)
+                        .expect("enough paths");
+                    let levels = plan
+                        .simulate(1, &AtomicBool::new(false))
+                        .expect("none diverges");
+                    let [fine, middle, _] =
+                        levels.map(|groups| plan.values(&groups, |each| each == statistic));
+                    let without: Vec<f64> = middle
+                        .1
+                        .iter()
+                        .zip(&fine.1)
+                        .map(|(middle, fine)| middle[i] - fine[i])
+                        .collect();
                     (middle.0[i] - fine.0[i], jackknife::standard_error(&without))
                 })
                 .collect();
             let n = differences.len() as f64;
             let truth = differences.iter().map(|d| d.0).sum::<f64>() / n;
-            let covered = differences.iter().filter(|d| (d.0 - truth).abs() < STUDENT * d.1).count();
+            let covered = differences
+                .iter()
+                .filter(|d| (d.0 - truth).abs() < STUDENT * d.1)
+                .count();
             let share = covered as f64 / n;
-            assert!((share - 0.95).abs() < 0.059, "{}: {share}", statistic.name());
+            assert!(
+                (share - 0.95).abs() < 0.059,
+                "{}: {share}",
+                statistic.name()
+            );
         }
     }
 }

@@ -34,7 +34,11 @@ pub(super) struct Levels(pub [f64; 3]);
 /// `noise_to_gap` of 4 are only half of those without a step, and for the standard deviation of
 /// durations.
 pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 {
-    let slope = if statistic.row().step_error == StepError::RootOfRare { 0.5 } else { 0.2 };
+    let slope = if statistic.row().step_error == StepError::RootOfRare {
+        0.5
+    } else {
+        0.2
+    };
     (slope * noise_to_gap).max(0.4)
 }
 
@@ -105,7 +109,11 @@ pub(super) fn is_smooth(statistic: Statistic) -> bool {
 /// The order p of the leading term.
 pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
     let may_be_first = statistic.row().step_error == StepError::FirstOrRoot;
-    if may_be_first && levels.observed_order() > 0.75 { 1.0 } else { 0.5 }
+    if may_be_first && levels.observed_order() > 0.75 {
+        1.0
+    } else {
+        0.5
+    }
 }
 
 /// The weight in the estimate of a second term c with this standard error. It is 1/2 where c is
@@ -113,7 +121,11 @@ pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
 /// shrinkage, its positive part).
 pub(super) fn weight(second_term: f64, error: f64) -> f64 {
     let (square, scatter) = (second_term * second_term, error * error);
-    if square > scatter { 0.5 * (1.0 - scatter / square) } else { 0.0 }
+    if square > scatter {
+        0.5 * (1.0 - scatter / square)
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -122,7 +134,10 @@ mod tests {
 
     /// Y(h) = 3 + C h^p + E h^2p at h = 0.02, 0.04, 0.08.
     fn levels(c: f64, e: f64, p: f64) -> Levels {
-        Levels([1.0, 2.0, 4.0].map(|k: f64| 3.0 + c * (0.02 * k).powf(p) + e * (0.02 * k).powf(2.0 * p)))
+        Levels(
+            [1.0, 2.0, 4.0]
+                .map(|k: f64| 3.0 + c * (0.02 * k).powf(p) + e * (0.02 * k).powf(2.0 * p)),
+        )
     }
 
     #[test]
@@ -131,7 +146,10 @@ mod tests {
             let one = levels(-0.7, 0.0, p);
             assert!((one.bias(p, 0.0) + 0.7 * 0.02f64.powf(p)).abs() < 1e-12);
             assert!(one.second_term(p).abs() < 1e-12 && (one.observed_order() - p).abs() < 1e-12);
-            let (two, bias) = (levels(-0.7, 2.0, p), -0.7 * 0.02f64.powf(p) + 2.0 * 0.02f64.powf(2.0 * p));
+            let (two, bias) = (
+                levels(-0.7, 2.0, p),
+                -0.7 * 0.02f64.powf(p) + 2.0 * 0.02f64.powf(2.0 * p),
+            );
             assert!((two.bias(p, 1.0) - bias).abs() < 1e-12, "{two:?}");
             // With half the second term, the truth is within the stated error.
             assert!((two.bias(p, 0.5) - bias).abs() <= two.model_error(p, 0.0, 0.0) + 1e-12);
@@ -141,6 +159,9 @@ mod tests {
     #[test]
     fn a_second_term_that_is_scatter_is_left_out() {
         assert_eq!((weight(0.0, 0.0), weight(2.0, 0.0)), (0.0, 0.5));
-        assert_eq!((weight(2.0, 1.0), weight(1.0, 1.0), weight(1.0, 100.0)), (0.375, 0.0, 0.0));
+        assert_eq!(
+            (weight(2.0, 1.0), weight(1.0, 1.0), weight(1.0, 100.0)),
+            (0.375, 0.0, 0.0)
+        );
     }
 }

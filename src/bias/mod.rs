@@ -48,7 +48,13 @@ pub struct BiasPlan {
 impl BiasPlan {
     /// The plan for a run of this scheme on this model and timeline, with this seed and number of
     /// paths.
-    pub fn new(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: u64) -> Result<Self, NoBias> {
+    pub fn new(
+        scheme: Scheme,
+        model: &Model,
+        timeline: &Timeline,
+        seed: u64,
+        paths: u64,
+    ) -> Result<Self, NoBias> {
         let is_random = model.temperature.is_random();
         let (h, is_corrected) = match scheme.discretisation() {
             Discretisation::Step { h } => (h, false),
@@ -64,12 +70,20 @@ impl BiasPlan {
             Discretisation::Approximation => return Err(NoBias::Approximation),
         };
         let differences = Differences::new(scheme, model, timeline, seed, paths)?;
-        let one_part_in = if is_corrected { REFERENCE_ALONE_ONE_PART_IN } else { REFERENCE_ONE_PART_IN };
-        let reference = is_random.then(|| ReferenceRun::new(model, timeline, h, seed, paths, one_part_in));
+        let one_part_in = if is_corrected {
+            REFERENCE_ALONE_ONE_PART_IN
+        } else {
+            REFERENCE_ONE_PART_IN
+        };
+        let reference =
+            is_random.then(|| ReferenceRun::new(model, timeline, h, seed, paths, one_part_in));
         if is_corrected && reference.is_none() {
             return Err(NoBias::Corrected);
         }
-        Ok(BiasPlan { differences: Some(differences).filter(|_| !is_corrected), reference })
+        Ok(BiasPlan {
+            differences: Some(differences).filter(|_| !is_corrected),
+            reference,
+        })
     }
 
     /// The same for a run that records this, and perhaps of antithetic pairs.
@@ -80,16 +94,32 @@ impl BiasPlan {
         }
         let of_run = |mut differences: Differences| {
             differences.record = record;
-            if antithetic { differences.in_pairs() } else { differences }
+            if antithetic {
+                differences.in_pairs()
+            } else {
+                differences
+            }
         };
-        BiasPlan { differences: self.differences.map(of_run), ..self }
+        BiasPlan {
+            differences: self.differences.map(of_run),
+            ..self
+        }
     }
 
     /// The bias of every statistic of `run` that is known well enough. The result has the same bits
     /// for any number of `threads`.
-    pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
+    pub fn estimate(
+        &self,
+        run: &Summary,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<Vec<(Statistic, Bias)>, NoBias> {
         let biases = self.simulate(threads, stop)?.of(run);
-        if biases.is_empty() { Err(NoBias::Uncertain) } else { Ok(biases) }
+        if biases.is_empty() {
+            Err(NoBias::Uncertain)
+        } else {
+            Ok(biases)
+        }
     }
 
     /// Simulate the paths from which the bias is measured. This may be done before the run or after
@@ -102,14 +132,27 @@ impl BiasPlan {
         // The reference run needs no coarse step. Where 2h or 4h is unstable, it is all there is.
         let is_alone = matches!(extrapolated, Err(NoBias::Diverged { .. }) | Ok((_, false)));
         let reference = self.reference.as_ref();
-        let reference = if is_alone { reference.map(ReferenceRun::at_any_rate) } else { reference.cloned() };
+        let reference = if is_alone {
+            reference.map(ReferenceRun::at_any_rate)
+        } else {
+            reference.cloned()
+        };
         let referenced = reference.and_then(|reference| reference.simulate(threads, stop));
         match extrapolated {
             _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
             Err(absent) if referenced.is_none() => Err(absent),
-            Ok((found, true)) => Ok(BesideRun { extrapolated: found, referenced }),
-            Ok((found, false)) if referenced.is_none() => Ok(BesideRun { extrapolated: found, referenced }),
-            _ => Ok(BesideRun { extrapolated: Vec::new(), referenced }),
+            Ok((found, true)) => Ok(BesideRun {
+                extrapolated: found,
+                referenced,
+            }),
+            Ok((found, false)) if referenced.is_none() => Ok(BesideRun {
+                extrapolated: found,
+                referenced,
+            }),
+            _ => Ok(BesideRun {
+                extrapolated: Vec::new(),
+                referenced,
+            }),
         }
     }
 }
@@ -125,18 +168,34 @@ pub struct BesideRun {
 impl BesideRun {
     /// The bias of every statistic of `run` that is known well enough.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
-        let referenced = self.referenced.as_ref().map_or_else(Vec::new, |exact| exact.biases(run));
+        let referenced = self
+            .referenced
+            .as_ref()
+            .map_or_else(Vec::new, |exact| exact.biases(run));
         let paths = run.valid_paths();
         let bias_of = |e: &Estimate| {
-            let extrapolated = self.extrapolated.iter().find(|found| found.statistic == e.statistic);
+            let extrapolated = self
+                .extrapolated
+                .iter()
+                .find(|found| found.statistic == e.statistic);
             // Without a reference run there is nothing better.
-            let is_typical = |found: &&Extrapolated| self.referenced.is_none() || found.is_typical_of(e, paths);
+            let is_typical =
+                |found: &&Extrapolated| self.referenced.is_none() || found.is_typical_of(e, paths);
             let typical = extrapolated.filter(is_typical).map(|found| found.bias);
-            let referenced = referenced.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);
+            let referenced = referenced
+                .iter()
+                .find(|(of, _)| *of == e.statistic)
+                .map(|(_, bias)| *bias);
             let bias = chosen(typical, referenced).filter(|bias| is_informative(bias, e))?;
-            Some(Bias { order: extrapolated.and_then(|found| found.bias.order), ..bias })
+            Some(Bias {
+                order: extrapolated.and_then(|found| found.bias.order),
+                ..bias
+            })
         };
-        run.estimates.iter().filter_map(|e| Some((e.statistic, bias_of(e)?))).collect()
+        run.estimates
+            .iter()
+            .filter_map(|e| Some((e.statistic, bias_of(e)?)))
+            .collect()
     }
 }
 
@@ -168,15 +227,27 @@ fn is_informative(bias: &Bias, e: &Estimate) -> bool {
 /// uncertainty reaches over all that the extrapolation allows. So an outlier is not taken for a
 /// bias, and a wrong extrapolation does not decide.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
-    let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
-    let referenced = Bias { order: extrapolated.order, ..referenced };
+    let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else {
+        return extrapolated.or(referenced);
+    };
+    let referenced = Bias {
+        order: extrapolated.order,
+        ..referenced
+    };
     if extrapolated.uncertainty >= UNCERTAINTY_RATIO * referenced.uncertainty {
         return Some(referenced);
     }
     let apart = (extrapolated.estimate - referenced.estimate).abs();
     let is_possible = apart <= extrapolated.uncertainty + referenced.uncertainty;
     let uncertainty = referenced.uncertainty.max(apart + extrapolated.uncertainty);
-    Some(if is_possible { extrapolated } else { Bias { uncertainty, ..referenced } })
+    Some(if is_possible {
+        extrapolated
+    } else {
+        Bias {
+            uncertainty,
+            ..referenced
+        }
+    })
 }
 
 #[cfg(test)]
@@ -185,11 +256,23 @@ mod tests {
 
     #[test]
     fn extrapolation_counts_where_it_is_much_more_precise_and_possible() {
-        let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
+        let bias = |estimate, uncertainty, order| {
+            Some(Bias {
+                estimate,
+                uncertainty,
+                order,
+            })
+        };
         let referenced = bias(1.0, 0.4, None);
-        assert_eq!(chosen(bias(0.7, 0.1, Some(0.5)), referenced), bias(0.7, 0.1, Some(0.5)));
+        assert_eq!(
+            chosen(bias(0.7, 0.1, Some(0.5)), referenced),
+            bias(0.7, 0.1, Some(0.5))
+        );
         // It is not precise enough, and might only be so by chance.
-        assert_eq!(chosen(bias(0.7, 0.3, Some(0.5)), referenced), bias(1.0, 0.4, Some(0.5)));
+        assert_eq!(
+            chosen(bias(0.7, 0.3, Some(0.5)), referenced),
+            bias(1.0, 0.4, Some(0.5))
+        );
         assert_eq!(chosen(None, referenced), referenced);
         assert_eq!(chosen(referenced, None), referenced);
         assert_eq!(chosen(None, None), None);
@@ -199,7 +282,13 @@ mod tests {
     /// run, and its interval from 0.25 to 1.75 holds that of the extrapolation, from 0.25 to 0.5.
     #[test]
     fn a_contradicted_reference_run_is_kept_and_holds_the_extrapolation() {
-        let bias = |estimate, uncertainty, order| Some(Bias { estimate, uncertainty, order });
+        let bias = |estimate, uncertainty, order| {
+            Some(Bias {
+                estimate,
+                uncertainty,
+                order,
+            })
+        };
         let kept = chosen(bias(0.375, 0.125, Some(0.5)), bias(1.0, 0.4375, None));
         assert_eq!(kept, bias(1.0, 0.75, Some(0.5)));
     }
@@ -210,8 +299,16 @@ mod tests {
     /// stood as it is, 64 % of its error would be subtracted.
     #[test]
     fn an_outlier_of_the_reference_run_is_not_subtracted() {
-        let extrapolated = Bias { estimate: -0.0014, uncertainty: 0.0014, order: Some(1.0) };
-        let outlier = Bias { estimate: -0.044, uncertainty: 0.034, order: None };
+        let extrapolated = Bias {
+            estimate: -0.0014,
+            uncertainty: 0.0014,
+            order: Some(1.0),
+        };
+        let outlier = Bias {
+            estimate: -0.044,
+            uncertainty: 0.034,
+            order: None,
+        };
         let bias = chosen(Some(extrapolated), Some(outlier)).expect("two measurements");
         let estimate = |bias| Estimate {
             statistic: Statistic::PeriodDisplacementMean,
@@ -223,7 +320,10 @@ mod tests {
         };
         let corrected = estimate(bias).corrected().expect("a bias");
         assert!((corrected.estimate - 0.03).abs() < 1e-6, "{corrected:?}");
-        assert!(corrected.low <= 0.03 + 0.0014 && 0.03 + 0.0014 <= corrected.high, "{corrected:?}");
+        assert!(
+            corrected.low <= 0.03 + 0.0014 && 0.03 + 0.0014 <= corrected.high,
+            "{corrected:?}"
+        );
         let hasty = estimate(outlier).corrected().expect("a bias");
         assert!((hasty.estimate - 0.03) > 0.6 * 0.044, "{hasty:?}");
     }
@@ -233,15 +333,27 @@ mod tests {
     /// Where the two contradict, a right reference run is kept, and a wrong one is no certainty.
     #[test]
     fn where_the_two_contradict_the_interval_holds_whichever_is_right() {
-        let bias = |estimate, uncertainty| Bias { estimate, uncertainty, order: None };
+        let bias = |estimate, uncertainty| Bias {
+            estimate,
+            uncertainty,
+            order: None,
+        };
         for off in (-400..=400).map(|i| f64::from(i) * 0.01) {
             // The uncertainty is 1 in either case.
-            let right_differences = chosen(Some(bias(0.0, 0.05)), Some(bias(off, 1.0))).expect("a bias");
-            let right_reference = chosen(Some(bias(off, 0.05)), Some(bias(0.0, 1.0))).expect("a bias");
+            let right_differences =
+                chosen(Some(bias(0.0, 0.05)), Some(bias(off, 1.0))).expect("a bias");
+            let right_reference =
+                chosen(Some(bias(off, 0.05)), Some(bias(0.0, 1.0))).expect("a bias");
             let holds = |bias: Bias| bias.estimate.abs() <= bias.uncertainty;
             assert!(holds(right_differences), "{off}: {right_differences:?}");
-            assert!(off.abs() <= 1.05 || holds(right_reference), "{off}: {right_reference:?}");
-            assert!(off.abs() <= 1.05 || right_reference.estimate == 0.0, "{off}: {right_reference:?}");
+            assert!(
+                off.abs() <= 1.05 || holds(right_reference),
+                "{off}: {right_reference:?}"
+            );
+            assert!(
+                off.abs() <= 1.05 || right_reference.estimate == 0.0,
+                "{off}: {right_reference:?}"
+            );
         }
     }
 
@@ -250,12 +362,31 @@ mod tests {
     fn a_bias_less_certain_than_the_estimate_is_not_stated() {
         let of = |estimate: f64, uncertainty: f64| {
             let (statistic, standard_error) = (Statistic::JumpMean, 0.05);
-            let e =
-                Estimate { statistic, estimate, standard_error, low: estimate - 0.1, high: estimate + 0.1, bias: None };
-            is_informative(&Bias { estimate: 48.0, uncertainty, order: None }, &e)
+            let e = Estimate {
+                statistic,
+                estimate,
+                standard_error,
+                low: estimate - 0.1,
+                high: estimate + 0.1,
+                bias: None,
+            };
+            is_informative(
+                &Bias {
+                    estimate: 48.0,
+                    uncertainty,
+                    order: None,
+                },
+                &e,
+            )
         };
         assert_eq!(
-            [of(2.0, 78.0), of(2.0, 2.1), of(2.0, 1.9), of(0.01, 1.1), of(0.01, 0.9)],
+            [
+                of(2.0, 78.0),
+                of(2.0, 2.1),
+                of(2.0, 1.9),
+                of(0.01, 1.1),
+                of(0.01, 0.9)
+            ],
             [false, false, true, false, true]
         );
     }

@@ -17,7 +17,9 @@ pub enum NoBias {
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
     /// The event-driven scheme under a force of the user's own, where nothing is random.
-    #[error("this scheme has no step, and without noise a user-defined force is integrated to 1e-13 per step")]
+    #[error(
+        "this scheme has no step, and without noise a user-defined force is integrated to 1e-13 per step"
+    )]
     Integrated,
     /// The event-driven scheme under noise and a force of the user's own.
     #[error(
@@ -26,7 +28,9 @@ pub enum NoBias {
     )]
     Followed(f64),
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
-    #[error("this scheme takes the forcing as constant during a slip, and a smaller step does not reduce that error")]
+    #[error(
+        "this scheme takes the forcing as constant during a slip, and a smaller step does not reduce that error"
+    )]
     Approximation,
     /// The corrected scheme, where nothing is random, or where a reference run costs too much or
     /// does not resolve all slips. The error of this scheme cannot be extrapolated, because it may
@@ -55,7 +59,9 @@ pub enum NoBias {
         paths: usize,
     },
     /// No bias is known as well as the estimate.
-    #[error("the estimates themselves are more certain than what is known of their bias; more paths make it certain")]
+    #[error(
+        "the estimates themselves are more certain than what is known of their bias; more paths make it certain"
+    )]
     Uncertain,
     /// The simulation was stopped by the caller.
     #[error("the run was stopped first")]

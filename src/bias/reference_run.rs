@@ -8,7 +8,9 @@
 use super::widening::widening_factor;
 use crate::ensemble::{Plan, in_order_while};
 use crate::model::Model;
-use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
+use crate::scheme::{
+    DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline,
+};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
 use crate::sums::range::NORMAL;
 use crate::sums::{Merge as _, Replicate};
@@ -31,10 +33,16 @@ struct Pricing {
 }
 
 /// Paths that are simulated one by one: 63 to 84 ns per evaluation.
-const ONE_BY_ONE: Pricing = Pricing { piece: [16, 16], path_steps_per_evaluation: 100 };
+const ONE_BY_ONE: Pricing = Pricing {
+    piece: [16, 16],
+    path_steps_per_evaluation: 100,
+};
 
 /// Paths that are simulated together in lanes: 17 to 20 ns per evaluation.
-const IN_LANES: Pricing = Pricing { piece: [256, 1024], path_steps_per_evaluation: 23 };
+const IN_LANES: Pricing = Pricing {
+    piece: [256, 1024],
+    path_steps_per_evaluation: 23,
+};
 
 impl Pricing {
     /// The number of paths in a piece, if there are this many paths. All pieces are nearly equal,
@@ -75,22 +83,46 @@ pub struct ReferenceRun {
 impl ReferenceRun {
     /// A reference run beside a run of this many paths with this step and seed. It may cost one
     /// part in `one_part_in` of the run.
-    pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, one_part_in: u64) -> Self {
-        let path_steps = (timeline.end / h + PATH_STEPS_PER_ROW * timeline.rows() as f64) * paths as f64;
+    pub fn new(
+        model: &Model,
+        timeline: &Timeline,
+        h: f64,
+        seed: u64,
+        paths: u64,
+        one_part_in: u64,
+    ) -> Self {
+        let path_steps =
+            (timeline.end / h + PATH_STEPS_PER_ROW * timeline.rows() as f64) * paths as f64;
         // Rows of the output grid are left out, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
         let (model, timeline, record) = (model.clone(), timeline.without_rows(), Record::NOTHING);
-        ReferenceRun { model, timeline, seed: !seed, path_steps, one_part_in, paths, record }
+        ReferenceRun {
+            model,
+            timeline,
+            seed: !seed,
+            path_steps,
+            one_part_in,
+            paths,
+            record,
+        }
     }
 
     /// The same reference run, which may cost as much as the run.
     pub fn at_any_rate(&self) -> Self {
-        ReferenceRun { one_part_in: 1, ..self.clone() }
+        ReferenceRun {
+            one_part_in: 1,
+            ..self.clone()
+        }
     }
 
     /// The bias of the statistics of a run, without an order; none where the reference run costs
     /// too much, or does not resolve all slips (f_s and f_d nearly equal under noise).
-    pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Option<Vec<(Statistic, Bias)>> {
+    pub fn estimate(
+        &self,
+        run: &Summary,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Option<Vec<(Statistic, Bias)>> {
         Some(self.simulate(threads, stop)?.biases(run))
     }
 
@@ -98,14 +130,29 @@ impl ReferenceRun {
     /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let pricing = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
+        let pricing = if exact.paths_abreast() > 1 {
+            IN_LANES
+        } else {
+            ONE_BY_ONE
+        };
         let budget = self.path_steps as u64 / self.one_part_in;
         let paths = self.affordable(&exact, budget / pricing.path_steps_per_evaluation, stop)?;
         let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
-        let plan = Plan { simulation, record: self.record, seed: self.seed, paths, antithetic: false };
+        let plan = Plan {
+            simulation,
+            record: self.record,
+            seed: self.seed,
+            paths,
+            antithetic: false,
+        };
         let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
-        let make = |index: u64| Some(plan.piece_until(index * size, size.min(paths - index * size), stop)?.totals);
+        let make = |index: u64| {
+            Some(
+                plan.piece_until(index * size, size.min(paths - index * size), stop)?
+                    .totals,
+            )
+        };
         let deliver = |piece: Totals| -> Result<_, Infallible> {
             totals.merge(&piece);
             Ok(ControlFlow::Continue(()))
@@ -113,21 +160,39 @@ impl ReferenceRun {
         let pieces = paths.div_ceil(size);
         let Ok(delivered) = in_order_while(pieces, threads, stop, make, deliver);
         let is_whole = delivered == pieces && totals.diverged().is_empty();
-        is_whole.then(|| Referenced { paths, estimates: totals.estimates() })
+        is_whole.then(|| Referenced {
+            paths,
+            estimates: totals.estimates(),
+        })
     }
 
     /// The number of paths that this many evaluations allow, judged by the cost of the first paths,
     /// which are stopped if they exceed the whole budget. None if it is too small, or if the scheme
     /// does not resolve all slips.
-    fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64, stop: &AtomicBool) -> Option<u64> {
+    fn affordable(
+        &self,
+        exact: &EventDrivenSimulation,
+        evaluations: u64,
+        stop: &AtomicBool,
+    ) -> Option<u64> {
         if exact.resolution().is_some() || evaluations < FEWEST {
             return None;
         }
         let first: Vec<u64> = (0..FIRST).collect();
-        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first, Replicate::Path);
+        let own = BlockObserver::new(
+            &self.model,
+            &self.timeline,
+            &Record::NOTHING,
+            &first,
+            Replicate::Path,
+        );
         let mut observer = (own, stop);
         let limited = exact.clone().with_work_limit(evaluations / FIRST);
-        let Simulated { lost, evaluations: spent, .. } = limited.simulate_counting(self.seed, &first, &mut observer);
+        let Simulated {
+            lost,
+            evaluations: spent,
+            ..
+        } = limited.simulate_counting(self.seed, &first, &mut observer);
         let paths = (evaluations * FIRST / spent.max(1)).min(self.paths);
         (lost.is_empty() && paths >= FEWEST).then_some(paths)
     }
@@ -146,8 +211,13 @@ impl Referenced {
         let widening_factor = widening_factor(self.paths);
         let more_paths = run.valid_paths() as f64 / self.paths as f64;
         let both = run.estimates.iter().zip(&self.estimates);
-        both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, more_paths, widening_factor)?)))
-            .collect()
+        both.filter_map(|(run, exact)| {
+            Some((
+                run.statistic,
+                difference(run, exact, more_paths, widening_factor)?,
+            ))
+        })
+        .collect()
     }
 }
 
@@ -164,7 +234,12 @@ const TYPICAL: f64 = 0.7;
 /// the run says of as many paths, it is the run that is right. The error that
 /// the tolerance leaves is the same for every seed, so it is added as it is. None where one of the
 /// two has no bounded interval.
-fn difference(run: &Estimate, exact: &Estimate, more_paths: f64, widening_factor: f64) -> Option<Bias> {
+fn difference(
+    run: &Estimate,
+    exact: &Estimate,
+    more_paths: f64,
+    widening_factor: f64,
+) -> Option<Bias> {
     let least = NORMAL * run.standard_error * more_paths.sqrt();
     // An arm that does not exist stays NaN.
     let at_least = |arm: f64| if arm < TYPICAL * least { least } else { arm };
@@ -173,7 +248,11 @@ fn difference(run: &Estimate, exact: &Estimate, more_paths: f64, widening_factor
     let uncertainty = widening_factor * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     let is_bounded = estimate.is_finite() && below.is_finite() && above.is_finite();
-    is_bounded.then_some(Bias { estimate, uncertainty, order: None })
+    is_bounded.then_some(Bias {
+        estimate,
+        uncertainty,
+        order: None,
+    })
 }
 
 #[cfg(test)]
@@ -182,7 +261,14 @@ mod tests {
 
     fn of(estimate: f64, low: f64, high: f64) -> Estimate {
         let (statistic, standard_error) = (Statistic::StickDurationMedian, 0.1);
-        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+        Estimate {
+            statistic,
+            estimate,
+            standard_error,
+            low,
+            high,
+            bias: None,
+        }
     }
 
     /// The median of the run is 4, in [4, 7], and that of the reference run is 1, in [1, 5]. The
@@ -192,18 +278,33 @@ mod tests {
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
         let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.0, 1.5);
-        let expected = Some(Bias { estimate: 3.0, uncertainty: 1.5 * 4.0 + 0.001, order: None });
+        let expected = Some(Bias {
+            estimate: 3.0,
+            uncertainty: 1.5 * 4.0 + 0.001,
+            order: None,
+        });
         assert_eq!(bias, expected);
-        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0, 1.0).expect("bounded").uncertainty;
+        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0, 1.0)
+            .expect("bounded")
+            .uncertainty;
         assert!((uncertainty - 4.001).abs() < 1e-12, "{uncertainty}");
     }
 
     #[test]
     fn a_statistic_without_a_bounded_interval_has_no_bias() {
         let run = of(4.0, 4.0, 4.0);
-        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0, 1.0), None);
-        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0, 1.0), None);
-        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0, 1.0), None);
+        assert_eq!(
+            difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0, 1.0),
+            None
+        );
+        assert_eq!(
+            difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0, 1.0),
+            None
+        );
+        assert_eq!(
+            difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0, 1.0),
+            None
+        );
     }
 
     /// The reference run has a hundredth of the paths of the run, and has seen no rare event: all its
@@ -211,6 +312,9 @@ mod tests {
     #[test]
     fn a_reference_run_is_no_more_certain_than_the_run_says() {
         let bias = difference(&of(1.2, 1.2, 1.2), &of(1.0, 1.0, 1.0), 100.0, 1.0).expect("bounded");
-        assert!((bias.uncertainty - 1.959_964 - 0.001).abs() < 1e-6, "{bias:?}");
+        assert!(
+            (bias.uncertainty - 1.959_964 - 0.001).abs() < 1e-6,
+            "{bias:?}"
+        );
     }
 }

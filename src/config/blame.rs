@@ -8,10 +8,17 @@ use crate::scheme::Misfit;
 /// set, or else at the first value. An override is preferred because the file was probably valid
 /// before the command line changed it. A default value has no place in any text.
 pub(super) fn report_misfit(sources: &Sources<'_>, root: &Fields<'_>, misfit: Misfit) {
-    let Misfit { about, problem, remedy } = misfit;
+    let Misfit {
+        about,
+        problem,
+        remedy,
+    } = misfit;
     let is_override = |(key, _): &&(&'static str, f64)| sources.is_override(root.place_of(key));
     sources.report_misfit(*match about.iter().find(is_override).or(about.first()) {
-        Some((key, value)) => sources.fault(root.place_of(key), problem, remedy).of(key).value(format!("{value:?}")),
+        Some((key, value)) => sources
+            .fault(root.place_of(key), problem, remedy)
+            .of(key)
+            .value(format!("{value:?}")),
         None => sources.fault(None, problem, remedy),
     });
 }

@@ -32,7 +32,13 @@ impl BridgeScene {
 pub fn temperature_source(overrides: &[Override]) -> Result<ColumnSource, ScenarioError> {
     let sources = Sources::new("", "", overrides, MeasuredFrom::Files);
     let tree = tree::read(&sources)?;
-    sources.outcome(source(&Fields::root(&sources, &tree).table("temperature").table("series"), keys::VALUE, None))
+    sources.outcome(source(
+        &Fields::root(&sources, &tree)
+            .table("temperature")
+            .table("series"),
+        keys::VALUE,
+        None,
+    ))
 }
 
 fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
@@ -40,11 +46,23 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
     let root = Fields::root(sources, &tree);
     let (oscillator, friction) = (root.table("oscillator"), root.table("friction"));
     let bearing = root.table("bearing");
-    let temperature_source = source(&root.table("temperature").table("series"), keys::VALUE, None);
-    let displacement_source =
-        source(&root.table("displacement").table("series"), keys::VALUE, Some(&temperature_source));
-    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
-    let initial = root.table("initial").number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
+    let temperature_source = source(
+        &root.table("temperature").table("series"),
+        keys::VALUE,
+        None,
+    );
+    let displacement_source = source(
+        &root.table("displacement").table("series"),
+        keys::VALUE,
+        Some(&temperature_source),
+    );
+    let stem = Path::new(sources.name)
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let initial = root
+        .table("initial")
+        .number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
     sources.outcome(BridgeScene {
         title: root.line_or(keys::TITLE, &stem),
         stiffness: oscillator.number(keys::STIFFNESS),

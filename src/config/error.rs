@@ -71,7 +71,10 @@ impl fmt::Display for Fault {
         }
         f.write_str(": ")?;
         // A problem that already names the key is printed as a sentence of its own.
-        let key = self.key.as_ref().filter(|key| !self.problem.contains(&format!("`{key}` = ")));
+        let key = self
+            .key
+            .as_ref()
+            .filter(|key| !self.problem.contains(&format!("`{key}` = ")));
         match (key, &self.value) {
             (Some(key), Some(value)) => write!(f, "`{key}` = {value} ")?,
             (Some(key), None) => write!(f, "`{key}` ")?,

@@ -20,7 +20,10 @@ struct ValueAt<'a> {
 
 impl ValueAt<'_> {
     fn fault(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Fault> {
-        let fault = self.sources.fault(Some(self.node.place), problem, remedy).of(&self.path);
+        let fault = self
+            .sources
+            .fault(Some(self.node.place), problem, remedy)
+            .of(&self.path);
         match self.node.value {
             // The text of a whole table or array would not help as a value.
             Value::Array(_) | Value::Table(_) => fault,
@@ -29,7 +32,10 @@ impl ValueAt<'_> {
     }
 
     fn wrong_kind(&self, expected: &str, remedy: impl Into<String>) -> Box<Fault> {
-        self.fault(format!("is {}; it must be {expected}", self.node.value.kind()), remedy)
+        self.fault(
+            format!("is {}; it must be {expected}", self.node.value.kind()),
+            remedy,
+        )
     }
 
     /// A number or the name of a parameter, checked.
@@ -39,15 +45,24 @@ impl ValueAt<'_> {
             _ => Ok(None),
         };
         let allowed = key.range.words();
-        let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
+        let symbol = if key.symbol.is_empty() {
+            String::new()
+        } else {
+            format!("{}, ", key.symbol)
+        };
         let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
         let known = named.as_ref().err().filter(|known| !known.is_empty());
         if let Some(known) = known {
             let problem = format!("is neither a number nor a parameter; it must be {allowed}");
-            return Err(self.fault(problem, format!("{remedy}, or name a parameter: {}", known.join(", "))));
+            return Err(self.fault(
+                problem,
+                format!("{remedy}, or name a parameter: {}", known.join(", ")),
+            ));
         }
         let value = self.node.number().or(named.ok().flatten());
-        let Some(value) = value else { return Err(self.wrong_kind(allowed, remedy)) };
+        let Some(value) = value else {
+            return Err(self.wrong_kind(allowed, remedy));
+        };
         // 1e999 is a mistake.
         let is_word = matches!(&self.node.value, Value::Float(text) if text.ends_with("inf"));
         let is_never = is_word && key.range == Allowed::StaticThreshold;
@@ -55,9 +70,14 @@ impl ValueAt<'_> {
             x if x.is_nan() => "is not a number".to_string(),
             x if x.is_infinite() && !(x > 0.0 && is_never) => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > LARGEST && !matches!(key.range, Allowed::Threshold | Allowed::StaticThreshold) => {
+            x if x.abs() > LARGEST
+                && !matches!(key.range, Allowed::Threshold | Allowed::StaticThreshold) =>
+            {
                 let problem = format!("must not exceed {LARGEST:e}");
-                return Err(self.fault(problem, format!("choose units in which it is closer to 1, or {remedy}")));
+                return Err(self.fault(
+                    problem,
+                    format!("choose units in which it is closer to 1, or {remedy}"),
+                ));
             }
             _ => return Ok(value),
         };
@@ -75,13 +95,17 @@ impl ValueAt<'_> {
     fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, Box<Fault>> {
         let allowed = format!("a whole number from {} to {}", range.start(), range.end());
         let number = match &self.node.value {
-            Value::Integer { digits, radix } => Some(i128::from_str_radix(digits, *radix).unwrap_or(-1)),
+            Value::Integer { digits, radix } => {
+                Some(i128::from_str_radix(digits, *radix).unwrap_or(-1))
+            }
             // 1e4 and "10k" are natural ways to write ten thousand, but not TOML integers.
             Value::Float(text) | Value::Text(text) => count(text),
             _ => None,
         };
         let remedy = format!("give {allowed}");
-        let Some(number) = number else { return Err(self.wrong_kind(&allowed, remedy)) };
+        let Some(number) = number else {
+            return Err(self.wrong_kind(&allowed, remedy));
+        };
         let inside = u64::try_from(number).ok().filter(|n| range.contains(n));
         inside.ok_or_else(|| self.fault(format!("is out of range: it must be {allowed}"), remedy))
     }
@@ -95,9 +119,10 @@ impl ValueAt<'_> {
 
     fn text(&self, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
         match &self.node.value {
-            Value::Text(text) if text.chars().any(is_wrong) => {
-                Err(self.fault("contains a line break or another control character", "write it on one line"))
-            }
+            Value::Text(text) if text.chars().any(is_wrong) => Err(self.fault(
+                "contains a line break or another control character",
+                "write it on one line",
+            )),
             Value::Text(text) => Ok(text.clone()),
             _ => Err(self.wrong_kind("a string", "put it in quotes")),
         }
@@ -112,11 +137,19 @@ impl ValueAt<'_> {
             return Ok(word);
         }
         let likeness = |word: &&'static str| (strsim::jaro_winkler(text, word), *word);
-        let alike = words.iter().map(likeness).filter(|(likeness, _)| *likeness > 0.8);
-        let nearest = alike.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, word)| word);
+        let alike = words
+            .iter()
+            .map(likeness)
+            .filter(|(likeness, _)| *likeness > 0.8);
+        let nearest = alike
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, word)| word);
         let hint = nearest.map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
         let words = quoted(words);
-        Err(self.fault(format!("is not {allowed} {words}{hint}"), format!("write {allowed} {words}")))
+        Err(self.fault(
+            format!("is not {allowed} {words}{hint}"),
+            format!("write {allowed} {words}"),
+        ))
     }
 }
 
@@ -138,7 +171,10 @@ impl<'a> Fields<'a> {
     /// The root table.
     pub fn root(sources: &'a Sources<'a>, node: &'a Node) -> Self {
         let root = Self::open(sources, "", String::new(), node);
-        Fields { place: None, ..root }
+        Fields {
+            place: None,
+            ..root
+        }
     }
 
     /// Open a table of the kind `schema` (see `keys::TABLES`) and report its unknown keys.
@@ -146,16 +182,38 @@ impl<'a> Fields<'a> {
         let place = Some(node.place);
         let known = keys::of_table(schema);
         let Value::Table(entries) = &node.value else {
-            let at = ValueAt { sources, path, node };
-            sources.report(at.wrong_kind("a table", format!("write a table with the keys {}", known.join(", "))));
-            return Fields { sources, path: at.path, place, entries: &[], is_misread: true };
+            let at = ValueAt {
+                sources,
+                path,
+                node,
+            };
+            sources.report(at.wrong_kind(
+                "a table",
+                format!("write a table with the keys {}", known.join(", ")),
+            ));
+            return Fields {
+                sources,
+                path: at.path,
+                place,
+                entries: &[],
+                is_misread: true,
+            };
         };
         let mut is_misread = false;
-        for entry in entries.iter().filter(|entry| !known.contains(&entry.key.as_str())) {
+        for entry in entries
+            .iter()
+            .filter(|entry| !known.contains(&entry.key.as_str()))
+        {
             is_misread = true;
-            let table = if schema.is_empty() { "a scenario".to_string() } else { format!("`{schema}`") };
+            let table = if schema.is_empty() {
+                "a scenario".to_string()
+            } else {
+                format!("`{schema}`")
+            };
             let meant = keys::suggestion(schema, &entry.key);
-            let hint = meant.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+            let hint = meant
+                .as_ref()
+                .map_or(String::new(), |name| format!("; did you mean `{name}`?"));
             let remedy = match meant {
                 // Harmonics form an array, so the remedy shows a harmonic within its array.
                 Some(name) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
@@ -169,12 +227,22 @@ impl<'a> Fields<'a> {
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
             sources.report(sources.fault(Some(entry.key_place), problem, remedy));
         }
-        Fields { sources, path, place, entries, is_misread }
+        Fields {
+            sources,
+            path,
+            place,
+            entries,
+            is_misread,
+        }
     }
 
     /// The dotted name of a key of this table.
     pub fn dotted(&self, name: &str) -> String {
-        if self.path.is_empty() { name.to_string() } else { format!("{}.{name}", self.path) }
+        if self.path.is_empty() {
+            name.to_string()
+        } else {
+            format!("{}.{name}", self.path)
+        }
     }
 
     fn node(&self, name: &str) -> Option<&'a Node> {
@@ -182,11 +250,19 @@ impl<'a> Fields<'a> {
     }
 
     fn value(&self, name: &str) -> Option<ValueAt<'a>> {
-        Some(ValueAt { sources: self.sources, path: self.dotted(name), node: self.node(name)? })
+        Some(ValueAt {
+            sources: self.sources,
+            path: self.dotted(name),
+            node: self.node(name)?,
+        })
     }
 
     /// What is read of a key; none if it is missing, or cannot be used, which is reported.
-    fn sound<T>(&self, key: Key, read: impl FnOnce(&ValueAt<'a>) -> Result<T, Box<Fault>>) -> Option<T> {
+    fn sound<T>(
+        &self,
+        key: Key,
+        read: impl FnOnce(&ValueAt<'a>) -> Result<T, Box<Fault>>,
+    ) -> Option<T> {
         self.sources.or_report(read(&self.value(key.name)?))
     }
 
@@ -202,7 +278,13 @@ impl<'a> Fields<'a> {
         let path = self.dotted(name);
         match self.node(name) {
             Some(node) => Self::open(self.sources, &path.clone(), path, node),
-            None => Fields { sources: self.sources, path, place: None, entries: &[], is_misread: self.is_misread },
+            None => Fields {
+                sources: self.sources,
+                path,
+                place: None,
+                entries: &[],
+                is_misread: self.is_misread,
+            },
         }
     }
 
@@ -213,26 +295,43 @@ impl<'a> Fields<'a> {
 
     /// The tables of an array of tables; a missing array is empty.
     pub fn tables(&self, name: &str) -> Vec<Fields<'a>> {
-        let Some(at) = self.value(name) else { return Vec::new() };
+        let Some(at) = self.value(name) else {
+            return Vec::new();
+        };
         let (sources, path) = (self.sources, &at.path);
         let Value::Array(items) = &at.node.value else {
-            let remedy = format!("write {name} = [{{ ... }}], with the keys {}", keys::of_table(path).join(", "));
+            let remedy = format!(
+                "write {name} = [{{ ... }}], with the keys {}",
+                keys::of_table(path).join(", ")
+            );
             sources.report(at.wrong_kind("an array of tables", remedy));
             return Vec::new();
         };
-        items.iter().enumerate().map(|(i, item)| Self::open(sources, path, format!("{path}.{i}"), item)).collect()
+        items
+            .iter()
+            .enumerate()
+            .map(|(i, item)| Self::open(sources, path, format!("{path}.{i}"), item))
+            .collect()
     }
 
     /// The tables of a table whose keys are free names, with these; none if it is missing.
     pub fn named_tables(&self, name: &str) -> Vec<(&'a str, Fields<'a>)> {
-        let Some(at) = self.value(name) else { return Vec::new() };
+        let Some(at) = self.value(name) else {
+            return Vec::new();
+        };
         let Value::Table(entries) = &at.node.value else {
-            let remedy = format!("write a table [{name}.NAME] with the keys {}", keys::of_table(name).join(", "));
+            let remedy = format!(
+                "write a table [{name}.NAME] with the keys {}",
+                keys::of_table(name).join(", ")
+            );
             self.sources.report(at.wrong_kind("a table", remedy));
             return Vec::new();
         };
         let open = |KeyValue { key, node, .. }: &'a KeyValue| {
-            (key.as_str(), Self::open(self.sources, name, format!("{name}.{key}"), node))
+            (
+                key.as_str(),
+                Self::open(self.sources, name, format!("{name}.{key}"), node),
+            )
         };
         entries.iter().map(open).collect()
     }
@@ -240,21 +339,41 @@ impl<'a> Fields<'a> {
     /// The tables of a key that may hold one table or an array of tables.
     pub fn one_or_more(&self, name: &str) -> Vec<Fields<'a>> {
         match self.node(name) {
-            Some(Node { value: Value::Array(_), .. }) => self.tables(name),
+            Some(Node {
+                value: Value::Array(_),
+                ..
+            }) => self.tables(name),
             _ => self.table_if_present(name).into_iter().collect(),
         }
     }
 
     /// The numbers of a table whose keys are free, with their places; none if it is missing.
     pub fn numbers(&self, key: Key) -> Vec<(String, f64, Option<Place>)> {
-        let free = Key { name: "", symbol: "", meaning: "a parameter", range: Allowed::Any };
+        let free = Key {
+            name: "",
+            symbol: "",
+            meaning: "a parameter",
+            range: Allowed::Any,
+        };
         let read = |at: &ValueAt<'a>| {
             let Value::Table(entries) = &at.node.value else {
                 return Err(at.wrong_kind("a table", "write names with numbers"));
             };
-            let read = |KeyValue { key, key_place, node }: &'a KeyValue| {
-                let inside = ValueAt { path: format!("{}.{key}", at.path), node, ..*at };
-                (key.clone(), self.sources.or_report(inside.literal(free)).unwrap_or(1.0), Some(*key_place))
+            let read = |KeyValue {
+                            key,
+                            key_place,
+                            node,
+                        }: &'a KeyValue| {
+                let inside = ValueAt {
+                    path: format!("{}.{key}", at.path),
+                    node,
+                    ..*at
+                };
+                (
+                    key.clone(),
+                    self.sources.or_report(inside.literal(free)).unwrap_or(1.0),
+                    Some(*key_place),
+                )
             };
             Ok(entries.iter().map(read).collect())
         };
@@ -263,20 +382,35 @@ impl<'a> Fields<'a> {
 
     /// A number that must be there; if it is missing, this is reported.
     pub fn number(&self, key: Key) -> f64 {
-        self.number_if_present(key).unwrap_or_else(|| self.missing(key))
+        self.number_if_present(key)
+            .unwrap_or_else(|| self.missing(key))
     }
 
     /// A number that must be there, towards larger and towards smaller x: one for both, or a table.
     pub fn by_direction(&self, key: Key) -> [f64; 2] {
-        let Some(Node { value: Value::Table(entries), place }) = self.node(key.name) else {
+        let Some(Node {
+            value: Value::Table(entries),
+            place,
+        }) = self.node(key.name)
+        else {
             return [self.number(key); 2];
         };
         let path = self.dotted(key.name);
-        let table = Fields { sources: self.sources, path, place: Some(*place), entries, is_misread: false };
-        for entry in entries.iter().filter(|entry| !DIRECTIONS.contains(&entry.key.as_str())) {
+        let table = Fields {
+            sources: self.sources,
+            path,
+            place: Some(*place),
+            entries,
+            is_misread: false,
+        };
+        for entry in entries
+            .iter()
+            .filter(|entry| !DIRECTIONS.contains(&entry.key.as_str()))
+        {
             let problem = format!("unknown key `{}`", short(&entry.key));
             let remedy = format!("write {} = {{ forward = 1.2, backward = 1.4 }}", key.name);
-            self.sources.report(self.sources.fault(Some(entry.key_place), problem, remedy));
+            self.sources
+                .report(self.sources.fault(Some(entry.key_place), problem, remedy));
         }
         DIRECTIONS.map(|name| table.number(Key { name, ..key }))
     }
@@ -289,22 +423,40 @@ impl<'a> Fields<'a> {
     /// A number, if it is there.
     pub fn number_if_present(&self, key: Key) -> Option<f64> {
         let read = self.value(key.name)?.number(key);
-        Some(self.sources.or_report(read).unwrap_or_else(|| key.range.stand_in()))
+        Some(
+            self.sources
+                .or_report(read)
+                .unwrap_or_else(|| key.range.stand_in()),
+        )
     }
 
     /// The numbers of a list, at most `most` of them; none if the key is missing.
     pub fn list(&self, key: Key, most: usize) -> Vec<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Array(items) if items.len() <= most => {
-                let number = |node| ValueAt { path: at.path.clone(), node, ..*at }.literal(key);
-                let sound = |node| self.sources.or_report(number(node)).unwrap_or_else(|| key.range.stand_in());
+                let number = |node| {
+                    ValueAt {
+                        path: at.path.clone(),
+                        node,
+                        ..*at
+                    }
+                    .literal(key)
+                };
+                let sound = |node| {
+                    self.sources
+                        .or_report(number(node))
+                        .unwrap_or_else(|| key.range.stand_in())
+                };
                 Ok(items.iter().map(sound).collect())
             }
             Value::Array(items) => {
                 let problem = format!("has {} numbers; at most {most} are allowed", items.len());
                 Err(at.fault(problem, format!("keep at most {most} of them")))
             }
-            _ => Err(at.wrong_kind("a list of numbers", format!("write {} = [1.0, 2.0]", key.name))),
+            _ => Err(at.wrong_kind(
+                "a list of numbers",
+                format!("write {} = [1.0, 2.0]", key.name),
+            )),
         };
         self.sound(key, read).unwrap_or_default()
     }
@@ -313,7 +465,8 @@ impl<'a> Fields<'a> {
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Text(text) => stickslip_data::seconds(text).ok_or_else(|| {
-                let remedy = "write a positive duration such as \"6h\", \"90min\" or \"2d\", or a number";
+                let remedy =
+                    "write a positive duration such as \"6h\", \"90min\" or \"2d\", or a number";
                 at.fault("is not a duration", remedy)
             }),
             _ => at.number(key),
@@ -323,23 +476,38 @@ impl<'a> Fields<'a> {
 
     /// The fault for a table that should not be there.
     pub fn fault_of_table(&self, problem: &str, remedy: &str) -> Box<Fault> {
-        self.sources.fault(self.place, problem, remedy).of(&self.path)
+        self.sources
+            .fault(self.place, problem, remedy)
+            .of(&self.path)
     }
 
     /// The fault for a text that is missing.
     pub fn missing_text(&self, key: Key, remedy: &str) -> Box<Fault> {
-        self.sources.fault(self.place, format!("missing key `{}`", self.dotted(key.name)), remedy)
+        self.sources.fault(
+            self.place,
+            format!("missing key `{}`", self.dotted(key.name)),
+            remedy,
+        )
     }
 
     /// A number or a word from a list, if it is there: `Ok(number)` or `Err(word)`.
-    pub fn number_or_word(&self, key: Key, words: &[&'static str]) -> Option<Result<f64, &'static str>> {
+    pub fn number_or_word(
+        &self,
+        key: Key,
+        words: &[&'static str],
+    ) -> Option<Result<f64, &'static str>> {
         let at = self.value(key.name)?;
-        let is_name = |text: &str| !words.contains(&text) && self.sources.named(&at.path, text).is_ok();
+        let is_name =
+            |text: &str| !words.contains(&text) && self.sources.named(&at.path, text).is_ok();
         if !matches!(&at.node.value, Value::Text(text) if !is_name(text)) {
             return Some(Ok(self.number(key)));
         }
         let word = at.word(words, &format!("{} or one of", key.range.words()));
-        Some(self.sources.or_report(word).map_or_else(|| Ok(key.range.stand_in()), Err))
+        Some(
+            self.sources
+                .or_report(word)
+                .map_or_else(|| Ok(key.range.stand_in()), Err),
+        )
     }
 
     /// A word from a list, if it is there.
@@ -359,13 +527,16 @@ impl<'a> Fields<'a> {
 
     /// One line of text, or the default if it is missing.
     pub fn line_or(&self, key: Key, default: &str) -> String {
-        self.sound(key, |at| at.text(char::is_control)).unwrap_or_else(|| default.to_string())
+        self.sound(key, |at| at.text(char::is_control))
+            .unwrap_or_else(|| default.to_string())
     }
 
     /// A text that may have line breaks and tabs; none if it is missing or cannot be used, which is
     /// reported.
     pub fn lines_if_sound(&self, key: Key) -> Option<String> {
-        self.sound(key, |at| at.text(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t')))
+        self.sound(key, |at| {
+            at.text(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t'))
+        })
     }
 
     /// One line of text, if it is there and not empty.
@@ -377,13 +548,19 @@ impl<'a> Fields<'a> {
     /// accepted as well.
     pub fn marks(&self, key: Key) -> Vec<String> {
         let read = |at: &ValueAt<'a>| {
-            let items = if let Value::Array(items) = &at.node.value { items } else { std::slice::from_ref(at.node) };
+            let items = if let Value::Array(items) = &at.node.value {
+                items
+            } else {
+                std::slice::from_ref(at.node)
+            };
             let text = |item: &Node| match &item.value {
                 Value::Text(text) => Some(text.clone()),
                 _ => item.number().map(|number| number.to_string()),
             };
             let texts: Option<Vec<String>> = items.iter().map(text).collect();
-            texts.ok_or_else(|| at.wrong_kind("numbers and strings", "write e.g. [-9999, \"no data\"]"))
+            texts.ok_or_else(|| {
+                at.wrong_kind("numbers and strings", "write e.g. [-9999, \"no data\"]")
+            })
         };
         self.sound(key, read).unwrap_or_default()
     }
@@ -395,9 +572,18 @@ impl<'a> Fields<'a> {
         }
         let (symbol, meaning) = (key.symbol, key.meaning);
         let problem = format!("missing key `{}`", self.dotted(key.name));
-        let under = if self.place.is_some() { "there" } else { &format!("under [{}]", self.path) };
-        let remedy = format!("add `{} = ...` {under}: {symbol}, {meaning}; {}", key.name, key.range.words());
-        self.sources.report(self.sources.fault(self.place, problem, remedy));
+        let under = if self.place.is_some() {
+            "there"
+        } else {
+            &format!("under [{}]", self.path)
+        };
+        let remedy = format!(
+            "add `{} = ...` {under}: {symbol}, {meaning}; {}",
+            key.name,
+            key.range.words()
+        );
+        self.sources
+            .report(self.sources.fault(self.place, problem, remedy));
         key.range.stand_in()
     }
 }
@@ -418,12 +604,17 @@ fn count(text: &str) -> Option<i128> {
     // number in floating point.
     let number = digits.parse::<f64>().ok()? * unit;
     let whole = number.round();
-    (whole.abs() < EXACT_INTEGERS && (number - whole).abs() <= f64::EPSILON * whole.abs()).then_some(whole as i128)
+    (whole.abs() < EXACT_INTEGERS && (number - whole).abs() <= f64::EPSILON * whole.abs())
+        .then_some(whole as i128)
 }
 
 /// 2^53: above it, not every whole number is a double.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
 
 fn quoted(words: &[&str]) -> String {
-    words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
+    words
+        .iter()
+        .map(|word| format!("\"{word}\""))
+        .collect::<Vec<_>>()
+        .join(", ")
 }

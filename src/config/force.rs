@@ -5,7 +5,9 @@ use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
 use super::tree::PARAMETERS;
-use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator};
+use crate::model::{
+    Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator,
+};
 use crate::scenario::{INPUT, Measured, WrittenForce};
 use stickslip_data::excerpt::underlined;
 
@@ -43,7 +45,11 @@ pub(super) fn force(
     let scope = Scope::read(root, inputs);
     let is_sound = scope.check(sources);
     let has_load = dry.place_of(keys::LOAD.name).is_some();
-    let expression = |table: &Fields<'_>, key: Key| is_sound.then(|| scope.expression(sources, table, key)).flatten();
+    let expression = |table: &Fields<'_>, key: Key| {
+        is_sound
+            .then(|| scope.expression(sources, table, key))
+            .flatten()
+    };
     let load = expression(&dry, keys::LOAD);
     let own = table.as_ref().and_then(|table| {
         if table.place_of(keys::EXPRESSION.name).is_none() {
@@ -54,13 +60,26 @@ pub(super) fn force(
     });
     let mut unused = Vec::new();
     if is_sound && own.is_some() == table.is_some() && load.is_some() == has_load {
-        let is_override =
-            ["force.expression", "friction.load"].into_iter().any(|key| sources.is_override(root.place_of(key)));
-        let is_used = |name: &str| own.iter().chain(&load).any(|of| of.unused_names().all(|unused| unused != name));
+        let is_override = ["force.expression", "friction.load"]
+            .into_iter()
+            .any(|key| sources.is_override(root.place_of(key)));
+        let is_used = |name: &str| {
+            own.iter()
+                .chain(&load)
+                .any(|of| of.unused_names().all(|unused| unused != name))
+        };
         for (name, place) in scope.places.iter().filter(|(name, _)| !is_used(name)) {
             let written = format!("use `{name}` in `force.expression` or `friction.load`");
-            if scope.parameters.iter().any(|(parameter, _)| parameter == name) {
-                let all = if is_override { ", or all with `--set 'parameters={}'`" } else { "" };
+            if scope
+                .parameters
+                .iter()
+                .any(|(parameter, _)| parameter == name)
+            {
+                let all = if is_override {
+                    ", or all with `--set 'parameters={}'`"
+                } else {
+                    ""
+                };
                 let remedy = format!("{written}, name it in place of a number, or remove it{all}");
                 let problem = format!("`{PARAMETERS}.{name}` is not used");
                 unused.push((name.clone(), sources.fault(*place, problem, remedy)));
@@ -70,19 +89,35 @@ pub(super) fn force(
             }
         }
     }
-    let absorbed = own.as_ref().and_then(Expression::linear).and_then(|linear| with(oscillator, linear));
-    let written = own.clone().map(|expression| WrittenForce { expression, without: absorbed.map(|_| oscillator) });
+    let absorbed = own
+        .as_ref()
+        .and_then(Expression::linear)
+        .and_then(|linear| with(oscillator, linear));
+    let written = own.clone().map(|expression| WrittenForce {
+        expression,
+        without: absorbed.map(|_| oscillator),
+    });
     let oscillator = absorbed.unwrap_or(oscillator);
     let own = own.filter(|_| absorbed.is_none());
     let is_sided = own.as_ref().is_some_and(|own| own.reversed().is_some());
     let is_plain = friction[0] == friction[1] && friction[0].static_force.is_finite();
     let force = if load.is_some() || is_sided || !is_plain {
         let [own, load] = [own, load].map(|given| given.map(by_direction));
-        Some(Force::with_friction(own.unwrap_or_else(|| [0; 2].map(|_| Force::none())), load, friction))
+        Some(Force::with_friction(
+            own.unwrap_or_else(|| [0; 2].map(|_| Force::none())),
+            load,
+            friction,
+        ))
     } else {
         own.map(Force::new)
     };
-    Forced { oscillator, force, written, parameters: scope.parameters, unused }
+    Forced {
+        oscillator,
+        force,
+        written,
+        parameters: scope.parameters,
+        unused,
+    }
 }
 
 /// An expression forwards and backwards.
@@ -101,21 +136,45 @@ impl Scope {
         }
         for (of, place) in inputs {
             let Some(name) = of.input() else { continue };
-            named.push(NamedSeries { name: name.to_string(), series: of.series.clone() });
+            named.push(NamedSeries {
+                name: name.to_string(),
+                series: of.series.clone(),
+            });
             places.push((name.to_string(), *place));
         }
-        Scope { parameters, inputs: named, places }
+        Scope {
+            parameters,
+            inputs: named,
+            places,
+        }
     }
 
     /// Whether all of them have names that an expression can contain; if one has not, this is
     /// reported.
     fn check(&self, sources: &Sources<'_>) -> bool {
-        let Err(ExpressionError { parameter, problem, remedy, .. }) = self.parse("0") else { return true };
+        let Err(ExpressionError {
+            parameter,
+            problem,
+            remedy,
+            ..
+        }) = self.parse("0")
+        else {
+            return true;
+        };
         let wrong = parameter.unwrap_or_default();
         // The second of two that have one name is at fault.
-        let place = self.places.iter().rev().find(|(name, _)| *name == wrong).and_then(|(_, place)| *place);
+        let place = self
+            .places
+            .iter()
+            .rev()
+            .find(|(name, _)| *name == wrong)
+            .and_then(|(_, place)| *place);
         let is_input = self.inputs.iter().any(|input| input.name == wrong);
-        let key = if is_input { keys::INPUT.name } else { PARAMETERS };
+        let key = if is_input {
+            keys::INPUT.name
+        } else {
+            PARAMETERS
+        };
         sources.report(sources.fault(place, problem, remedy).of(key));
         false
     }
@@ -125,36 +184,70 @@ impl Scope {
     }
 
     /// The expression at a key, if it is there and sound.
-    fn expression(&self, sources: &Sources<'_>, table: &Fields<'_>, key: Key) -> Option<Expression> {
+    fn expression(
+        &self,
+        sources: &Sources<'_>,
+        table: &Fields<'_>,
+        key: Key,
+    ) -> Option<Expression> {
         let place = table.place_of(key.name)?;
         let text = table.lines_if_sound(key)?;
         // Line breaks and tabs are spaces, each in the same place.
         let read = self.parse(text.replace(['\n', '\r', '\t'], " ").trim_end());
-        sources.or_report(read.map_err(|error| fault(sources, place, &text, error).of(&table.dotted(key.name))))
+        sources.or_report(
+            read.map_err(|error| fault(sources, place, &text, error).of(&table.dotted(key.name))),
+        )
     }
 }
 
 /// The body with a linear force in its stiffness and its damping; none if the stiffness would be
 /// negative.
-fn with(oscillator: Oscillator, Linear { displacement, velocity }: Linear) -> Option<Oscillator> {
-    let (stiffness, damping) = (oscillator.stiffness - displacement, oscillator.damping - 0.5 * velocity);
+fn with(
+    oscillator: Oscillator,
+    Linear {
+        displacement,
+        velocity,
+    }: Linear,
+) -> Option<Oscillator> {
+    let (stiffness, damping) = (
+        oscillator.stiffness - displacement,
+        oscillator.damping - 0.5 * velocity,
+    );
     // The temperature acts on the spring that is written, which is not the spring of the sum.
     let is_same = displacement == 0.0;
-    let drive = if is_same { oscillator.drive } else { Drive::Force(oscillator.force_per_temperature()) };
-    (stiffness >= 0.0).then_some(Oscillator { stiffness, damping, drive, ..oscillator })
+    let drive = if is_same {
+        oscillator.drive
+    } else {
+        Drive::Force(oscillator.force_per_temperature())
+    };
+    (stiffness >= 0.0).then_some(Oscillator {
+        stiffness,
+        damping,
+        drive,
+        ..oscillator
+    })
 }
 
 /// The fault for an expression, at its place inside the text of the scenario where this can be
 /// told, and with an excerpt of the expression elsewhere.
 fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError) -> Box<Fault> {
-    let ExpressionError { start, end, problem, remedy, .. } = error;
+    let ExpressionError {
+        start,
+        end,
+        problem,
+        remedy,
+        ..
+    } = error;
     match sources.within(place, text, start..end) {
         Some(inside) => sources.fault(Some(inside), problem, remedy),
         None if text.is_empty() => sources.fault(Some(place), problem, remedy),
         None => {
             let mut fault = sources.fault(Some(place), problem, remedy);
-            let characters = |bytes: std::ops::Range<usize>| text.get(bytes).map_or(0, |part| part.chars().count());
-            fault.excerpt = Some(underlined(text, characters(0..start), characters(start..end)).join("\n"));
+            let characters = |bytes: std::ops::Range<usize>| {
+                text.get(bytes).map_or(0, |part| part.chars().count())
+            };
+            fault.excerpt =
+                Some(underlined(text, characters(0..start), characters(start..end)).join("\n"));
             fault
         }
     }

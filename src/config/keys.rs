@@ -66,13 +66,28 @@ pub(super) struct Key {
 }
 
 /// A key that holds a number.
-const fn number(name: &'static str, symbol: &'static str, meaning: &'static str, range: Allowed) -> Key {
-    Key { name, symbol, meaning, range }
+const fn number(
+    name: &'static str,
+    symbol: &'static str,
+    meaning: &'static str,
+    range: Allowed,
+) -> Key {
+    Key {
+        name,
+        symbol,
+        meaning,
+        range,
+    }
 }
 
 /// A key that holds a text, a flag or a whole number.
 const fn other(name: &'static str, meaning: &'static str) -> Key {
-    Key { name, symbol: "", meaning, range: Allowed::None }
+    Key {
+        name,
+        symbol: "",
+        meaning,
+        range: Allowed::None,
+    }
 }
 
 /// A key that holds a table, or tables.
@@ -239,15 +254,25 @@ keys! {
 /// The key that a dotted name stands for, if it holds a number. The index of a harmonic is ignored.
 pub(super) fn of_name(dotted: &str) -> Option<Key> {
     let is_name = |segment: &&str| !segment.bytes().all(|byte| byte.is_ascii_digit());
-    let plain = dotted.split('.').map(str::trim).filter(is_name).collect::<Vec<_>>().join(".");
+    let plain = dotted
+        .split('.')
+        .map(str::trim)
+        .filter(is_name)
+        .collect::<Vec<_>>()
+        .join(".");
     let (table, name) = plain.rsplit_once('.')?;
     let (_, keys) = TABLES.iter().find(|(home, _)| *home == table)?;
-    keys.iter().find(|key| key.name == name && key.range != Allowed::None).copied()
+    keys.iter()
+        .find(|key| key.name == name && key.range != Allowed::None)
+        .copied()
 }
 
 /// The names of the keys of a table.
 pub(super) fn of_table(table: &str) -> Vec<&'static str> {
-    TABLES.iter().find(|(name, _)| *name == table).map_or(Vec::new(), |(_, keys)| names(keys))
+    TABLES
+        .iter()
+        .find(|(name, _)| *name == table)
+        .map_or(Vec::new(), |(_, keys)| names(keys))
 }
 
 /// The names of these keys.
@@ -290,30 +315,60 @@ const ALIKE_ACROSS: f64 = 0.85;
 /// The key that `key` in `table` probably stands for; dotted if it belongs to another table.
 pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
-    let dotted = |home: &str, name: &str| if home.is_empty() { name.to_string() } else { format!("{home}.{name}") };
-    let within = || most_alike(&word, &of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
-    let from_here = |home: &str, name: &str| if home == table { name.to_string() } else { dotted(home, name) };
+    let dotted = |home: &str, name: &str| {
+        if home.is_empty() {
+            name.to_string()
+        } else {
+            format!("{home}.{name}")
+        }
+    };
+    let within =
+        || most_alike(&word, &of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
+    let from_here = |home: &str, name: &str| {
+        if home == table {
+            name.to_string()
+        } else {
+            dotted(home, name)
+        }
+    };
     let symbol = || {
         let is_meant = |key: &&Key| !word.is_empty() && key.symbol.eq_ignore_ascii_case(&word);
-        TABLES.iter().find_map(|(home, keys)| Some(from_here(home, keys.iter().find(is_meant)?.name)))
+        TABLES
+            .iter()
+            .find_map(|(home, keys)| Some(from_here(home, keys.iter().find(is_meant)?.name)))
     };
     let synonym = || {
-        let (home, name) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word)?.1.rsplit_once('.')?;
+        let (home, name) = SYNONYMS
+            .iter()
+            .find(|(synonym, _)| *synonym == word)?
+            .1
+            .rsplit_once('.')?;
         Some(from_here(home, name))
     };
     let across = || {
         TABLES
             .iter()
-            .filter_map(|(home, keys)| Some((most_alike(&word, &names(keys), ALIKE_ACROSS)?, *home)))
+            .filter_map(|(home, keys)| {
+                Some((most_alike(&word, &names(keys), ALIKE_ACROSS)?, *home))
+            })
             .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
             .map(|((_, name), home)| dotted(home, name))
     };
     // A key of exactly this name in one other table.
     let elsewhere = || {
-        let mut homes = TABLES.iter().filter(|(home, keys)| *home != table && names(keys).contains(&word.as_str()));
-        homes.next().filter(|_| homes.next().is_none()).map(|(home, _)| dotted(home, &word))
+        let mut homes = TABLES
+            .iter()
+            .filter(|(home, keys)| *home != table && names(keys).contains(&word.as_str()));
+        homes
+            .next()
+            .filter(|_| homes.next().is_none())
+            .map(|(home, _)| dotted(home, &word))
     };
-    symbol().or_else(synonym).or_else(elsewhere).or_else(within).or_else(across)
+    symbol()
+        .or_else(synonym)
+        .or_else(elsewhere)
+        .or_else(within)
+        .or_else(across)
 }
 
 /// The name most like a word, if one is alike enough. Likeness to a part of a name, such as
@@ -322,8 +377,13 @@ fn most_alike(word: &str, names: &[&'static str], enough: f64) -> Option<(f64, &
     names
         .iter()
         .map(|name| {
-            let parts = name.split('_').map(|part| 0.95 * strsim::jaro_winkler(word, part));
-            (parts.fold(strsim::jaro_winkler(word, name), f64::max), *name)
+            let parts = name
+                .split('_')
+                .map(|part| 0.95 * strsim::jaro_winkler(word, part));
+            (
+                parts.fold(strsim::jaro_winkler(word, name), f64::max),
+                *name,
+            )
         })
         .filter(|(likeness, _)| *likeness >= enough)
         .max_by(|a, b| a.0.total_cmp(&b.0))

@@ -73,7 +73,9 @@ pub fn keys() -> Vec<String> {
         table => format!("{table}.{name}"),
     };
     let is_table = |key: &String| keys::TABLES.iter().any(|(table, _)| table == key);
-    let all = keys::TABLES.iter().flat_map(|(table, keys)| keys.iter().map(|key| dotted(table, key.name)));
+    let all = keys::TABLES
+        .iter()
+        .flat_map(|(table, keys)| keys.iter().map(|key| dotted(table, key.name)));
     all.filter(|key| !is_table(key)).collect()
 }
 
@@ -108,9 +110,18 @@ fn standard_input() -> io::Result<Vec<u8>> {
 /// is the name that messages use for it.
 pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     let is_standard_input = path == Path::new(STANDARD_INPUT);
-    let name = if is_standard_input { "standard input".to_string() } else { path.display().to_string() };
-    let unreadable = |reason: String, remedy: String| ScenarioError::Unreadable { path: name.clone(), reason, remedy };
-    let not_scenario = || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
+    let name = if is_standard_input {
+        "standard input".to_string()
+    } else {
+        path.display().to_string()
+    };
+    let unreadable = |reason: String, remedy: String| ScenarioError::Unreadable {
+        path: name.clone(),
+        reason,
+        remedy,
+    };
+    let not_scenario =
+        || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
     if path.is_dir() {
         return Err(unreadable("it is a directory".into(), not_scenario()));
     }
@@ -122,16 +133,21 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let remedy = match shipped::nearest(&stem).filter(|_| e.kind() == io::ErrorKind::NotFound) {
             Some(name) if name == stem => {
-                format!("`{stem}` alone is the shipped scenario, and `mc init --from {stem}` writes it")
+                format!(
+                    "`{stem}` alone is the shipped scenario, and `mc init --from {stem}` writes it"
+                )
             }
-            Some(name) => format!("give the path of a scenario, a TOML file; `{name}` is a shipped one"),
+            Some(name) => {
+                format!("give the path of a scenario, a TOML file; `{name}` is a shipped one")
+            }
             None => not_scenario(),
         };
         unreadable(e.to_string(), remedy)
     })?;
     if bytes.starts_with(HDF5_SIGNATURE) {
-        let remedy =
-            format!("`mc show {name}` shows the results in it, and `mc show {name} --scenario` prints their scenario");
+        let remedy = format!(
+            "`mc show {name}` shows the results in it, and `mc show {name} --scenario` prints their scenario"
+        );
         return Err(unreadable("it is an HDF5 file".into(), remedy));
     }
     if bytes.len() as u64 > MAX_FILE {
@@ -140,7 +156,10 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
-        unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
+        unreadable(
+            format!("line {line} is not UTF-8 text"),
+            "save it as UTF-8, without a byte-order mark".into(),
+        )
     })?;
     Ok((name, text))
 }
@@ -149,23 +168,34 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
 /// that it or an override names. Every key that holds a file is called `file`.
 pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     let shipped = shipped_at(path);
-    let read = || shipped.map(|found| (found.name.into(), found.text.into())).or_else(|| text_of(path).ok());
-    let Some((name, text)) = read() else { return vec![path.to_owned()] };
+    let read = || {
+        shipped
+            .map(|found| (found.name.into(), found.text.into()))
+            .or_else(|| text_of(path).ok())
+    };
+    let Some((name, text)) = read() else {
+        return vec![path.to_owned()];
+    };
     let sources = Sources::new(&name, &text, overrides, MeasuredFrom::Files);
     let sources = shipped.into_iter().fold(sources, Sources::of_shipped);
     // A text that cannot be read has its faults reported by whoever reads the scenario.
     let tree = tree::read(&sources).ok();
     let named = tree.iter().flat_map(|tree| tree.texts_at(keys::FILE.name));
     // The data of a shipped scenario are in no file.
-    let named = named.filter(|(place, file)| sources.data(file).is_none() || sources.is_override(Some(*place)));
-    std::iter::once(path.to_owned()).chain(named.map(|(_, file)| sources.path_of(file))).collect()
+    let named = named
+        .filter(|(place, file)| sources.data(file).is_none() || sources.is_override(Some(*place)));
+    std::iter::once(path.to_owned())
+        .chain(named.map(|(_, file)| sources.path_of(file)))
+        .collect()
 }
 
 impl Shipped {
     /// The scenario with the overrides applied, checked. The data files that its text names are
     /// those that are built into the program; only a file that an override names is read.
     pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-        parse::scenario(&Sources::new(self.name, self.text, overrides, MeasuredFrom::Files).of_shipped(self))
+        parse::scenario(
+            &Sources::new(self.name, self.text, overrides, MeasuredFrom::Files).of_shipped(self),
+        )
     }
 }
 
@@ -177,7 +207,10 @@ impl Scenario {
             None => Err(ScenarioError::Unreadable {
                 path: name.to_string(),
                 reason: "no shipped scenario has this name".into(),
-                remedy: format!("choose one of {}", SHIPPED.map(|scenario| scenario.name).join(", ")),
+                remedy: format!(
+                    "choose one of {}",
+                    SHIPPED.map(|scenario| scenario.name).join(", ")
+                ),
             }),
         }
     }
@@ -207,7 +240,12 @@ impl Scenario {
         overrides: &[Override],
         stored: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Stored(stored)))
+        parse::scenario(&Sources::new(
+            name,
+            text,
+            overrides,
+            MeasuredFrom::Stored(stored),
+        ))
     }
 
     /// The same with given values in place of the tables by whose names they are called, such as
@@ -219,7 +257,12 @@ impl Scenario {
         overrides: &[Override],
         samples: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Given(samples)))
+        parse::scenario(&Sources::new(
+            name,
+            text,
+            overrides,
+            MeasuredFrom::Given(samples),
+        ))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.
@@ -235,14 +278,20 @@ impl Scenario {
     pub fn number_at(&self, key: &str) -> Option<f64> {
         let whole = toml::Value::Table(self.to_toml().parse().ok()?);
         let at = |key: &str| {
-            let spot = key.split('.').map(str::trim).try_fold(&whole, |spot, segment| match spot {
-                toml::Value::Table(table) => table.get(segment),
-                toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
-                _ => None,
-            })?;
+            let spot =
+                key.split('.')
+                    .map(str::trim)
+                    .try_fold(&whole, |spot, segment| match spot {
+                        toml::Value::Table(table) => table.get(segment),
+                        toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
+                        _ => None,
+                    })?;
             Some(spot.clone())
         };
-        let number = |at: toml::Value| at.as_float().or_else(|| at.as_integer().map(|whole| whole as f64));
+        let number = |at: toml::Value| {
+            at.as_float()
+                .or_else(|| at.as_integer().map(|whole| whole as f64))
+        };
         let parameter = |name: &str| number(at(&format!("{}.{name}", tree::PARAMETERS))?);
         match at(key) {
             // A parameter is a key by itself, as in an override.

@@ -4,8 +4,17 @@ use super::error::{Fault, ScenarioError};
 use std::fmt;
 
 /// The tables that do not describe the body and what acts on it.
-const NOT_PHYSICS: [&str; 9] =
-    ["title", "displacement", "bearing", "time", "scheme", "statistics", "ensemble", "record", "units"];
+const NOT_PHYSICS: [&str; 9] = [
+    "title",
+    "displacement",
+    "bearing",
+    "time",
+    "scheme",
+    "statistics",
+    "ensemble",
+    "record",
+    "units",
+];
 
 /// The longest value that a title shows, in bytes.
 const LONGEST_SHOWN: usize = 40;
@@ -37,7 +46,11 @@ impl Override {
     pub fn set(text: &str) -> Result<Self, ScenarioError> {
         let shown = format!("--set {text}");
         match text.split_once('=') {
-            Some((key, value)) => Ok(Override { shown, key: key.trim().to_string(), value: value.trim().to_string() }),
+            Some((key, value)) => Ok(Override {
+                shown,
+                key: key.trim().to_string(),
+                value: value.trim().to_string(),
+            }),
             None => {
                 let remedy = "write --set key=value, e.g. --set friction.static=1.3";
                 let fault = Fault {
@@ -53,21 +66,37 @@ impl Override {
 
     /// The override of a flag with a key of its own, such as `--paths`.
     pub fn flag(flag: &str, key: &str, value: &str) -> Self {
-        Override { shown: format!("{flag} {value}"), key: key.to_string(), value: value.to_string() }
+        Override {
+            shown: format!("{flag} {value}"),
+            key: key.to_string(),
+            value: value.to_string(),
+        }
     }
 
     /// An override with a number that is computed, for example by a sweep. A whole number is
     /// written without a decimal point, because counts and seeds must be whole.
     pub fn number(shown: &str, key: &str, value: f64) -> Self {
         let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
-        Override::flag(shown, key, &if is_whole { format!("{value:.0}") } else { format!("{value:?}") })
+        Override::flag(
+            shown,
+            key,
+            &if is_whole {
+                format!("{value:.0}")
+            } else {
+                format!("{value:?}")
+            },
+        )
     }
 
     /// The override of a flag whose value is a text, such as a title. The text is never interpreted
     /// as TOML.
     pub fn text(flag: &str, key: &str, value: &str) -> Self {
         let quoted = toml::Value::from(value).to_string();
-        Override { shown: format!("{flag} {quoted}"), key: key.to_string(), value: quoted }
+        Override {
+            shown: format!("{flag} {quoted}"),
+            key: key.to_string(),
+            value: quoted,
+        }
     }
 
     /// `key = value` if the key belongs to the body or to what acts on it; only the key if the value
@@ -83,7 +112,8 @@ impl Override {
 
     /// Whether it sets this key, alone or together with the whole table that holds it.
     pub fn sets(&self, key: &str) -> bool {
-        key.strip_prefix(&self.key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        key.strip_prefix(&self.key)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     }
 }
 

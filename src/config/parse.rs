@@ -25,12 +25,18 @@ const CHANGED: &str = " (changed: ";
 /// The title with the changes that the overrides make to the physics, so that tables, pictures and
 /// citations are headed by what was simulated. A title among the overrides is kept as it is.
 fn titled(title: String, overrides: &[Override]) -> String {
-    let changes: Vec<String> = overrides.iter().filter_map(Override::change_of_physics).collect();
+    let changes: Vec<String> = overrides
+        .iter()
+        .filter_map(Override::change_of_physics)
+        .collect();
     if changes.is_empty() || overrides.iter().any(|change| change.sets("title")) {
         return title;
     }
     let changes = changes.join(", ");
-    match title.strip_suffix(')').filter(|title| title.contains(CHANGED)) {
+    match title
+        .strip_suffix(')')
+        .filter(|title| title.contains(CHANGED))
+    {
         Some(earlier) => format!("{earlier}, {changes})"),
         None => format!("{title}{CHANGED}{changes})"),
     }
@@ -38,13 +44,23 @@ fn titled(title: String, overrides: &[Override]) -> String {
 
 /// Read the whole tree, key by key; the stem of the source's name is the default title.
 pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
-    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
+    let stem = Path::new(sources.name)
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
     let default_title: String = stem.chars().filter(|c| !c.is_control()).collect();
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
-    let Physics { mut model, measured, is_balanced, white_noise, written_force, parameters, unused } =
-        physics(sources, &root);
+    let Physics {
+        mut model,
+        measured,
+        is_balanced,
+        white_noise,
+        written_force,
+        parameters,
+        unused,
+    } = physics(sources, &root);
     let bearing = bearing(&root);
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &measured);
     match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
@@ -61,8 +77,12 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     };
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {
-        paths: ensemble.whole_if_present(keys::PATHS, 1..=MAX_PATHS).unwrap_or(DEFAULT_PATHS),
-        seed: ensemble.whole_if_present(keys::SEED, 0..=u64::MAX).unwrap_or(DEFAULT_SEED),
+        paths: ensemble
+            .whole_if_present(keys::PATHS, 1..=MAX_PATHS)
+            .unwrap_or(DEFAULT_PATHS),
+        seed: ensemble
+            .whole_if_present(keys::SEED, 0..=u64::MAX)
+            .unwrap_or(DEFAULT_SEED),
         antithetic: ensemble.flag_or(keys::ANTITHETIC, false),
     };
     let record = root.table("record");
@@ -77,14 +97,19 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         white_noise,
         written_force,
         bearing,
-        time: output_step.map_or_else(|| Time::with_default_rows(end, scheme), |output_step| Time { end, output_step }),
+        time: output_step.map_or_else(
+            || Time::with_default_rows(end, scheme),
+            |output_step| Time { end, output_step },
+        ),
         scheme,
         statistics,
         ensemble,
         record: Record {
             paths: record.flag_or(keys::RECORD_PATHS, true),
             events: record.flag_or(keys::EVENTS, false),
-            trajectories: record.whole_if_present(keys::TRAJECTORIES, 0..=MAX_TRAJECTORIES).unwrap_or(0),
+            trajectories: record
+                .whole_if_present(keys::TRAJECTORIES, 0..=MAX_TRAJECTORIES)
+                .unwrap_or(0),
             laws: record.flag_or(keys::LAWS, false),
             density: record.flag_or(keys::DENSITY, false),
             spectrum: record.flag_or(keys::SPECTRUM, false),
@@ -100,14 +125,22 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     };
     scenario.named = sources.all_named();
     let is_named = |name: &str| scenario.named.iter().any(|(_, named)| named == name);
-    unused.into_iter().filter(|(name, _)| !is_named(name)).for_each(|(_, fault)| sources.report(fault));
-    scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, misfit));
+    unused
+        .into_iter()
+        .filter(|(name, _)| !is_named(name))
+        .for_each(|(_, fault)| sources.report(fault));
+    scenario
+        .misfits()
+        .into_iter()
+        .for_each(|misfit| report_misfit(sources, &root, misfit));
     sources.outcome(scenario)
 }
 
 /// Open every table, even one that is not read below, so that its unknown keys are reported.
 fn report_unknown_keys(root: &Fields<'_>) {
-    let tables = keys::of_table("").into_iter().filter(|name| !keys::of_table(name).is_empty());
+    let tables = keys::of_table("")
+        .into_iter()
+        .filter(|name| !keys::of_table(name).is_empty());
     for name in tables.filter(|name| *name != keys::INPUT.name) {
         root.table(name);
     }

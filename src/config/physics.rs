@@ -6,7 +6,9 @@ use super::force::{Forced, force};
 use super::keys;
 use super::series;
 use super::source::Sources;
-use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use crate::model::{
+    Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+};
 use crate::scenario::{Measured, SensorBearing, WhiteNoise, WrittenForce};
 
 /// The model, and where parts of it come from.
@@ -37,8 +39,14 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     };
 
     let table = root.table("friction");
-    let (holds, brakes) = (table.by_direction(keys::STATIC), table.by_direction(keys::DYNAMIC));
-    let friction = [0, 1].map(|i| Friction { static_force: holds[i], dynamic_force: brakes[i] });
+    let (holds, brakes) = (
+        table.by_direction(keys::STATIC),
+        table.by_direction(keys::DYNAMIC),
+    );
+    let friction = [0, 1].map(|i| Friction {
+        static_force: holds[i],
+        dynamic_force: brakes[i],
+    });
 
     let table = root.table("temperature");
     let harmonic = |of: &Fields<'_>| Harmonic {
@@ -51,15 +59,38 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let white_noise = white_noise(sources, &noises);
 
     // Only a calibration reads this table, but mistakes in it are reported by every command.
-    series::source(&root.table("displacement").table("series"), keys::VALUE, None);
-    let mut measured: Vec<Measured> =
-        sources.or_report(series::temperature(sources, root)).flatten().into_iter().collect();
+    series::source(
+        &root.table("displacement").table("series"),
+        keys::VALUE,
+        None,
+    );
+    let mut measured: Vec<Measured> = sources
+        .or_report(series::temperature(sources, root))
+        .flatten()
+        .into_iter()
+        .collect();
     let series = measured.first().map(|measured| measured.series.clone());
     let inputs = series::inputs(sources, root, &measured);
-    let is_pinned = noises.iter().fold(false, |is_pinned, of| is_pinned | of.flag_or(keys::PINNED, false));
-    let noises = if white_noise.is_some() { Vec::new() } else { noises.iter().map(noise).collect() };
-    let (offset, trend) = (table.number_or(keys::TEMPERATURE_OFFSET, 0.0), table.number_or(keys::TREND, 0.0));
-    let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noises };
+    let is_pinned = noises.iter().fold(false, |is_pinned, of| {
+        is_pinned | of.flag_or(keys::PINNED, false)
+    });
+    let noises = if white_noise.is_some() {
+        Vec::new()
+    } else {
+        noises.iter().map(noise).collect()
+    };
+    let (offset, trend) = (
+        table.number_or(keys::TEMPERATURE_OFFSET, 0.0),
+        table.number_or(keys::TREND, 0.0),
+    );
+    let temperature = Temperature {
+        offset,
+        trend,
+        harmonics,
+        series,
+        is_pinned,
+        noises,
+    };
 
     let table = root.table("initial");
     let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"]);
@@ -69,21 +100,47 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
-    let Forced { oscillator, force, written: written_force, parameters, unused } =
-        force(sources, root, oscillator, friction, &inputs);
+    let Forced {
+        oscillator,
+        force,
+        written: written_force,
+        parameters,
+        unused,
+    } = force(sources, root, oscillator, friction, &inputs);
     measured.extend(inputs.into_iter().map(|(input, _)| input));
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
     let friction = Friction::weaker(friction);
-    let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
-    Physics { model, measured, is_balanced, white_noise, written_force, parameters, unused }
+    let model = Model {
+        oscillator,
+        friction,
+        temperature,
+        force,
+        initial_displacement,
+        initial_velocity,
+    };
+    Physics {
+        model,
+        measured,
+        is_balanced,
+        white_noise,
+        written_force,
+        parameters,
+        unused,
+    }
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.
-fn balanced(sources: &Sources<'_>, table: &Fields<'_>, oscillator: &Oscillator, temperature: f64) -> f64 {
+fn balanced(
+    sources: &Sources<'_>,
+    table: &Fields<'_>,
+    oscillator: &Oscillator,
+    temperature: f64,
+) -> f64 {
     if oscillator.stiffness > 0.0 {
         return oscillator.rest_position(temperature);
     }
-    let problem = "`initial.displacement` = \"balanced\" needs a spring, and `oscillator.stiffness` is 0";
+    let problem =
+        "`initial.displacement` = \"balanced\" needs a spring, and `oscillator.stiffness` is 0";
     let place = table.place_of(keys::DISPLACEMENT.name);
     sources.report(sources.fault(place, problem, "write a number, e.g. `displacement = 0`"));
     0.0
@@ -95,10 +152,15 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
         return Drive::Dilatation(table.number(keys::DILATATION));
     };
     if table.number_if_present(keys::DILATATION).is_some() {
-        let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
+        let problem =
+            "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
         let remedy = "keep one: `dilatation` moves the rest position by beta T, `force_per_temperature` adds \
             the force c T";
-        sources.report(sources.fault(table.place_of(keys::FORCE_PER_TEMPERATURE.name), problem, remedy));
+        sources.report(sources.fault(
+            table.place_of(keys::FORCE_PER_TEMPERATURE.name),
+            problem,
+            remedy,
+        ));
     }
     Drive::Force(force)
 }
@@ -107,7 +169,10 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
 pub(super) fn bearing(root: &Fields<'_>) -> Option<SensorBearing> {
     let table = root.table_if_present("bearing")?;
     let stiffness = table.number_if_present(keys::BEARING_STIFFNESS);
-    Some(SensorBearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0) })
+    Some(SensorBearing {
+        stiffness,
+        offset: table.number_or(keys::OFFSET, 0.0),
+    })
 }
 
 fn noise(table: &Fields<'_>) -> Noise {
@@ -125,20 +190,40 @@ fn noise(table: &Fields<'_>) -> Noise {
 
 /// White noise, if one of the noises is white. It has no other keys of its own, and is alone.
 fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNoise> {
-    let table = noises.iter().find(|of| of.word(keys::NOISE_KIND, &["ornstein-uhlenbeck", WHITE]) == Some(WHITE))?;
+    let table = noises
+        .iter()
+        .find(|of| of.word(keys::NOISE_KIND, &["ornstein-uhlenbeck", WHITE]) == Some(WHITE))?;
     if noises.len() > 1 {
         let remedy = "remove the other noise, or approximate white noise by `relaxation_rate` = `diffusion` = \
                       theta (large) and `intensity` = sqrt(2 D)";
-        sources.report(table.fault_of_table("is white noise, which cannot be combined with another noise", remedy));
+        sources.report(table.fault_of_table(
+            "is white noise, which cannot be combined with another noise",
+            remedy,
+        ));
     }
-    for key in [keys::INTENSITY, keys::DIFFUSION, keys::INITIAL_NOISE, keys::PINNED] {
+    for key in [
+        keys::INTENSITY,
+        keys::DIFFUSION,
+        keys::INITIAL_NOISE,
+        keys::PINNED,
+    ] {
         if let Some(place) = table.place_of(key.name) {
-            let problem = format!("`temperature.noise.{}` has no meaning for white noise", key.name);
-            sources.report(sources.fault(Some(place), problem, "remove it; `strength` is D in sqrt(2 D) xi(t)"));
+            let problem = format!(
+                "`temperature.noise.{}` has no meaning for white noise",
+                key.name
+            );
+            sources.report(sources.fault(
+                Some(place),
+                problem,
+                "remove it; `strength` is D in sqrt(2 D) xi(t)",
+            ));
         }
     }
     let relaxation_rate = table.number_if_present(keys::RELAXATION_RATE);
-    Some(WhiteNoise { strength: table.number(keys::STRENGTH), relaxation_rate })
+    Some(WhiteNoise {
+        strength: table.number(keys::STRENGTH),
+        relaxation_rate,
+    })
 }
 
 /// The kind of a noise without memory.

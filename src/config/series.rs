@@ -9,7 +9,9 @@ use crate::model::Series;
 use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use stickslip_data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit};
+use stickslip_data::{
+    ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit,
+};
 
 /// The longest time between two temperatures, in seconds, if a scenario gives none: six hours.
 const DEFAULT_MAX_GAP: f64 = 21_600.0;
@@ -18,9 +20,17 @@ const DEFAULT_MAX_GAP: f64 = 21_600.0;
 const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
-pub(super) fn temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<Measured>, Box<Fault>> {
+pub(super) fn temperature(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+) -> Result<Option<Measured>, Box<Fault>> {
     let place = root.table("temperature").table_if_present("series");
-    let reader = Reader { sources, root, name: TEMPERATURE_SERIES.into(), quantity: ColumnQuantity::Temperature };
+    let reader = Reader {
+        sources,
+        root,
+        name: TEMPERATURE_SERIES.into(),
+        quantity: ColumnQuantity::Temperature,
+    };
     match (reader.given(), place) {
         (Some(given), _) => Ok(Some(given)),
         (None, Some(table)) => reader.measured(&table).map(Some),
@@ -29,26 +39,52 @@ pub(super) fn temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Op
 }
 
 /// Read the tables of `[input]`, each with its place. `others` are measured as well.
-pub(super) fn inputs(sources: &Sources<'_>, root: &Fields<'_>, others: &[Measured]) -> Vec<(Measured, Option<Place>)> {
-    let reader = |name: String| Reader { sources, root, name, quantity: ColumnQuantity::Input };
+pub(super) fn inputs(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+    others: &[Measured],
+) -> Vec<(Measured, Option<Place>)> {
+    let reader = |name: String| Reader {
+        sources,
+        root,
+        name,
+        quantity: ColumnQuantity::Input,
+    };
     let mut found: Vec<(Measured, Option<Place>)> = Vec::new();
     for (name, table) in root.named_tables(keys::INPUT.name) {
         let reader = reader(format!("{INPUT}{name}"));
         let read = reader.given().map_or_else(|| reader.measured(&table), Ok);
-        let measured = sources.or_report(read).unwrap_or_else(|| reader.in_memory(Arc::new(Series::nothing())));
+        let measured = sources
+            .or_report(read)
+            .unwrap_or_else(|| reader.in_memory(Arc::new(Series::nothing())));
         let starts = others.iter().chain(found.iter().map(|(other, _)| other));
         let start_of = |of: &Measured| of.start.clone().filter(|_| of.start != measured.start);
-        let other = starts.filter(|_| measured.start.is_some()).find_map(|of| Some((start_of(of)?, &of.table)));
+        let other = starts
+            .filter(|_| measured.start.is_some())
+            .find_map(|of| Some((start_of(of)?, &of.table)));
         if let (Some((other, table_of)), Some(start)) = (other, &measured.start) {
-            let problem = format!("begins at {start}, but `{table_of}` begins at {other}; both must begin at t = 0");
-            sources.report(sources.fault(table.place, problem, "cut the files to a common start").of(&reader.name));
+            let problem = format!(
+                "begins at {start}, but `{table_of}` begins at {other}; both must begin at t = 0"
+            );
+            sources.report(
+                sources
+                    .fault(table.place, problem, "cut the files to a common start")
+                    .of(&reader.name),
+            );
         }
         found.push((measured, table.place));
     }
     if let MeasuredFrom::Given(given) = sources.measured_from {
-        let is_new = |name: &str| name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != name);
+        let is_new = |name: &str| {
+            name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != name)
+        };
         let new: Vec<_> = given.iter().filter(|given| is_new(&given.name)).collect();
-        found.extend(new.into_iter().map(|given| (reader(given.name.clone()).in_memory(given.series.clone()), None)));
+        found.extend(new.into_iter().map(|given| {
+            (
+                reader(given.name.clone()).in_memory(given.series.clone()),
+                None,
+            )
+        }));
     }
     found
 }
@@ -59,12 +95,18 @@ pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource
     let given = Layout {
         time: table.line_if_present(keys::SERIES_TIME),
         zone: table.line_if_present(keys::ZONE),
-        dates: table.word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word)).and_then(DateOrder::from_word),
+        dates: table
+            .word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word))
+            .and_then(DateOrder::from_word),
         skip: table.whole_if_present(keys::SKIP, 0..=1_000_000),
-        decimal: table.word(keys::DECIMAL, &[".", ","]).and_then(|mark| mark.chars().next()),
+        decimal: table
+            .word(keys::DECIMAL, &[".", ","])
+            .and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
         outliers: table.whole_if_present(keys::OUTLIERS, 1..=1_000_000),
-        averaged: table.span_if_present(keys::AVERAGED).map(|seconds| seconds as u64),
+        averaged: table
+            .span_if_present(keys::AVERAGED)
+            .map(|seconds| seconds as u64),
         step: table.number_if_present(keys::SAMPLE_STEP),
         ..Layout::default()
     };
@@ -92,12 +134,16 @@ impl Reader<'_> {
 
     /// What a column is called that is given no name: the quantity, or the input.
     fn word(&self) -> &str {
-        self.name.strip_prefix(INPUT).unwrap_or(self.quantity.word())
+        self.name
+            .strip_prefix(INPUT)
+            .unwrap_or(self.quantity.word())
     }
 
     /// The values that replace those of the table, if there are any.
     fn given(&self) -> Option<Measured> {
-        let MeasuredFrom::Given(given) = self.sources.measured_from else { return None };
+        let MeasuredFrom::Given(given) = self.sources.measured_from else {
+            return None;
+        };
         let given = given.iter().find(|given| given.name == self.name)?;
         Some(self.in_memory(given.series.clone()))
     }
@@ -122,18 +168,31 @@ impl Reader<'_> {
     fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Fault>> {
         let sources = self.sources;
         let (value, example) = match self.is_input() {
-            true => {
-                (keys::COLUMN, "add `file = \"quake.csv\"`: a CSV file with columns of times and of values, or AT2")
-            }
-            false => (keys::VALUE, "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures"),
+            true => (
+                keys::COLUMN,
+                "add `file = \"quake.csv\"`: a CSV file with columns of times and of values, or AT2",
+            ),
+            false => (
+                keys::VALUE,
+                "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures",
+            ),
         };
-        let ColumnSource { file, column, unit, layout } = source(table, value, None);
+        let ColumnSource {
+            file,
+            column,
+            unit,
+            layout,
+        } = source(table, value, None);
         let mut measured = Measured {
             file: file.unwrap_or_default(),
             value: column.unwrap_or_default(),
             unit,
             layout,
-            max_gap: if self.is_input() { None } else { table.span_if_present(keys::MAX_GAP) },
+            max_gap: if self.is_input() {
+                None
+            } else {
+                table.span_if_present(keys::MAX_GAP)
+            },
             // If the samples are read from a file, this is overwritten with their first stamp.
             start: table.line_if_present(keys::START),
             ..self.in_memory(Arc::new(Series::nothing()))
@@ -145,7 +204,9 @@ impl Reader<'_> {
         let hash = table.line_or(keys::HASH, "");
         let is_override = sources.is_override(place);
         let stored = match sources.measured_from {
-            MeasuredFrom::Stored(stored) if !is_override => stored.iter().find(|stored| stored.name == self.name),
+            MeasuredFrom::Stored(stored) if !is_override => {
+                stored.iter().find(|stored| stored.name == self.name)
+            }
             _ => None,
         };
         match stored {
@@ -154,8 +215,10 @@ impl Reader<'_> {
         }
         let found = format!("{:016x}", measured.series.fingerprint());
         if !hash.is_empty() && !is_override && hash != found {
-            let problem =
-                format!("the samples differ from those of `{}.hash` = \"{hash}\" (hash now {found})", self.name);
+            let problem = format!(
+                "the samples differ from those of `{}.hash` = \"{hash}\" (hash now {found})",
+                self.name
+            );
             let remedy = "restore the file, or remove `hash` to accept the new samples";
             return Err(sources.fault(table.place_of("hash"), problem, remedy));
         }
@@ -167,21 +230,38 @@ impl Reader<'_> {
         let Reader { sources, root, .. } = self;
         let fault = |problem: String, remedy: String| {
             let fault = sources.fault(table.place_of("file"), problem, remedy);
-            fault.of(&format!("{}.file", self.name)).value(format!("\"{}\"", measured.file))
+            fault
+                .of(&format!("{}.file", self.name))
+                .value(format!("\"{}\"", measured.file))
         };
         let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
         let wanted = Wanted::called(self.quantity, column, self.word(), measured.unit.as_deref());
         let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
             let wanted = [Wanted { max_gap, ..wanted }];
-            match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
+            match sources
+                .data(&measured.file)
+                .filter(|_| !sources.is_override(table.place_of("file")))
+            {
                 Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
-                None => Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted),
+                None => {
+                    Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted)
+                }
             }
         };
         let cannot = |error: DataError| {
             let remedy = error.remedy.clone();
-            let reported = DataError { remedy: String::new(), ..error }.to_string();
-            fault(format!("cannot be used: {}", reported.lines().next().unwrap_or_default()), remedy)
+            let reported = DataError {
+                remedy: String::new(),
+                ..error
+            }
+            .to_string();
+            fault(
+                format!(
+                    "cannot be used: {}",
+                    reported.lines().next().unwrap_or_default()
+                ),
+                remedy,
+            )
         };
         let mut max_gap = measured.max_gap;
         let mut found = columns(max_gap).map_err(cannot)?;
@@ -195,24 +275,46 @@ impl Reader<'_> {
         let unit = label(keys::TIME_LABEL);
         if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
             let problem = format!("has times in seconds, but `units.time` is \"{unit}\"");
-            return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
+            return Err(fault(
+                problem,
+                "write the whole scenario in seconds, and `time = \"s\"` under [units]".into(),
+            ));
         }
-        let Table { start, begin, time, columns, repairs, .. } = found;
+        let Table {
+            start,
+            begin,
+            time,
+            columns,
+            repairs,
+            ..
+        } = found;
         let Some(column) = columns.into_iter().next() else {
-            return Err(fault(format!("has no {} column", self.quantity.word()), "name one".into()));
+            return Err(fault(
+                format!("has no {} column", self.quantity.word()),
+                "name one".into(),
+            ));
         };
         if let Some((si, _)) = input_unit(column.unit).filter(|(si, _)| !si.is_empty()) {
-            let (key, base) = if si == "N" { (keys::FORCE_LABEL, "N") } else { (keys::LENGTH_LABEL, "m") };
+            let (key, base) = if si == "N" {
+                (keys::FORCE_LABEL, "N")
+            } else {
+                (keys::LENGTH_LABEL, "m")
+            };
             let unit = label(key);
             if !["", base].contains(&unit.as_str()) {
-                let problem = format!("is converted to {si}, but `units.{}` is \"{unit}\"", key.name);
-                let remedy =
-                    format!("write the whole scenario in SI units, and `{} = \"{base}\"` under [units]", key.name);
+                let problem = format!(
+                    "is converted to {si}, but `units.{}` is \"{unit}\"",
+                    key.name
+                );
+                let remedy = format!(
+                    "write the whole scenario in SI units, and `{} = \"{base}\"` under [units]",
+                    key.name
+                );
                 return Err(fault(problem, remedy));
             }
         }
-        let series =
-            Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "fix the file".into()))?;
+        let series = Series::new(column.times, column.values)
+            .map_err(|e| fault(e.to_string(), "fix the file".into()))?;
         *measured = Measured {
             series: Arc::new(series),
             value: column.name,
@@ -222,7 +324,10 @@ impl Reader<'_> {
                 measured.unit.clone()
             },
             begin,
-            layout: Layout { time: Some(time).filter(|name| !name.is_empty()), ..measured.layout.clone() },
+            layout: Layout {
+                time: Some(time).filter(|name| !name.is_empty()),
+                ..measured.layout.clone()
+            },
             max_gap,
             start: start.map(|start| start.to_string()),
             repairs: repairs.sentences(),
@@ -236,6 +341,9 @@ impl Sources<'_> {
     /// The path of a file that the scenario or an override names, relative to the folder of the
     /// scenario.
     pub fn path_of(&self, file: &str) -> PathBuf {
-        Path::new(self.name).parent().unwrap_or(Path::new("")).join(file)
+        Path::new(self.name)
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(file)
     }
 }

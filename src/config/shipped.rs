@@ -45,7 +45,10 @@ pub const SHIPPED: [Shipped; 15] = shipped![
 impl Shipped {
     /// The text of the data file of this name, if its scenario reads one.
     pub fn file(&self, name: &str) -> Option<&'static str> {
-        self.data.iter().find(|(file, _)| *file == name).map(|(_, text)| *text)
+        self.data
+            .iter()
+            .find(|(file, _)| *file == name)
+            .map(|(_, text)| *text)
     }
 }
 
@@ -62,6 +65,11 @@ pub fn shipped_at(path: &Path) -> Option<&'static Shipped> {
 
 /// The name of a shipped scenario that is most like this word; none if none is like it.
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
-    let alike = SHIPPED.iter().map(|scenario| (strsim::jaro_winkler(word, scenario.name), scenario.name));
-    alike.filter(|(likeness, _)| *likeness > 0.85).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
+    let alike = SHIPPED
+        .iter()
+        .map(|scenario| (strsim::jaro_winkler(word, scenario.name), scenario.name));
+    alike
+        .filter(|(likeness, _)| *likeness > 0.85)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
 }

@@ -53,14 +53,32 @@ pub(super) enum MeasuredFrom<'a> {
 }
 
 impl<'a> Sources<'a> {
-    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], measured_from: MeasuredFrom<'a>) -> Self {
+    pub fn new(
+        name: &'a str,
+        text: &'a str,
+        overrides: &'a [Override],
+        measured_from: MeasuredFrom<'a>,
+    ) -> Self {
         let (faults, has_stand_in, parameters, named) = Default::default();
-        Sources { name, text, overrides, measured_from, shipped: None, faults, has_stand_in, parameters, named }
+        Sources {
+            name,
+            text,
+            overrides,
+            measured_from,
+            shipped: None,
+            faults,
+            has_stand_in,
+            parameters,
+            named,
+        }
     }
 
     /// The same with the data files of a shipped scenario.
     pub fn of_shipped(self, shipped: &'a Shipped) -> Self {
-        Sources { shipped: Some(shipped), ..self }
+        Sources {
+            shipped: Some(shipped),
+            ..self
+        }
     }
 
     /// The text of the built-in data file of this name, if there is one.
@@ -78,7 +96,10 @@ impl<'a> Sources<'a> {
     pub fn named(&self, key: &str, name: &str) -> Result<f64, Vec<String>> {
         let parameters = self.parameters.borrow();
         let Some((_, value)) = parameters.iter().find(|(known, _)| known == name) else {
-            return Err(parameters.iter().map(|(known, _)| format!("\"{known}\"")).collect());
+            return Err(parameters
+                .iter()
+                .map(|(known, _)| format!("\"{known}\""))
+                .collect());
         };
         let (mut named, here) = (self.named.borrow_mut(), (key.to_string(), name.to_string()));
         // A key may be read more than once.
@@ -121,14 +142,21 @@ impl<'a> Sources<'a> {
     pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
         let mut found = self.faults.take();
         found.sort_by_key(|fault| (fault.line.is_none(), fault.line, fault.column));
-        if found.is_empty() { Ok(read) } else { Err(ScenarioError::Invalid(found)) }
+        if found.is_empty() {
+            Ok(read)
+        } else {
+            Err(ScenarioError::Invalid(found))
+        }
     }
 }
 
 impl Sources<'_> {
     /// The override that a place is in; `None` if it is in the file.
     pub fn override_at(&self, place: Place) -> Option<&Override> {
-        place.text.checked_sub(1).and_then(|i| self.overrides.get(i))
+        place
+            .text
+            .checked_sub(1)
+            .and_then(|i| self.overrides.get(i))
     }
 
     /// Whether a place is in an override.
@@ -137,12 +165,22 @@ impl Sources<'_> {
     }
 
     /// A fault at a place, or of the file as a whole.
-    pub fn fault(&self, place: Option<Place>, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Fault> {
+    pub fn fault(
+        &self,
+        place: Option<Place>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Box<Fault> {
         let origin = match place.and_then(|p| self.override_at(p)) {
             Some(o) => o.shown.clone(),
             None => self.name.to_string(),
         };
-        let mut fault = Fault { origin, problem: problem.into(), remedy: remedy.into(), ..Fault::default() };
+        let mut fault = Fault {
+            origin,
+            problem: problem.into(),
+            remedy: remedy.into(),
+            ..Fault::default()
+        };
         if let Some((line, column, excerpt)) = place.and_then(|p| self.excerpt(p)) {
             (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(excerpt));
         }
@@ -152,9 +190,16 @@ impl Sources<'_> {
     /// The place of a part of a string in the file, of which `text` is the content; none where
     /// escapes hide it, or in an override.
     pub fn within(&self, place: Place, text: &str, part: std::ops::Range<usize>) -> Option<Place> {
-        let raw = self.text.get(place.start..place.end).filter(|_| place.text == 0)?;
+        let raw = self
+            .text
+            .get(place.start..place.end)
+            .filter(|_| place.text == 0)?;
         let start = place.start + raw.find(text).filter(|_| !text.is_empty())?;
-        Some(Place { text: 0, start: start + part.start, end: start + part.end })
+        Some(Place {
+            text: 0,
+            start: start + part.start,
+            end: start + part.end,
+        })
     }
 
     /// The text at a place, cut to one short line. For an override this is its whole value.
@@ -164,7 +209,11 @@ impl Sources<'_> {
             None => self.text.get(place.start..place.end).unwrap_or(""),
         };
         let line = short(raw.lines().next().unwrap_or(""));
-        if raw.contains('\n') && !line.ends_with("...") { line + "..." } else { line }
+        if raw.contains('\n') && !line.ends_with("...") {
+            line + "..."
+        } else {
+            line
+        }
     }
 
     /// A place in the file: its line and its column, counted from 1, and the line with a caret
@@ -175,7 +224,9 @@ impl Sources<'_> {
         }
         let start = floor_boundary(self.text, place.start);
         let line_start = self.text[..start].rfind('\n').map_or(0, |i| i + 1);
-        let line_end = self.text[start..].find('\n').map_or(self.text.len(), |i| start + i);
+        let line_end = self.text[start..]
+            .find('\n')
+            .map_or(self.text.len(), |i| start + i);
         let line = self.text[..line_start].matches('\n').count() + 1;
         let content = self.text[line_start..line_end].trim_end_matches('\r');
         let before = &self.text[line_start..start];
@@ -183,12 +234,19 @@ impl Sources<'_> {
         let column = before.chars().count() + 1;
         let [content, carets] = underlined(content, column - 1, marked.trim_end().chars().count());
         let margin = line.to_string();
-        let drawing = format!("{0:1$} |\n{margin} | {content}\n{0:1$} | {carets}", "", margin.len());
+        let drawing = format!(
+            "{0:1$} |\n{margin} | {content}\n{0:1$} | {carets}",
+            "",
+            margin.len()
+        );
         Some((line, column, drawing))
     }
 }
 
 /// The last character boundary at or before `index`.
 fn floor_boundary(text: &str, index: usize) -> usize {
-    (0..=index.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
+    (0..=index.min(text.len()))
+        .rev()
+        .find(|&i| text.is_char_boundary(i))
+        .unwrap_or(0)
 }

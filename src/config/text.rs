@@ -3,7 +3,9 @@
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
 use crate::model::{Drive, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
-use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce};
+use crate::scenario::{
+    Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce,
+};
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
 
@@ -40,18 +42,25 @@ impl Written<'_> {
     /// The parameter that the number at a key names, if it still has this value.
     fn parameter(&self, name: &str, value: f64) -> Option<&str> {
         let parameter = self.name_at(&format!("{}.{name}", self.table))?;
-        let (_, now) = self.parameters.iter().find(|(known, _)| known == parameter)?;
+        let (_, now) = self
+            .parameters
+            .iter()
+            .find(|(known, _)| known == parameter)?;
         (*now == value).then_some(parameter)
     }
 
     /// The parameter that the number at a dotted key names, whatever its value is now.
     fn name_at(&self, dotted: &str) -> Option<&str> {
-        self.named.iter().find(|(key, _)| key == dotted).map(|(_, name)| name.as_str())
+        self.named
+            .iter()
+            .find(|(key, _)| key == dotted)
+            .map(|(_, name)| name.as_str())
     }
 
     /// A number, or the parameter that it is.
     fn shown(&self, name: &str, value: f64) -> String {
-        self.parameter(name, value).map_or_else(|| format!("{value:?}"), string)
+        self.parameter(name, value)
+            .map_or_else(|| format!("{value:?}"), string)
     }
 
     fn number(&mut self, key: Key, value: f64) {
@@ -59,13 +68,25 @@ impl Written<'_> {
     }
 
     /// A line with the meaning of its key as a comment.
-    fn other(&mut self, Key { name, symbol, meaning, .. }: Key, value: impl Display) {
+    fn other(
+        &mut self,
+        Key {
+            name,
+            symbol,
+            meaning,
+            ..
+        }: Key,
+        value: impl Display,
+    ) {
         let colon = if symbol.is_empty() { "" } else { ": " };
         self.line(name, value, &format!("{symbol}{colon}{meaning}"));
     }
 
     fn line(&mut self, name: &str, value: impl Display, comment: &str) {
-        self.plain(format!("{:COMMENT_COLUMN$}# {comment}", format!("{name} = {value}  ")));
+        self.plain(format!(
+            "{:COMMENT_COLUMN$}# {comment}",
+            format!("{name} = {value}  ")
+        ));
     }
 }
 
@@ -73,10 +94,25 @@ impl Scenario {
     /// The whole scenario as TOML with every default; reading it gives the same scenario again. Each
     /// number is the shortest decimal that reads back as the same double.
     pub fn to_toml(&self) -> String {
-        let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, parameters, .. } =
-            self;
-        let mut text =
-            Written { lines: format!("title = {}\n", string(title)), named, parameters, ..Written::default() };
+        let Scenario {
+            title,
+            bearing,
+            time,
+            scheme,
+            statistics,
+            ensemble,
+            record,
+            units,
+            named,
+            parameters,
+            ..
+        } = self;
+        let mut text = Written {
+            lines: format!("title = {}\n", string(title)),
+            named,
+            parameters,
+            ..Written::default()
+        };
         physics(&mut text, self);
         if let Some(SensorBearing { stiffness, offset }) = *bearing {
             text.table("bearing");
@@ -94,7 +130,10 @@ impl Scenario {
             // What a scheme without a step ignores is kept, so that the parameter stays in use.
             None => match text.name_at("time.step").map(string) {
                 Some(name) => text.other(keys::STEP, name),
-                None => text.plain(format!("# no step: the {} scheme does not use one", scheme.name())),
+                None => text.plain(format!(
+                    "# no step: the {} scheme does not use one",
+                    scheme.name()
+                )),
             },
         }
         text.number(keys::OUTPUT_STEP, output_step);
@@ -113,13 +152,20 @@ impl Scenario {
         let Statistics { after, period } = *statistics;
         text.number(keys::AFTER, after);
         if !record.levels.is_empty() {
-            let levels: Vec<String> = record.levels.iter().map(|level| format!("{level:?}")).collect();
+            let levels: Vec<String> = record
+                .levels
+                .iter()
+                .map(|level| format!("{level:?}"))
+                .collect();
             text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
         }
         match (period, self.period()) {
             (Some(period), _) => text.number(keys::COMPARED, period),
             (None, Some(Period { length, source })) => {
-                text.plain(format!("# no period, so P is {}, {length:?}", source.words()));
+                text.plain(format!(
+                    "# no period, so P is {}, {length:?}",
+                    source.words()
+                ));
             }
             (None, None) => {}
         }
@@ -127,19 +173,41 @@ impl Scenario {
         text.other(keys::PATHS, ensemble.paths);
         text.other(keys::SEED, ensemble.seed);
         text.other(keys::ANTITHETIC, ensemble.antithetic);
-        let Record { paths, events, trajectories, laws, density, spectrum, energy, levels: _ } = *record;
+        let Record {
+            paths,
+            events,
+            trajectories,
+            laws,
+            density,
+            spectrum,
+            energy,
+            levels: _,
+        } = *record;
         text.table("record");
         text.other(keys::RECORD_PATHS, paths);
         text.other(keys::EVENTS, events);
         text.other(keys::TRAJECTORIES, trajectories);
-        for (key, is_asked) in
-            [(keys::LAWS, laws), (keys::DENSITY, density), (keys::SPECTRUM, spectrum), (keys::ENERGY, energy)]
-        {
+        for (key, is_asked) in [
+            (keys::LAWS, laws),
+            (keys::DENSITY, density),
+            (keys::SPECTRUM, spectrum),
+            (keys::ENERGY, energy),
+        ] {
             text.other(key, is_asked);
         }
-        let Units { time, length, force, temperature } = units;
+        let Units {
+            time,
+            length,
+            force,
+            temperature,
+        } = units;
         text.table("units");
-        let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
+        let labels = [
+            keys::TIME_LABEL,
+            keys::LENGTH_LABEL,
+            keys::FORCE_LABEL,
+            keys::TEMPERATURE_LABEL,
+        ];
         for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
             text.other(key, string(label));
         }
@@ -150,21 +218,48 @@ impl Scenario {
     /// has a comment, and tables that the scenario does not use are added as comments. Reading it
     /// gives the same scenario again. Keys that hold only for its samples are left out.
     pub fn to_template(&self) -> String {
-        let is_of_samples = |line: &&str| ["start = ", "hash = "].iter().any(|key| line.starts_with(key));
+        let is_of_samples = |line: &&str| {
+            ["start = ", "hash = "]
+                .iter()
+                .any(|key| line.starts_with(key))
+        };
         let resolved = self.to_toml();
-        let mut text: String =
-            resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
+        let mut text: String = resolved
+            .lines()
+            .filter(|line| !is_of_samples(line))
+            .map(|line| format!("{line}\n"))
+            .collect();
         let temperature = &self.model.temperature;
         let unused = [
-            (temperature.noises.is_empty(), include_str!("parts/noise.toml")),
-            (temperature.series.is_none(), include_str!("parts/series.toml")),
-            (self.written_force.is_none(), include_str!("parts/force.toml")),
-            (self.measured.iter().all(|measured| measured.input().is_none()), include_str!("parts/input.toml")),
+            (
+                temperature.noises.is_empty(),
+                include_str!("parts/noise.toml"),
+            ),
+            (
+                temperature.series.is_none(),
+                include_str!("parts/series.toml"),
+            ),
+            (
+                self.written_force.is_none(),
+                include_str!("parts/force.toml"),
+            ),
+            (
+                self.measured
+                    .iter()
+                    .all(|measured| measured.input().is_none()),
+                include_str!("parts/input.toml"),
+            ),
             (self.bearing.is_none(), include_str!("parts/bearing.toml")),
         ];
-        let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
+        let unused: Vec<&str> = unused
+            .iter()
+            .filter(|(is_unused, _)| *is_unused)
+            .map(|(_, part)| *part)
+            .collect();
         if !unused.is_empty() {
-            text.push_str("\n# Optional tables that this scenario does not use. Remove the `#` to use one.\n");
+            text.push_str(
+                "\n# Optional tables that this scenario does not use. Remove the `#` to use one.\n",
+            );
         }
         for part in unused {
             text.push('\n');
@@ -175,8 +270,18 @@ impl Scenario {
 }
 
 fn physics(text: &mut Written, scenario: &Scenario) {
-    let Scenario { model, measured, is_balanced, written_force, parameters, .. } = scenario;
-    let oscillator = written_force.as_ref().and_then(|force| force.without).unwrap_or(model.oscillator);
+    let Scenario {
+        model,
+        measured,
+        is_balanced,
+        written_force,
+        parameters,
+        ..
+    } = scenario;
+    let oscillator = written_force
+        .as_ref()
+        .and_then(|force| force.without)
+        .unwrap_or(model.oscillator);
     text.table("oscillator");
     text.number(keys::MASS, oscillator.mass);
     text.number(keys::STIFFNESS, oscillator.stiffness);
@@ -187,9 +292,18 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
     text.table("friction");
     friction(text, model);
-    let (inputs, series): (Vec<_>, Vec<_>) = measured.iter().partition(|measured| measured.input().is_some());
-    temperature(text, &model.temperature, series.first().copied(), scenario.white_noise);
-    inputs.into_iter().for_each(|input| series_of(text, input, keys::COLUMN));
+    let (inputs, series): (Vec<_>, Vec<_>) = measured
+        .iter()
+        .partition(|measured| measured.input().is_some());
+    temperature(
+        text,
+        &model.temperature,
+        series.first().copied(),
+        scenario.white_noise,
+    );
+    inputs
+        .into_iter()
+        .for_each(|input| series_of(text, input, keys::COLUMN));
     if let Some(WrittenForce { expression, .. }) = written_force {
         text.table("force");
         text.other(keys::EXPRESSION, string(expression.text()));
@@ -203,7 +317,11 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     text.table("initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
-        text.line(keys::DISPLACEMENT.name, "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, zero spring force"));
+        text.line(
+            keys::DISPLACEMENT.name,
+            "\"balanced\"",
+            &format!("x0: beta T(0) = {x0:?}, zero spring force"),
+        );
     } else {
         text.number(keys::DISPLACEMENT, model.initial_displacement);
     }
@@ -218,13 +336,22 @@ fn friction(text: &mut Written, model: &Model) {
         [forward, backward] if forward == backward => text.number(key, forward),
         both => {
             let shown = |i: usize| text.shown(&format!("{}.{}", key.name, DIRECTIONS[i]), both[i]);
-            let [[first, second], [forward, backward]] = [DIRECTIONS.map(String::from), [0, 1].map(shown)];
-            text.other(key, format!("{{ {first} = {forward}, {second} = {backward} }}"));
+            let [[first, second], [forward, backward]] =
+                [DIRECTIONS.map(String::from), [0, 1].map(shown)];
+            text.other(
+                key,
+                format!("{{ {first} = {forward}, {second} = {backward} }}"),
+            );
         }
     };
     threshold(keys::STATIC, |friction| friction.static_force);
     threshold(keys::DYNAMIC, |friction| friction.dynamic_force);
-    let load = model.force.as_ref().and_then(Force::sides).and_then(Sides::load).and_then(Force::expression);
+    let load = model
+        .force
+        .as_ref()
+        .and_then(Force::sides)
+        .and_then(Sides::load)
+        .and_then(Force::expression);
     if let Some(load) = load {
         text.other(keys::LOAD, string(load.text()));
     }
@@ -238,9 +365,16 @@ pub fn temperature_part(temperature: &Temperature) -> String {
     text.lines
 }
 
-fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>, white: Option<WhiteNoise>) {
-    let has_line =
-        of.has_line() || ["offset", "trend"].iter().any(|key| text.name_at(&format!("temperature.{key}")).is_some());
+fn temperature(
+    text: &mut Written,
+    of: &Temperature,
+    measured: Option<&Measured>,
+    white: Option<WhiteNoise>,
+) {
+    let has_line = of.has_line()
+        || ["offset", "trend"]
+            .iter()
+            .any(|key| text.name_at(&format!("temperature.{key}")).is_some());
     if has_line || of.harmonics.is_empty() {
         text.table("temperature");
     }
@@ -249,7 +383,11 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
         text.number(keys::TREND, of.trend);
     }
     if of.harmonics.is_empty() {
-        let meaning = if has_line { "no harmonics" } else { "no deterministic part" };
+        let meaning = if has_line {
+            "no harmonics"
+        } else {
+            "no deterministic part"
+        };
         text.line(keys::HARMONICS.name, "[]", meaning);
     }
     for (i, harmonic) in of.harmonics.iter().enumerate() {
@@ -282,15 +420,25 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
     }
 }
 
-fn noise(text: &mut Written, Noise { intensity, relaxation_rate, diffusion, initial }: &Noise) {
+fn noise(
+    text: &mut Written,
+    Noise {
+        intensity,
+        relaxation_rate,
+        diffusion,
+        initial,
+    }: &Noise,
+) {
     text.number(keys::INTENSITY, *intensity);
     text.number(keys::RELAXATION_RATE, *relaxation_rate);
     text.number(keys::DIFFUSION, *diffusion);
     match initial {
         InitialNoise::At(v0) => text.number(keys::INITIAL_NOISE, *v0),
-        InitialNoise::Stationary => {
-            text.line(keys::INITIAL_NOISE.name, "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))")
-        }
+        InitialNoise::Stationary => text.line(
+            keys::INITIAL_NOISE.name,
+            "\"stationary\"",
+            "v(0) ~ N(0, sigma^2 / (2 theta))",
+        ),
     }
 }
 
@@ -299,29 +447,59 @@ fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &Noise) {
     text.number(keys::STRENGTH, white.strength);
     match white.relaxation_rate {
         Some(theta) => text.number(keys::RELAXATION_RATE, theta),
-        None => text.plain(format!("# no relaxation_rate, so theta is {:?}", simulated.relaxation_rate)),
+        None => text.plain(format!(
+            "# no relaxation_rate, so theta is {:?}",
+            simulated.relaxation_rate
+        )),
     }
 }
 
 /// Where values are measured; this key names their column.
 fn series_of(text: &mut Written, measured: &Measured, column: Key) {
-    let Measured { table, series, file, value, unit, layout, max_gap, start, .. } = measured;
+    let Measured {
+        table,
+        series,
+        file,
+        value,
+        unit,
+        layout,
+        max_gap,
+        start,
+        ..
+    } = measured;
     text.table(table);
     text.other(keys::FILE, string(file));
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [
         (keys::SERIES_TIME, layout.time.as_deref().map(string)),
         (column, Some(string(value)).filter(|_| !value.is_empty())),
-        (keys::SAMPLE_STEP, layout.step.map(|step| text.shown(keys::SAMPLE_STEP.name, step))),
+        (
+            keys::SAMPLE_STEP,
+            layout
+                .step
+                .map(|step| text.shown(keys::SAMPLE_STEP.name, step)),
+        ),
         (keys::UNIT, unit.as_deref().map(string)),
         (keys::ZONE, layout.zone.as_deref().map(string)),
         (keys::DATES, layout.dates.map(|order| string(order.word()))),
         (keys::SKIP, layout.skip.map(|lines| lines.to_string())),
-        (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
+        (
+            keys::MISSING,
+            Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty()),
+        ),
         (keys::OUTLIERS, layout.outliers.map(|far| far.to_string())),
-        (keys::DECIMAL, layout.decimal.map(|mark| string(&mark.to_string()))),
-        (keys::AVERAGED, layout.averaged.map(|seconds| seconds.to_string())),
-        (keys::MAX_GAP, max_gap.map(|gap| text.shown(keys::MAX_GAP.name, gap))),
+        (
+            keys::DECIMAL,
+            layout.decimal.map(|mark| string(&mark.to_string())),
+        ),
+        (
+            keys::AVERAGED,
+            layout.averaged.map(|seconds| seconds.to_string()),
+        ),
+        (
+            keys::MAX_GAP,
+            max_gap.map(|gap| text.shown(keys::MAX_GAP.name, gap)),
+        ),
         (keys::START, start.as_deref().map(string)),
     ] {
         if let Some(given) = given {
@@ -329,7 +507,11 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
         }
     }
     let hash = format!("{:016x}", series.fingerprint());
-    text.line(keys::HASH.name, string(&hash), &format!("of the {} samples", series.times().len()));
+    text.line(
+        keys::HASH.name,
+        string(&hash),
+        &format!("of the {} samples", series.times().len()),
+    );
 }
 
 fn string(text: &str) -> String {

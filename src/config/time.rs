@@ -26,8 +26,17 @@ pub(super) fn scheme_and_time(
     });
     // `abs` turns -0.0 into 0.0.
     let given = table.number_if_present(keys::END).map(f64::abs);
-    let is_measured = root.table("temperature").table_if_present("series").is_some();
-    let end = match (given, measured.iter().map(|measured| measured.series.end()).reduce(f64::min)) {
+    let is_measured = root
+        .table("temperature")
+        .table_if_present("series")
+        .is_some();
+    let end = match (
+        given,
+        measured
+            .iter()
+            .map(|measured| measured.series.end())
+            .reduce(f64::min),
+    ) {
         (Some(end), _) => end,
         (None, Some(last)) => last_step(last, scheme),
         // The series could not be read, which is reported already.
@@ -40,15 +49,22 @@ pub(super) fn scheme_and_time(
 
 /// The time of the last sample, or of the last step before it.
 fn last_step(end: f64, scheme: Scheme) -> f64 {
-    scheme.step().map_or(end, |step| tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end))
+    scheme.step().map_or(end, |step| {
+        tidy((end / step * (1.0 + 1e-12)).floor() * step).min(end)
+    })
 }
 
 /// The scheme, and the tolerance given for it.
 fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     let table = root.table("scheme");
     let names: Vec<&'static str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-    let kind = table.word(keys::KIND, &names).and_then(Kind::from_name).unwrap_or(Kind::DiscreteVi);
-    let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else { return (kind, None) };
+    let kind = table
+        .word(keys::KIND, &names)
+        .and_then(Kind::from_name)
+        .unwrap_or(Kind::DiscreteVi);
+    let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else {
+        return (kind, None);
+    };
     // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
     // it belongs to the scheme that the file chose.
     let is_override = |key: Key| sources.is_override(table.place_of(key.name));
@@ -56,7 +72,10 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     if !kind.has_step() || is_left_behind {
         return (kind, Some(tolerance));
     }
-    let problem = format!("is not used by the {} scheme, whose accuracy is set by `time.step`", kind.name());
+    let problem = format!(
+        "is not used by the {} scheme, whose accuracy is set by `time.step`",
+        kind.name()
+    );
     let others = names_of(false);
     let remedy = format!(
         "remove it, or choose the scheme {} (`--scheme {}`)",
@@ -73,20 +92,37 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
 fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
     let table = root.table("time");
     let step = table.number_if_present(keys::STEP);
-    let Some(step) = step.filter(|_| sources.is_override(table.place_of(keys::STEP.name))) else { return };
-    let problem = format!("is not used by the {} scheme, which has no time step", kind.name());
+    let Some(step) = step.filter(|_| sources.is_override(table.place_of(keys::STEP.name))) else {
+        return;
+    };
+    let problem = format!(
+        "is not used by the {} scheme, which has no time step",
+        kind.name()
+    );
     let remedy = format!(
         "remove it (`scheme.tolerance` sets the accuracy), or choose a scheme with a time step: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
-    report_misfit(sources, root, Misfit::new(&[("time.step", step)], problem, remedy));
+    report_misfit(
+        sources,
+        root,
+        Misfit::new(&[("time.step", step)], problem, remedy),
+    );
 }
 
 /// The names of the schemes with a step, or of those without.
 fn names_of(has_step: bool) -> Vec<&'static str> {
-    Kind::ALL.iter().filter(|kind| kind.has_step() == has_step).map(|kind| kind.name()).collect()
+    Kind::ALL
+        .iter()
+        .filter(|kind| kind.has_step() == has_step)
+        .map(|kind| kind.name())
+        .collect()
 }
 
 fn listed(names: &[&str], show: impl Fn(&str) -> String) -> String {
-    names.iter().map(|name| show(name)).collect::<Vec<_>>().join(" or ")
+    names
+        .iter()
+        .map(|name| show(name))
+        .collect::<Vec<_>>()
+        .join(" or ")
 }

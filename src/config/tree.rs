@@ -41,7 +41,9 @@ impl Node {
     fn at(&self, dotted: &str) -> Option<&Node> {
         match &self.value {
             Value::Array(items) => {
-                let numbered = dotted.split_once('.').and_then(|(i, rest)| Some((i.parse::<usize>().ok()?, rest)));
+                let numbered = dotted
+                    .split_once('.')
+                    .and_then(|(i, rest)| Some((i.parse::<usize>().ok()?, rest)));
                 match numbered {
                     Some((i, rest)) => items.get(i)?.at(rest),
                     None => items.iter().find_map(|item| item.at(dotted)),
@@ -57,7 +59,9 @@ impl Node {
         match &self.value {
             Value::Float(text) => text.parse().ok(),
             Value::Integer { digits, radix: 10 } => digits.parse().ok(),
-            Value::Integer { digits, radix } => i128::from_str_radix(digits, *radix).ok().map(|n| n as f64),
+            Value::Integer { digits, radix } => {
+                i128::from_str_radix(digits, *radix).ok().map(|n| n as f64)
+            }
             _ => None,
         }
     }
@@ -66,7 +70,10 @@ impl Node {
     pub fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
         match &self.value {
             Value::Array(items) => items.iter().flat_map(|item| item.texts_at(key)).collect(),
-            Value::Table(entries) => entries.iter().flat_map(|entry| entry.texts_at(key)).collect(),
+            Value::Table(entries) => entries
+                .iter()
+                .flat_map(|entry| entry.texts_at(key))
+                .collect(),
             _ => Vec::new(),
         }
     }
@@ -74,7 +81,9 @@ impl Node {
 
 /// The node at this dotted key below a table, as [`Node::at`].
 pub(super) fn node_at<'n>(entries: &'n [KeyValue], dotted: &str) -> Option<&'n Node> {
-    let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
+    let (first, rest) = dotted
+        .split_once('.')
+        .map_or((dotted, None), |(first, rest)| (first, Some(rest)));
     let node = &entries.iter().find(|entry| entry.key == first)?.node;
     rest.map_or(Some(node), |rest| node.at(rest))
 }
@@ -111,14 +120,27 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
             "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
         sources.fault(place, format!("not valid TOML: {}", one_line(e.message())), remedy)
     })?;
-    let mut root = Node { place: Place { text: 0, start: 0, end: 0 }, value: table(parsed.into_inner(), 0) };
+    let mut root = Node {
+        place: Place {
+            text: 0,
+            start: 0,
+            end: 0,
+        },
+        value: table(parsed.into_inner(), 0),
+    };
     for i in 0..sources.overrides.len() {
         lay_over(&mut root, sources, i)?;
     }
     for home in ["force", "friction"] {
         if let Some(Node { place, .. }) = root.at(&format!("{home}.{PARAMETERS}")) {
-            let problem = format!("unknown key `{home}.{PARAMETERS}`: one table has the parameters of a scenario");
-            return Err(sources.fault(Some(*place), problem, format!("move these to [{PARAMETERS}]")));
+            let problem = format!(
+                "unknown key `{home}.{PARAMETERS}`: one table has the parameters of a scenario"
+            );
+            return Err(sources.fault(
+                Some(*place),
+                problem,
+                format!("move these to [{PARAMETERS}]"),
+            ));
         }
     }
     sources.set_parameters(parameters(&root));
@@ -127,20 +149,38 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
 
 /// The parameters that are numbers.
 fn parameters(root: &Node) -> Vec<(String, f64)> {
-    let Some(Node { value: Value::Table(entries), .. }) = root.at(PARAMETERS) else { return Vec::new() };
-    entries.iter().filter_map(|entry| Some((entry.key.clone(), entry.node.number()?))).collect()
+    let Some(Node {
+        value: Value::Table(entries),
+        ..
+    }) = root.at(PARAMETERS)
+    else {
+        return Vec::new();
+    };
+    entries
+        .iter()
+        .filter_map(|entry| Some((entry.key.clone(), entry.node.number()?)))
+        .collect()
 }
 
 fn node(value: Spanned<DeValue<'_>>, text: usize) -> Node {
     let span = value.span();
-    let place = Place { text, start: span.start, end: span.end };
+    let place = Place {
+        text,
+        start: span.start,
+        end: span.end,
+    };
     let value = match value.into_inner() {
         DeValue::String(s) => Value::Text(s.into_owned()),
-        DeValue::Integer(i) => Value::Integer { digits: i.as_str().to_string(), radix: i.radix() },
+        DeValue::Integer(i) => Value::Integer {
+            digits: i.as_str().to_string(),
+            radix: i.radix(),
+        },
         DeValue::Float(x) => Value::Float(x.as_str().to_string()),
         DeValue::Boolean(b) => Value::Boolean(b),
         DeValue::Datetime(_) => Value::Datetime,
-        DeValue::Array(items) => Value::Array(items.into_iter().map(|item| node(item, text)).collect()),
+        DeValue::Array(items) => {
+            Value::Array(items.into_iter().map(|item| node(item, text)).collect())
+        }
         DeValue::Table(entries) => table(entries, text),
     };
     Node { place, value }
@@ -151,8 +191,16 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
         .into_iter()
         .map(|(key, value)| {
             let span = key.span();
-            let key_place = Place { text, start: span.start, end: span.end };
-            KeyValue { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
+            let key_place = Place {
+                text,
+                start: span.start,
+                end: span.end,
+            };
+            KeyValue {
+                key: key.into_inner().into_owned(),
+                key_place,
+                node: node(value, text),
+            }
         })
         .collect();
     // Entries are in the order of the file, so that the first mistake in it is reported first.
@@ -163,12 +211,20 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
 /// Apply override `i`: follow its dotted key, creating tables on the way, and set its value there.
 fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
     let this = &sources.overrides[i];
-    let place = Place { text: i + 1, start: 0, end: 0 };
+    let place = Place {
+        text: i + 1,
+        start: 0,
+        end: 0,
+    };
     let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
 
     let is_table = keys::of_table("").contains(&this.key.as_str());
     let parameter = format!("{PARAMETERS}.{}", this.key);
-    let key = if !is_table && root.at(&parameter).is_some() { parameter } else { this.key.clone() };
+    let key = if !is_table && root.at(&parameter).is_some() {
+        parameter
+    } else {
+        this.key.clone()
+    };
     let mut spot = root;
     let mut walked = String::new();
     for segment in key.split('.') {
@@ -181,27 +237,53 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         }
         spot = match &mut spot.value {
             Value::Table(entries) => {
-                let at = entries.iter().position(|entry| entry.key == segment).unwrap_or_else(|| {
-                    let empty = Node { place, value: Value::Table(Vec::new()) };
-                    entries.push(KeyValue { key: segment.to_string(), key_place: place, node: empty });
-                    entries.len() - 1
-                });
+                let at = entries
+                    .iter()
+                    .position(|entry| entry.key == segment)
+                    .unwrap_or_else(|| {
+                        let empty = Node {
+                            place,
+                            value: Value::Table(Vec::new()),
+                        };
+                        entries.push(KeyValue {
+                            key: segment.to_string(),
+                            key_place: place,
+                            node: empty,
+                        });
+                        entries.len() - 1
+                    });
                 &mut entries[at].node
             }
             Value::Array(items) => {
                 let n = items.len();
                 // An index one past the end appends an entry.
-                let index = segment.parse::<usize>().ok().filter(|&index| index <= n).ok_or_else(|| {
-                    let problem = format!("`{walked}` has {n} entries, and `{segment}` is not one of them");
-                    wrong(problem, &format!("number them from 0; `{walked}.{n}` adds one"))
-                })?;
+                let index = segment
+                    .parse::<usize>()
+                    .ok()
+                    .filter(|&index| index <= n)
+                    .ok_or_else(|| {
+                        let problem = format!(
+                            "`{walked}` has {n} entries, and `{segment}` is not one of them"
+                        );
+                        wrong(
+                            problem,
+                            &format!("number them from 0; `{walked}.{n}` adds one"),
+                        )
+                    })?;
                 if index == n {
-                    items.push(Node { place, value: Value::Table(Vec::new()) });
+                    items.push(Node {
+                        place,
+                        value: Value::Table(Vec::new()),
+                    });
                 }
                 &mut items[index]
             }
             other => {
-                let problem = format!("`{walked}` is {}, so there is no `{}`", other.kind(), this.key);
+                let problem = format!(
+                    "`{walked}` is {}, so there is no `{}`",
+                    other.kind(),
+                    this.key
+                );
                 return Err(wrong(problem, "`mc check` prints every key of a scenario"));
             }
         };
@@ -218,10 +300,15 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         _ if EXPRESSIONS.contains(&this.key.trim()) && !is_quoted => Value::Text(text.to_string()),
         Ok(value) => node(value, i + 1).value,
         // The value is a bare word, or a count such as 10k.
-        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
+        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => {
+            Value::Text(text.to_string())
+        }
         Err(e) => {
             let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
-            return Err(wrong(problem, "give a number, a word, true, false, \"a string\" or { key = value }"));
+            return Err(wrong(
+                problem,
+                "give a number, a word, true, false, \"a string\" or { key = value }",
+            ));
         }
     };
     relocate(spot, place);
@@ -235,7 +322,11 @@ pub(super) const PARAMETERS: &str = keys::PARAMETERS.name;
 fn whole(text: &str) -> Cow<'_, str> {
     let digits = text.trim_start_matches(['-', '+']);
     let begins = digits.starts_with('.') && digits[1..].starts_with(|c: char| c.is_ascii_digit());
-    if begins { Cow::Owned(text.replacen('.', "0.", 1)) } else { Cow::Borrowed(text) }
+    if begins {
+        Cow::Owned(text.replacen('.', "0.", 1))
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
 /// The keys whose values are expressions.
@@ -244,7 +335,10 @@ const EXPRESSIONS: [&str; 2] = ["force.expression", "friction.load"];
 /// Whether a text is a number followed by a unit, such as 10k.
 fn is_count(text: &str) -> bool {
     let digits = text.strip_suffix(['k', 'K', 'M', 'G']).unwrap_or_default();
-    !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || "._".contains(c))
+    !digits.is_empty()
+        && digits
+            .chars()
+            .all(|c| c.is_ascii_digit() || "._".contains(c))
 }
 
 /// The place of every value within an override is the override as a whole.
@@ -261,5 +355,9 @@ fn relocate(node: &mut Node, place: Place) {
 }
 
 fn one_line(message: &str) -> String {
-    message.trim_end_matches(", expected nothing").split_whitespace().collect::<Vec<_>>().join(" ")
+    message
+        .trim_end_matches(", expected nothing")
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
 }

@@ -32,7 +32,14 @@ impl<'a> Alarm<'a> {
     pub fn new(stop: &'a AtomicBool, left: [Option<Duration>; 2]) -> Self {
         let limits = left.map(|left| left.and_then(|left| Instant::now().checked_add(left)));
         let [halt, end] = [(); 2].map(|()| AtomicBool::new(false));
-        Alarm { stop, limits, halt, end, is_over: Mutex::new(false), over: Condvar::new() }
+        Alarm {
+            stop,
+            limits,
+            halt,
+            end,
+            is_over: Mutex::new(false),
+            over: Condvar::new(),
+        }
     }
 
     /// Do some work while a thread watches the flag and the clock.
@@ -49,21 +56,31 @@ impl<'a> Alarm<'a> {
 
     /// The flags that the simulation of blocks checks.
     pub fn stops(&self) -> Stops<'_> {
-        Stops { stop: self.stop, halt: &self.halt }
+        Stops {
+            stop: self.stop,
+            halt: &self.halt,
+        }
     }
 
     fn watch(&self) {
         let mut is_over = self.is_over.lock().unwrap_or_else(PoisonError::into_inner);
         let mut rung: Option<Instant> = None;
         while !*is_over {
-            let is_past = |limit: Option<Instant>| limit.is_some_and(|limit| Instant::now() >= limit);
+            let is_past =
+                |limit: Option<Instant>| limit.is_some_and(|limit| Instant::now() >= limit);
             let is_stopped = self.stop.load(Ordering::Relaxed);
             if is_stopped || is_past(self.limits[0]) {
                 let since = *rung.get_or_insert_with(Instant::now);
-                self.halt.fetch_or(since.elapsed() >= GRACE, Ordering::Relaxed);
+                self.halt
+                    .fetch_or(since.elapsed() >= GRACE, Ordering::Relaxed);
             }
-            self.end.fetch_or(is_stopped || is_past(self.limits[1]), Ordering::Relaxed);
-            is_over = self.over.wait_timeout(is_over, LOOK).unwrap_or_else(PoisonError::into_inner).0;
+            self.end
+                .fetch_or(is_stopped || is_past(self.limits[1]), Ordering::Relaxed);
+            is_over = self
+                .over
+                .wait_timeout(is_over, LOOK)
+                .unwrap_or_else(PoisonError::into_inner)
+                .0;
         }
     }
 }
@@ -73,7 +90,11 @@ struct AlarmOver<'a>(&'a Alarm<'a>);
 
 impl Drop for AlarmOver<'_> {
     fn drop(&mut self) {
-        *self.0.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        *self
+            .0
+            .is_over
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = true;
         self.0.over.notify_all();
     }
 }

@@ -30,17 +30,29 @@ pub struct Asked {
 impl Asked {
     /// All of this many paths, whatever time they take, without the bias of the step.
     pub fn paths(paths: u64) -> Self {
-        Asked { paths, part: None, goals: Vec::new(), max_time: None, with_bias: false }
+        Asked {
+            paths,
+            part: None,
+            goals: Vec::new(),
+            max_time: None,
+            with_bias: false,
+        }
     }
 
     /// Where the numbers of a run of the scenario come from.
     pub fn provenance(&self, scenario: &Scenario) -> Provenance {
-        Provenance { paths: self.paths, ..Provenance::of(scenario) }
+        Provenance {
+            paths: self.paths,
+            ..Provenance::of(scenario)
+        }
     }
 
     /// The ensemble of a run of the scenario.
     pub fn plan(&self, scenario: &Scenario) -> Plan {
-        Plan { paths: self.paths, ..scenario.plan() }
+        Plan {
+            paths: self.paths,
+            ..scenario.plan()
+        }
     }
 
     /// The numbers of the blocks that are to be simulated.
@@ -96,7 +108,8 @@ impl Part {
     /// The blocks of this part, if the run has `all` blocks. The numbers of blocks of two parts of
     /// a run differ by at most one.
     pub fn blocks(self, all: u64) -> Range<u64> {
-        let before = |parts: u64| (u128::from(all) * u128::from(parts) / u128::from(self.of)) as u64;
+        let before =
+            |parts: u64| (u128::from(all) * u128::from(parts) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
     }
 }
@@ -112,8 +125,12 @@ impl FromStr for Part {
 
     fn from_str(text: &str) -> Result<Self, NoPart> {
         let number = |text: &str| text.trim().parse().ok();
-        let parts = text.split_once('/').and_then(|(part, of)| Some((number(part)?, number(of)?)));
-        parts.and_then(|(part, of)| Part::new(part, of)).ok_or(NoPart)
+        let parts = text
+            .split_once('/')
+            .and_then(|(part, of)| Some((number(part)?, number(of)?)));
+        parts
+            .and_then(|(part, of)| Part::new(part, of))
+            .ok_or(NoPart)
     }
 }
 
@@ -137,7 +154,10 @@ mod tests {
 
     #[test]
     fn a_part_is_read_as_it_is_written() {
-        assert_eq!("3/16".parse::<Part>().map(|part| part.to_string()), Ok("3/16".into()));
+        assert_eq!(
+            "3/16".parse::<Part>().map(|part| part.to_string()),
+            Ok("3/16".into())
+        );
         for text in ["", "3", "0/4", "5/4", "1/0", "-1/4", "1/4/2", "1.5/4"] {
             assert_eq!(text.parse::<Part>(), Err(NoPart), "{text}");
         }

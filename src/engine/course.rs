@@ -19,7 +19,10 @@ pub(super) struct Elapsed {
 
 impl Elapsed {
     pub fn after(before: Duration) -> Self {
-        Elapsed { before, start: Instant::now() }
+        Elapsed {
+            before,
+            start: Instant::now(),
+        }
     }
 
     pub fn spent(&self) -> Duration {
@@ -63,7 +66,10 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     /// The number of the first block that is not done. Blocks are done in order, so those that are
     /// done are the first ones.
     pub fn done(&self) -> u64 {
-        self.totals.blocks().last().map_or(self.asked.blocks().start, |done| done.end)
+        self.totals
+            .blocks()
+            .last()
+            .map_or(self.asked.blocks().start, |done| done.end)
     }
 
     /// Whether the run ends after this many blocks.
@@ -80,7 +86,9 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     /// The number of paths of this run before the end of a block.
     fn paths_before(&self, end: u64) -> u64 {
         let first = self.asked.blocks().start * BLOCK_SIZE;
-        (end * BLOCK_SIZE).min(self.asked.paths).saturating_sub(first)
+        (end * BLOCK_SIZE)
+            .min(self.asked.paths)
+            .saturating_sub(first)
     }
 
     /// Take the next block, and say whether more are wanted.
@@ -92,9 +100,17 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     }
 
     fn take(&mut self, block: Delivered<X>) -> Result<ControlFlow<()>, RunError> {
-        let Delivered { index, result, beside, .. } = block;
+        let Delivered {
+            index,
+            result,
+            beside,
+            ..
+        } = block;
         let end = index + 1;
-        let handed = self.sinks.iter_mut().try_for_each(|sink| sink.block(&result));
+        let handed = self
+            .sinks
+            .iter_mut()
+            .try_for_each(|sink| sink.block(&result));
         self.totals.push_with(index, result.totals, beside)?;
         if let Err(error) = handed.and_then(|()| self.save(end, false)) {
             self.broken = Some(error);
@@ -106,7 +122,8 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         Ok(match self.look(end) {
             Judgement::GoOn(needed) => {
                 let all = self.asked.own_paths();
-                self.progress.paths(self.paths_before(end), needed.unwrap_or(all).min(all));
+                self.progress
+                    .paths(self.paths_before(end), needed.unwrap_or(all).min(all));
                 ControlFlow::Continue(())
             }
             Judgement::Stop(reason) => {
@@ -124,8 +141,15 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     /// Let the sinks save the run as it is after this block.
     fn save(&mut self, end: u64, is_last: bool) -> Result<(), SinkError> {
         let (spent, paths) = (self.clock.spent(), self.paths_before(end));
-        let moment = Moment { spent, paths, is_last, state: &|| self.totals.to_bytes() };
-        self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment))
+        let moment = Moment {
+            spent,
+            paths,
+            is_last,
+            state: &|| self.totals.to_bytes(),
+        };
+        self.sinks
+            .iter_mut()
+            .try_for_each(|sink| sink.save(&moment))
     }
 
     /// No more blocks come after this one.
@@ -139,7 +163,11 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     /// Pass the outcome to the sinks.
     pub fn finish(&mut self, outcome: &Outcome) {
         if self.broken.is_none() {
-            self.broken = self.sinks.iter_mut().try_for_each(|sink| sink.finish(outcome)).err();
+            self.broken = self
+                .sinks
+                .iter_mut()
+                .try_for_each(|sink| sink.finish(outcome))
+                .err();
         }
     }
 }

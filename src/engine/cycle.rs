@@ -24,20 +24,39 @@ impl LimitCycle {
         }
         let timeline = scenario.timeline();
         let plan = scenario.plan();
-        let mut both =
-            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Replicate::Path), PathMotion::default());
-        if !plan.simulation.simulate(plan.seed, &[0], &mut both).is_empty() {
+        let mut both = (
+            BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Replicate::Path),
+            PathMotion::default(),
+        );
+        if !plan
+            .simulation
+            .simulate(plan.seed, &[0], &mut both)
+            .is_empty()
+        {
             return None;
         }
         let (block, seen) = (both.0.finish(0, 1, Vec::new()), both.1);
         let (events, after) = (&seen.events, scenario.statistics.after);
-        let counted: Vec<Event> = events.iter().copied().filter(|event| event.time >= after).collect();
-        let same = scenario.scheme.step().map_or(SAME, |h| SAME.max(2.0 * h / timeline.period.unwrap_or(timeline.end)));
-        let forcing = scenario.period().filter(|period| period.source != PeriodSource::Share);
+        let counted: Vec<Event> = events
+            .iter()
+            .copied()
+            .filter(|event| event.time >= after)
+            .collect();
+        let same = scenario.scheme.step().map_or(SAME, |h| {
+            SAME.max(2.0 * h / timeline.period.unwrap_or(timeline.end))
+        });
+        let forcing = scenario
+            .period()
+            .filter(|period| period.source != PeriodSource::Share);
         // A body that begins no slip any more rests, or slides in an ever steadier way.
-        let is_late = |event: &Event| is_slip_start(event) && event.time > 0.5 * (after + timeline.end);
+        let is_late =
+            |event: &Event| is_slip_start(event) && event.time > 0.5 * (after + timeline.end);
         let has_ended = forcing.is_none() && !counted.iter().any(is_late);
-        let from = if has_ended { 0.5 * (after + timeline.end) } else { after };
+        let from = if has_ended {
+            0.5 * (after + timeline.end)
+        } else {
+            after
+        };
         let known = model.long_run_drift();
         let drift = known.unwrap_or_else(|| seen.drift([from, timeline.end]));
         let extent = seen.amplitude([from, timeline.end], drift);
@@ -47,23 +66,36 @@ impl LimitCycle {
             Some(Period { length, .. }) => {
                 let ends = block.totals.summary().periods.mean;
                 let x0 = model.initial_displacement;
-                let states = ends.iter().skip(timeline.first_period().saturating_sub(1)).map(|x| x0 + x);
+                let states = ends
+                    .iter()
+                    .skip(timeline.first_period().saturating_sub(1))
+                    .map(|x| x0 + x);
                 let states: Vec<f64> = states.collect();
                 let advance = |n: usize| match known {
                     Some(drift) => Some(n as f64 * drift * length),
-                    None => advance(&states, n).map(|way| if way.abs() <= same * extent { 0.0 } else { way }),
+                    None => advance(&states, n)
+                        .map(|way| if way.abs() <= same * extent { 0.0 } else { way }),
                 };
-                let is_back = |n: &usize| advance(*n).is_some_and(|way| comes_back(&states, *n, way, same * extent));
+                let is_back = |n: &usize| {
+                    advance(*n).is_some_and(|way| comes_back(&states, *n, way, same * extent))
+                };
                 let multiple = (1..=LONGEST).find(is_back);
                 let end = timeline.periods() as f64 * length;
-                let found =
-                    multiple.map(|n| (end - n as f64 * length, n as f64 * length, advance(n).unwrap_or_default()));
+                let found = multiple.map(|n| {
+                    (
+                        end - n as f64 * length,
+                        n as f64 * length,
+                        advance(n).unwrap_or_default(),
+                    )
+                });
                 let times = (timeline.first_period()..).map(|n| n as f64 * length);
                 (times.zip(states).collect(), found.zip(multiple.map(Some)))
             }
             None => {
-                let starts: Vec<Event> =
-                    counted.into_iter().filter(|event| is_slip_start(event) && !has_ended).collect();
+                let starts: Vec<Event> = counted
+                    .into_iter()
+                    .filter(|event| is_slip_start(event) && !has_ended)
+                    .collect();
                 let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, same, extent));
                 let states = starts.iter().map(|event| (event.time, event.displacement));
                 (states.collect(), found.map(|found| (found, None)))
@@ -76,11 +108,17 @@ impl LimitCycle {
                 forcing_periods,
                 advance,
                 slips: cycle.iter().filter(|event| is_slip_start(event)).count(),
-                sticks: cycle.iter().filter(|event| event.kind == EventKind::StickEntered).count(),
+                sticks: cycle
+                    .iter()
+                    .filter(|event| event.kind == EventKind::StickEntered)
+                    .count(),
                 at_rest,
                 is_symmetric: advance == 0.0 && is_symmetric(&cycle, period, same * extent),
             };
-            (repeats, seen.amplitude([begin, begin + period], advance / period))
+            (
+                repeats,
+                seen.amplitude([begin, begin + period], advance / period),
+            )
         });
         let drift = repeats.map_or(drift, |(repeats, _)| repeats.advance / repeats.period);
         let (_, last) = section.split_at(section.len().saturating_sub(LimitCycle::STATES));
@@ -110,19 +148,31 @@ impl PathMotion {
     /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A motion that is
     /// steady, or repeats itself, has that slope.
     fn drift(&self, [from, to]: [f64; 2]) -> f64 {
-        let inside = || self.segments.iter().filter(|segment| segment.start >= from && segment.end() <= to);
+        let inside = || {
+            self.segments
+                .iter()
+                .filter(|segment| segment.start >= from && segment.end() <= to)
+        };
         let at = |segment: &Segment, place: u32| {
             let part = f64::from(place) / f64::from(PLACES);
-            [segment.start + part * segment.length, segment.displacement + segment.at(part)[0]]
+            [
+                segment.start + part * segment.length,
+                segment.displacement + segment.at(part)[0],
+            ]
         };
-        let turn =
-            |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
         // The upper and the lower side of the convex hull, which alone decide how wide a strip is.
         let mut hull: Vec<[f64; 2]> = Vec::new();
         for side in [1.0, -1.0] {
             let first = hull.len();
-            for next in inside().flat_map(|segment| (0..=PLACES).map(move |place| at(segment, place))) {
-                while hull.len() >= first + 2 && side * turn(hull[hull.len() - 2], hull[hull.len() - 1], next) >= 0.0 {
+            for next in
+                inside().flat_map(|segment| (0..=PLACES).map(move |place| at(segment, place)))
+            {
+                while hull.len() >= first + 2
+                    && side * turn(hull[hull.len() - 2], hull[hull.len() - 1], next) >= 0.0
+                {
                     hull.pop();
                 }
                 hull.push(next);
@@ -130,19 +180,31 @@ impl PathMotion {
         }
         let width = |slope: f64| {
             let ends = hull.iter().map(|[time, x]| x - slope * time);
-            let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+            let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
+                [a.min(x), b.max(x)]
+            });
             high - low
         };
         // The width is convex in the slope, and least at the slope of an edge.
-        let slopes = hull.windows(2).map(|edge| ((edge[1][1] - edge[0][1]) / (edge[1][0] - edge[0][0])).abs());
+        let slopes = hull
+            .windows(2)
+            .map(|edge| ((edge[1][1] - edge[0][1]) / (edge[1][0] - edge[0][0])).abs());
         let steepest = slopes.filter(|slope| slope.is_finite()).fold(0.0, f64::max);
         let [mut low, mut high] = [-steepest, steepest];
         for _ in 0..THIRDS {
             let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
-            if width(first) < width(second) { high = second } else { low = first }
+            if width(first) < width(second) {
+                high = second
+            } else {
+                low = first
+            }
         }
         let slope = 0.5 * (low + high);
-        if 2.0 * width(slope) < width(0.0) { slope } else { 0.0 }
+        if 2.0 * width(slope) < width(0.0) {
+            slope
+        } else {
+            0.0
+        }
     }
 
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or
@@ -151,27 +213,48 @@ impl PathMotion {
         let is_inside = |time: f64| time >= from && time <= to;
         let events = self.events.iter().filter(|event| is_inside(event.time));
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut reach = |time: f64, x: f64| range = [range[0].min(x - drift * time), range[1].max(x - drift * time)];
+        let mut reach = |time: f64, x: f64| {
+            range = [
+                range[0].min(x - drift * time),
+                range[1].max(x - drift * time),
+            ]
+        };
         events.for_each(|event| reach(event.time, event.displacement));
-        for segment in self.segments.iter().filter(|segment| is_inside(segment.start) && is_inside(segment.end())) {
+        for segment in self
+            .segments
+            .iter()
+            .filter(|segment| is_inside(segment.start) && is_inside(segment.end()))
+        {
             let at = |part: f64| segment.at(part)[1] - drift;
             let mut reach_at = |part: f64| {
-                reach(segment.start + part * segment.length, segment.displacement + segment.at(part)[0]);
+                reach(
+                    segment.start + part * segment.length,
+                    segment.displacement + segment.at(part)[0],
+                );
             };
             reach_at(1.0);
             for place in 0..PLACES {
-                let [mut low, mut high] = [place, place + 1].map(|place| f64::from(place) / f64::from(PLACES));
+                let [mut low, mut high] =
+                    [place, place + 1].map(|place| f64::from(place) / f64::from(PLACES));
                 let rises = at(low) < 0.0;
                 if (at(high) < 0.0) != rises {
                     for _ in 0..HALVINGS {
                         let middle = 0.5 * (low + high);
-                        if (at(middle) < 0.0) == rises { low = middle } else { high = middle }
+                        if (at(middle) < 0.0) == rises {
+                            low = middle
+                        } else {
+                            high = middle
+                        }
                     }
                     reach_at(low);
                 }
             }
         }
-        if range[0] <= range[1] { (range[1] - range[0]) / 2.0 } else { 0.0 }
+        if range[0] <= range[1] {
+            (range[1] - range[0]) / 2.0
+        } else {
+            0.0
+        }
     }
 }
 
@@ -186,7 +269,9 @@ fn comes_back(states: &[f64], n: usize, advance: f64, same: f64) -> bool {
     let count = states.len();
     count > 2 * n
         && (count - 2 * n..count).all(|k| {
-            k < n || (states[k] - states[k - n] - n as f64 * advance).abs() <= same.max(f64::EPSILON * states[k].abs())
+            k < n
+                || (states[k] - states[k - n] - n as f64 * advance).abs()
+                    <= same.max(f64::EPSILON * states[k].abs())
         })
 }
 
@@ -194,27 +279,47 @@ fn comes_back(states: &[f64], n: usize, advance: f64, same: f64) -> bool {
 /// them took the same time and got as far, one by one.
 fn autonomous(starts: &[Event], n: usize, same: f64, extent: f64) -> Option<(f64, f64, f64)> {
     let last = starts.len().checked_sub(1).filter(|last| *last >= 2 * n)?;
-    let (period, advance) =
-        (starts[last].time - starts[last - n].time, starts[last].displacement - starts[last - n].displacement);
+    let (period, advance) = (
+        starts[last].time - starts[last - n].time,
+        starts[last].displacement - starts[last - n].displacement,
+    );
     let is_same = |k: usize| {
-        let (time, x) = (starts[k].time - starts[k - n].time, starts[k].displacement - starts[k - n].displacement);
-        (time - period).abs() <= same * period && (x - advance).abs() <= same * extent.max(advance.abs())
+        let (time, x) = (
+            starts[k].time - starts[k - n].time,
+            starts[k].displacement - starts[k - n].displacement,
+        );
+        (time - period).abs() <= same * period
+            && (x - advance).abs() <= same * extent.max(advance.abs())
     };
-    (last - n..last).all(is_same).then_some((starts[last - n].time, period, advance))
+    (last - n..last)
+        .all(is_same)
+        .then_some((starts[last - n].time, period, advance))
 }
 
 /// The events from `begin` on for a time `period`, and the share of that time at rest.
 fn within(events: &[Event], begin: f64, period: f64) -> (Vec<Event>, f64) {
     let is_inside = |time: f64| time >= begin && time < begin + period;
-    let cycle: Vec<Event> = events.iter().copied().filter(|event| is_inside(event.time)).collect();
+    let cycle: Vec<Event> = events
+        .iter()
+        .copied()
+        .filter(|event| is_inside(event.time))
+        .collect();
     let rests = |event: &Event| event.kind.phase() == Phase::Static;
-    let mut is_at_rest = events.iter().rev().find(|event| event.time < begin).is_none_or(rests);
+    let mut is_at_rest = events
+        .iter()
+        .rev()
+        .find(|event| event.time < begin)
+        .is_none_or(rests);
     let (mut since, mut rest) = (begin, 0.0);
     for event in &cycle {
         rest += if is_at_rest { event.time - since } else { 0.0 };
         (since, is_at_rest) = (event.time, rests(event));
     }
-    rest += if is_at_rest { begin + period - since } else { 0.0 };
+    rest += if is_at_rest {
+        begin + period - since
+    } else {
+        0.0
+    };
     (cycle, rest / period)
 }
 
@@ -222,7 +327,10 @@ fn within(events: &[Event], begin: f64, period: f64) -> (Vec<Event>, f64) {
 fn is_symmetric(cycle: &[Event], period: f64, same: f64) -> bool {
     let half = cycle.len() / 2;
     let (first, second) = cycle.split_at(half);
-    let centre = first.first().zip(second.first()).map(|(a, b)| a.displacement + b.displacement);
+    let centre = first
+        .first()
+        .zip(second.first())
+        .map(|(a, b)| a.displacement + b.displacement);
     let Some(centre) = centre else { return false };
     cycle.len().is_multiple_of(2)
         && first.iter().zip(second).all(|(a, b)| {

@@ -135,9 +135,16 @@ pub(super) enum Judgement {
 impl Endings {
     /// Judge the goals and the time limit after the first `blocks` blocks, with their totals and
     /// the time spent on them.
-    pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, spent: Duration) -> Judgement {
+    pub fn look<X: Merge + Clone>(
+        &self,
+        blocks: u64,
+        totals: &RunTotals<X>,
+        spent: Duration,
+    ) -> Judgement {
         match (self.judge(blocks, totals), self.time) {
-            (Judgement::GoOn(_), Some(limit)) if spent >= limit => Judgement::Stop(EndedBy::TimeLimit { blocks }),
+            (Judgement::GoOn(_), Some(limit)) if spent >= limit => {
+                Judgement::Stop(EndedBy::TimeLimit { blocks })
+            }
             (goals, _) => goals,
         }
     }
@@ -162,7 +169,10 @@ impl Endings {
                     None
                 }
                 Verdict::Zero => Some(Hopeless::Zero { estimate, paths }),
-                Verdict::Missing => Some(Hopeless::Missing { statistic: goal.statistic, paths }),
+                Verdict::Missing => Some(Hopeless::Missing {
+                    statistic: goal.statistic,
+                    paths,
+                }),
             };
             if let Some(hopeless) = hopeless.filter(|_| !is_patient) {
                 return Judgement::Stop(EndedBy::Hopeless(hopeless));
@@ -170,14 +180,23 @@ impl Endings {
             is_open = true;
         }
         if !is_open {
-            return Judgement::Stop(EndedBy::Goals { goals: self.goals.clone(), blocks });
+            return Judgement::Stop(EndedBy::Goals {
+                goals: self.goals.clone(),
+                blocks,
+            });
         }
-        let Some((times, goal)) = farthest else { return Judgement::GoOn(None) };
+        let Some((times, goal)) = farthest else {
+            return Judgement::GoOn(None);
+        };
         let needed = paths as f64 * times;
         if !is_patient && needed > MOST_PATHS as f64 {
-            let least_error =
-                totals.estimate(goal.statistic).standard_error * (paths as f64 / MOST_PATHS as f64).sqrt();
-            return Judgement::Stop(EndedBy::Hopeless(Hopeless::TooFar { goal, needed, least_error }));
+            let least_error = totals.estimate(goal.statistic).standard_error
+                * (paths as f64 / MOST_PATHS as f64).sqrt();
+            return Judgement::Stop(EndedBy::Hopeless(Hopeless::TooFar {
+                goal,
+                needed,
+                least_error,
+            }));
         }
         Judgement::GoOn(Some(needed as u64))
     }
@@ -189,7 +208,9 @@ impl Endings {
             paths,
             verdict: goal.judge(&totals.estimate(goal.statistic)),
         });
-        judged.filter(|missed| missed.verdict != Verdict::Reached).collect()
+        judged
+            .filter(|missed| missed.verdict != Verdict::Reached)
+            .collect()
     }
 }
 
@@ -202,13 +223,30 @@ mod tests {
 
     fn plan(seed: u64) -> Plan {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
-        let set = ["time.step=0.02", "time.end=20", "time.output_step=20", "record.paths=false"];
-        let overrides: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
-        Plan { seed, paths: 400 * BLOCK_SIZE, ..Scenario::read(path.as_ref(), &overrides).expect("shipped").plan() }
+        let set = [
+            "time.step=0.02",
+            "time.end=20",
+            "time.output_step=20",
+            "record.paths=false",
+        ];
+        let overrides: Vec<Override> = set
+            .iter()
+            .map(|text| Override::set(text).expect("well formed"))
+            .collect();
+        Plan {
+            seed,
+            paths: 400 * BLOCK_SIZE,
+            ..Scenario::read(path.as_ref(), &overrides)
+                .expect("shipped")
+                .plan()
+        }
     }
 
     fn until(goal: &str) -> Endings {
-        Endings { goals: vec![goal.parse().expect("a goal")], time: None }
+        Endings {
+            goals: vec![goal.parse().expect("a goal")],
+            time: None,
+        }
     }
 
     /// A run that ends when its standard error looks small enough is more likely to end when it
@@ -222,7 +260,8 @@ mod tests {
         let statistic = Statistic::StickDurationMean;
         let totals = |plan: &Plan, blocks: u64| {
             let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
-            (0..blocks).for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
+            (0..blocks)
+                .for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
             totals
         };
         let truth = totals(&plan(1_000_000), 400).estimate(statistic).estimate;
@@ -232,15 +271,23 @@ mod tests {
             let plan = plan(seed);
             let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
             let blocks = (1..=400).find(|&blocks| {
-                totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
-                matches!(endings.look(blocks, &totals, Duration::ZERO), Judgement::Stop(EndedBy::Goals { .. }))
+                totals
+                    .push(blocks - 1, plan.block(blocks - 1).totals)
+                    .expect("once");
+                matches!(
+                    endings.look(blocks, &totals, Duration::ZERO),
+                    Judgement::Stop(EndedBy::Goals { .. })
+                )
             });
             lengths.push(blocks.expect("the goal is near"));
             let e = totals.estimate(statistic);
             held += u32::from(e.low <= truth && truth <= e.high);
         }
         lengths.sort_unstable();
-        assert!(lengths[20] >= 4 && lengths[380] <= 12 && lengths[20] < lengths[380], "{lengths:?}");
+        assert!(
+            lengths[20] >= 4 && lengths[380] <= 12 && lengths[20] < lengths[380],
+            "{lengths:?}"
+        );
         let share = f64::from(held) / 400.0;
         assert!((0.912..0.988).contains(&share), "{share}");
     }

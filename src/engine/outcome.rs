@@ -21,7 +21,13 @@ pub enum Status {
 }
 
 impl Status {
-    const ALL: [Status; 5] = [Status::Complete, Status::Ended, Status::Part, Status::Interrupted, Status::Running];
+    const ALL: [Status; 5] = [
+        Status::Complete,
+        Status::Ended,
+        Status::Part,
+        Status::Interrupted,
+        Status::Running,
+    ];
 
     /// The name in files and in JSON.
     pub fn name(self) -> &'static str {

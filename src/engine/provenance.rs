@@ -56,16 +56,31 @@ impl Program {
     /// Says which program has written a file, and that its numbers may therefore differ. None if it
     /// was this program.
     pub fn other(&self) -> Option<String> {
-        let (Program { version, git_hash, .. }, commit) = (self, commit());
+        let (
+            Program {
+                version, git_hash, ..
+            },
+            commit,
+        ) = (self, commit());
         let is_own = version == PROGRAM_VERSION && git_hash == commit;
-        (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({commit})"))
+        (!is_own).then(|| {
+            format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({commit})")
+        })
     }
 }
 
 impl fmt::Display for Program {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Program { version, git_hash, generator, block_size } = self;
-        write!(f, "mc {version} ({git_hash}), {generator}, blocks of {block_size}")
+        let Program {
+            version,
+            git_hash,
+            generator,
+            block_size,
+        } = self;
+        write!(
+            f,
+            "mc {version} ({git_hash}), {generator}, blocks of {block_size}"
+        )
     }
 }
 
@@ -112,7 +127,9 @@ impl Provenance {
             scenario_text: scenario.to_toml(),
             scheme: scenario.scheme.name().to_string(),
             step: scenario.scheme.step(),
-            resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
+            resolution: scenario
+                .resolution()
+                .map(|resolution| resolution.shortest_slip),
             seed: scenario.ensemble.seed,
             paths: scenario.ensemble.paths,
             antithetic: scenario.ensemble.antithetic,
@@ -121,7 +138,10 @@ impl Provenance {
             time: scenario.timeline().output_times(),
             samples: scenario.samples(),
             series_start: {
-                let temperature = scenario.measured.iter().find(|measured| measured.table == TEMPERATURE_SERIES);
+                let temperature = scenario
+                    .measured
+                    .iter()
+                    .find(|measured| measured.table == TEMPERATURE_SERIES);
                 temperature.and_then(|measured| measured.start.clone())
             },
             bearing: scenario.bearing,

@@ -58,12 +58,25 @@ impl Replay {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);
         scenario.time.output_step = output_step;
-        let record = Record { paths: true, events: true, trajectories: path + 1, ..Record::NOTHING };
+        let record = Record {
+            paths: true,
+            events: true,
+            trajectories: path + 1,
+            ..Record::NOTHING
+        };
         // The scenario in a file must be valid, and no valid scenario records more trajectories
         // than `MAX_TRAJECTORIES`.
-        scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
+        scenario.record = Record {
+            trajectories: record.trajectories.min(MAX_TRAJECTORIES),
+            ..record
+        };
         let block = rows.plan(&scenario, record).replay(path);
-        Replay { scenario, record, rows, block }
+        Replay {
+            scenario,
+            record,
+            rows,
+            block,
+        }
     }
 
     /// Where its numbers come from: a run of one path, whatever its number in the ensemble.
@@ -74,7 +87,9 @@ impl Replay {
     /// The motion of the path between its events, piece by piece, as the scheme knows it; nothing if
     /// the path is lost. The path is simulated for it once more.
     pub fn motion(&self) -> Vec<Segment> {
-        self.rows.plan(&self.scenario, Record::NOTHING).motion(self.block.rows.first_path)
+        self.rows
+            .plan(&self.scenario, Record::NOTHING)
+            .motion(self.block.rows.first_path)
     }
 
     /// Whether the path diverged or was given up.
@@ -86,7 +101,10 @@ impl Replay {
 impl ReplayRows {
     /// What simulates the path of a replay with these rows.
     fn plan(self, scenario: &Scenario, record: Record) -> Plan {
-        let plan = Plan { record, ..scenario.plan() };
+        let plan = Plan {
+            record,
+            ..scenario.plan()
+        };
         match self {
             ReplayRows::Steps { .. } => plan,
             ReplayRows::Finer(refinement) => plan.looked_at_closer(refinement),
@@ -111,8 +129,14 @@ fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
         return (stride as f64 * step, ReplayRows::Steps { stride, of });
     }
     let rows = scenario.timeline().rows().saturating_sub(1);
-    let refinement = (most as usize).checked_div(rows).unwrap_or(1).clamp(1, REFINEMENT);
-    (output_step / refinement as f64, ReplayRows::Finer(refinement))
+    let refinement = (most as usize)
+        .checked_div(rows)
+        .unwrap_or(1)
+        .clamp(1, REFINEMENT);
+    (
+        output_step / refinement as f64,
+        ReplayRows::Finer(refinement),
+    )
 }
 
 /// The smallest number of steps between rows that gives at most `most` rows besides the first one.
@@ -120,7 +144,10 @@ fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
 /// at the end of the path.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
-    (least..=2 * least).take(MOST_ROWS).find(|stride| steps.is_multiple_of(*stride)).unwrap_or(least)
+    (least..=2 * least)
+        .take(MOST_ROWS)
+        .find(|stride| steps.is_multiple_of(*stride))
+        .unwrap_or(least)
 }
 
 #[cfg(test)]
@@ -130,13 +157,19 @@ mod tests {
 
     fn scenario(name: &str, set: &[&str]) -> Scenario {
         let text = shipped(name).expect("shipped").text;
-        let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
+        let set: Vec<Override> = set
+            .iter()
+            .map(|set| Override::set(set).expect("well formed"))
+            .collect();
         Scenario::parse(name, text, &set).expect("sound")
     }
 
     #[test]
     fn a_stride_keeps_the_rows_within_bounds_and_ends_at_the_end_where_it_can() {
-        assert_eq!([0, 1, 9_999, 10_000, 60_000, 10_000_000].map(|steps| stride(steps, 9_999)), [1, 1, 1, 2, 8, 1_250]);
+        assert_eq!(
+            [0, 1, 9_999, 10_000, 60_000, 10_000_000].map(|steps| stride(steps, 9_999)),
+            [1, 1, 1, 2, 8, 1_250]
+        );
         for steps in [10_007, 99_991, 123_457, 1 << 53] {
             assert!(steps / stride(steps, 9_999) <= 9_999, "{steps}");
         }
@@ -149,15 +182,25 @@ mod tests {
             ("rho025", &["time.step=1e-6"], 0.00625),
             ("rho025", &["scheme.kind=event-driven"], 0.05),
             ("shaw", &["scheme.kind=event-driven"], 0.05),
-            ("shaw", &["scheme.kind=quasi-static", "time.output_step=0.01"], 0.01),
+            (
+                "shaw",
+                &["scheme.kind=quasi-static", "time.output_step=0.01"],
+                0.01,
+            ),
             ("viaduct", &[], 3600.0),
         ] {
             let mut scenario = scenario(name, set);
             let (output_step, _) = finest_grid(&scenario);
-            assert!((output_step / spacing - 1.0).abs() < 1e-12, "{name} {set:?}: {output_step}");
+            assert!(
+                (output_step / spacing - 1.0).abs() < 1e-12,
+                "{name} {set:?}: {output_step}"
+            );
             scenario.time.output_step = output_step;
             assert!(scenario.timeline().rows() <= MOST_ROWS);
-            assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]).expect("sound"), scenario);
+            assert_eq!(
+                Scenario::parse(name, &scenario.to_toml(), &[]).expect("sound"),
+                scenario
+            );
         }
     }
 }

@@ -60,8 +60,13 @@ impl<'a> Run<'a> {
     pub fn of(scenario: &'a Scenario) -> Self {
         Run {
             scenario,
-            asked: Asked { with_bias: true, ..Asked::paths(scenario.ensemble.paths) },
-            threads: std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS),
+            asked: Asked {
+                with_bias: true,
+                ..Asked::paths(scenario.ensemble.paths)
+            },
+            threads: std::thread::available_parallelism()
+                .map_or(1, usize::from)
+                .min(MOST_THREADS),
             stop: None,
             progress: None,
             sinks: Vec::new(),
@@ -88,7 +93,11 @@ impl<'a> Run<'a> {
     /// to whole pairs if paths are antithetic.
     pub fn paths(mut self, paths: u64) -> Self {
         let is_paired = self.scenario.ensemble.antithetic;
-        self.asked.paths = if is_paired { paths.next_multiple_of(2) } else { paths };
+        self.asked.paths = if is_paired {
+            paths.next_multiple_of(2)
+        } else {
+            paths
+        };
         self
     }
 
@@ -120,12 +129,18 @@ impl<'a> Run<'a> {
 
     /// End the run when this flag is set. Unfinished blocks then get a moment to be completed.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
-        Run { stop: Some(stop), ..self }
+        Run {
+            stop: Some(stop),
+            ..self
+        }
     }
 
     /// Report how far the run has come.
     pub fn with_progress(self, progress: &'a mut dyn Progress) -> Self {
-        Run { progress: Some(progress), ..self }
+        Run {
+            progress: Some(progress),
+            ..self
+        }
     }
 
     /// Pass every finished block, and the outcome, to this sink. There may be several sinks.
@@ -137,7 +152,11 @@ impl<'a> Run<'a> {
     /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         let so_far = SoFar {
-            totals: RunTotals::empty(&self.scenario.model, &self.scenario.timeline(), &self.scenario.record),
+            totals: RunTotals::empty(
+                &self.scenario.model,
+                &self.scenario.timeline(),
+                &self.scenario.record,
+            ),
             spent: Duration::ZERO,
         };
         self.go_on(so_far)
@@ -150,8 +169,14 @@ impl<'a> Run<'a> {
     }
 
     /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
-    pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<(Outcome, Measurement), RunError> {
-        let tallied = Tallied { tally, seed: self.scenario.ensemble.seed };
+    pub fn tallied<T: Tally<N>, const N: usize>(
+        self,
+        tally: &T,
+    ) -> Result<(Outcome, Measurement), RunError> {
+        let tallied = Tallied {
+            tally,
+            seed: self.scenario.ensemble.seed,
+        };
         let Scenario { model, record, .. } = self.scenario;
         let totals = RunTotals::with(tallied.empty(), model, &self.scenario.timeline(), record);
         let (outcome, means) = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
@@ -166,22 +191,54 @@ impl<'a> Run<'a> {
         spent: Duration,
     ) -> Result<(Outcome, C::Sums), RunError> {
         check_threads(self.threads)?;
-        let (clock, endings, never, mut nobody) = (Elapsed::after(spent), self.endings(), AtomicBool::new(false), ());
-        let (stop, progress) = (self.stop.unwrap_or(&never), self.progress.take().unwrap_or(&mut nobody));
-        let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(spent)));
+        let (clock, endings, never, mut nobody) = (
+            Elapsed::after(spent),
+            self.endings(),
+            AtomicBool::new(false),
+            (),
+        );
+        let (stop, progress) = (
+            self.stop.unwrap_or(&never),
+            self.progress.take().unwrap_or(&mut nobody),
+        );
+        let left = [endings.time, self.asked.max_time]
+            .map(|limit| limit.map(|limit| limit.saturating_sub(spent)));
         let alarm = Alarm::new(stop, left);
         let mut sinks = mem::take(&mut self.sinks);
         for sink in &mut sinks {
-            sink.begin(self.scenario, &self.asked).map_err(|error| RunError::Sink { error, outcome: None })?;
+            sink.begin(self.scenario, &self.asked)
+                .map_err(|error| RunError::Sink {
+                    error,
+                    outcome: None,
+                })?;
         }
         let plan = self.asked.plan(self.scenario);
         let (asked, halt) = (&self.asked, &alarm.halt);
         let (endings, ended_by, broken, is_taking) = (&endings, None, None, false);
-        let mut course = Course { asked, endings, halt, clock, progress, sinks, totals, ended_by, broken, is_taking };
+        let mut course = Course {
+            asked,
+            endings,
+            halt,
+            clock,
+            progress,
+            sinks,
+            totals,
+            ended_by,
+            broken,
+            is_taking,
+        };
         let left = course.left();
         let done = alarm.watching(|| {
             let deliver = |block| course.deliver(block);
-            guarded(|| plan.run_beside(auxiliary, left.clone(), self.threads, alarm.stops(), deliver))
+            guarded(|| {
+                plan.run_beside(
+                    auxiliary,
+                    left.clone(),
+                    self.threads,
+                    alarm.stops(),
+                    deliver,
+                )
+            })
         });
         let (blocks, mut flaw) = match done {
             Ok(done) => (left.start + done?, None),
@@ -189,7 +246,12 @@ impl<'a> Run<'a> {
         };
         let is_whole = blocks >= self.asked.blocks().end;
         let is_stopped = || stop.load(Ordering::Relaxed);
-        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && flaw.is_none() && !is_stopped() {
+        if !is_whole
+            && course.ended_by.is_none()
+            && course.broken.is_none()
+            && flaw.is_none()
+            && !is_stopped()
+        {
             // Only the time limit remains as a reason for which blocks were given up.
             course.ended_by = Some(EndedBy::TimeLimit { blocks });
         }
@@ -197,7 +259,11 @@ impl<'a> Run<'a> {
 
         let mut summary = course.totals.totals().summary();
         let mut bias = BiasReport::default();
-        if course.broken.is_none() && flaw.is_none() && self.asked.with_bias && self.asked.part.is_none() {
+        if course.broken.is_none()
+            && flaw.is_none()
+            && self.asked.with_bias
+            && self.asked.part.is_none()
+        {
             // The alarm looks at the flag only from time to time, so it is checked here as well.
             alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
             let paths = summary.completed_paths;
@@ -212,7 +278,10 @@ impl<'a> Run<'a> {
             summary.cycle = LimitCycle::of(self.scenario);
         }
         let status = match course.ended_by {
-            _ if course.broken.is_some() || flaw.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
+            _ if course.broken.is_some()
+                || flaw.is_some()
+                || bias.absence == Some(NoBias::Stopped) && is_stopped() =>
+            {
                 Status::Interrupted
             }
             Some(_) => Status::Ended,
@@ -221,27 +290,57 @@ impl<'a> Run<'a> {
             None => Status::Complete,
         };
         let ended_by = course.ended_by.take();
-        let is_reached = status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
-        let missed = if is_reached { endings.missed(&course.totals, summary.completed_paths) } else { Vec::new() };
+        let is_reached =
+            status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
+        let missed = if is_reached {
+            endings.missed(&course.totals, summary.completed_paths)
+        } else {
+            Vec::new()
+        };
         let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
         let seconds = clock.spent().as_secs_f64();
-        let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds };
+        let mut outcome = Outcome {
+            summary,
+            status,
+            paths,
+            part,
+            ended_by,
+            missed,
+            bias,
+            threads,
+            seconds,
+        };
         course.finish(&outcome);
         outcome.seconds = clock.spent().as_secs_f64();
         match course.broken {
-            Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
+            Some(error) => Err(RunError::Sink {
+                error,
+                outcome: Some(Box::new(outcome)),
+            }),
             None => match flaw {
-                Some(flaw) => Err(RunError::Flaw { flaw, outcome: Box::new(outcome) }),
+                Some(flaw) => Err(RunError::Flaw {
+                    flaw,
+                    outcome: Box::new(outcome),
+                }),
                 None => Ok((outcome, course.totals.own())),
             },
         }
     }
 
     fn endings(&self) -> Endings {
-        let Asked { paths, goals, max_time, with_bias, .. } = &self.asked;
+        let Asked {
+            paths,
+            goals,
+            max_time,
+            with_bias,
+            ..
+        } = &self.asked;
         let has_bias = *with_bias && max_time.is_some() && self.scenario.bias_plan(*paths).is_ok();
         let share = if has_bias { 1.0 + BIAS_SHARE } else { 1.0 };
-        Endings { goals: goals.clone(), time: max_time.map(|time| time.div_f64(share)) }
+        Endings {
+            goals: goals.clone(),
+            time: max_time.map(|time| time.div_f64(share)),
+        }
     }
 
     /// Estimate the bias of the step from some of the simulated paths, and add it to the summary.
@@ -261,6 +360,9 @@ impl<'a> Run<'a> {
             Ok(())
         };
         let absence = estimate().err();
-        BiasReport { seconds: start.elapsed().as_secs_f64(), absence }
+        BiasReport {
+            seconds: start.elapsed().as_secs_f64(),
+            absence,
+        }
     }
 }

@@ -25,8 +25,16 @@ impl Flaw {
 
 impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Flaw { doing, message, place } = self;
-        let doing = if doing.is_empty() { String::new() } else { format!(" {doing}") };
+        let Flaw {
+            doing,
+            message,
+            place,
+        } = self;
+        let doing = if doing.is_empty() {
+            String::new()
+        } else {
+            format!(" {doing}")
+        };
         write!(f, "internal error{doing}: {message}, at {place}")
     }
 }
@@ -66,8 +74,14 @@ fn flaw(panic: Box<dyn Any + Send>) -> Flaw {
         Err(panic) => panic,
     };
     let text = panic.downcast_ref::<&str>().map(ToString::to_string);
-    let message = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".to_string());
-    Flaw { doing: String::new(), message, place: PLACE.take() }
+    let message = text
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "a panic".to_string());
+    Flaw {
+        doing: String::new(),
+        message,
+        place: PLACE.take(),
+    }
 }
 
 /// The place of a panic is known to the hook of the process only. Panics of other threads, and those
@@ -80,7 +94,9 @@ fn note_places() {
             if GUARDS.get() == 0 {
                 return before(info);
             }
-            let place = info.location().map_or_else(|| "an unknown place".to_string(), ToString::to_string);
+            let place = info
+                .location()
+                .map_or_else(|| "an unknown place".to_string(), ToString::to_string);
             // A package names its files from its own folder on.
             PLACE.set(place.rsplit("../").next().unwrap_or_default().to_string());
         }));
@@ -97,10 +113,18 @@ mod tests {
         let index = nothing.len() + 3;
         let work = || naming(|| "in paths 0 to 255".to_string(), || nothing[index]);
         let flaw = guarded(|| {
-            std::thread::scope(|scope| scope.spawn(work).join().unwrap_or_else(|e| panic::resume_unwind(e)))
+            std::thread::scope(|scope| {
+                scope
+                    .spawn(work)
+                    .join()
+                    .unwrap_or_else(|e| panic::resume_unwind(e))
+            })
         });
         let said = flaw.expect_err("it panics").to_string();
-        assert!(said.starts_with("internal error in paths 0 to 255: index out of bounds"), "{said}");
+        assert!(
+            said.starts_with("internal error in paths 0 to 255: index out of bounds"),
+            "{said}"
+        );
         assert!(said.contains("at src/ensemble/flaw.rs:"), "{said}");
         assert_eq!(guarded(|| 3), Ok(3));
     }

@@ -36,8 +36,13 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     make: impl Fn(u64) -> Option<R> + Sync,
     mut deliver: impl FnMut(R) -> Result<ControlFlow<()>, E> + Send,
 ) -> Result<u64, E> {
-    let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).clamp(1, MOST_THREADS);
-    let queue = OrderedQueue { state: Mutex::new(Delivery::new(&mut deliver)), moved: Condvar::new() };
+    let workers = threads
+        .min(count.try_into().unwrap_or(usize::MAX))
+        .clamp(1, MOST_THREADS);
+    let queue = OrderedQueue {
+        state: Mutex::new(Delivery::new(&mut deliver)),
+        moved: Condvar::new(),
+    };
     let work = || {
         let _watch = LeaveOnPanic(&queue);
         while let Some(index) = queue.take(count, workers as u64 * PIECES_AHEAD, stop) {
@@ -53,7 +58,10 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
         // If no threads can be created, the thread of the caller makes all pieces.
         _ => work(),
     }
-    let state = queue.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let state = queue
+        .state
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
     match state.end {
         Some(Err(error)) => Err(error),
         _ => Ok(state.delivered),
@@ -83,7 +91,13 @@ struct Delivery<'a, R, E> {
 
 impl<'a, R, E> Delivery<'a, R, E> {
     fn new(deliver: &'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send)) -> Self {
-        Delivery { next: 0, delivered: 0, waiting: BTreeMap::new(), deliver: Some(deliver), end: None }
+        Delivery {
+            next: 0,
+            delivered: 0,
+            waiting: BTreeMap::new(),
+            deliver: Some(deliver),
+            end: None,
+        }
     }
 }
 
@@ -98,7 +112,10 @@ impl<'a, R, E> OrderedQueue<'a, R, E> {
     fn take(&self, count: u64, ahead: u64, stop: &AtomicBool) -> Option<u64> {
         let mut state = self.lock();
         while state.next < count && state.next >= state.delivered + ahead && state.end.is_none() {
-            state = self.moved.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = self
+                .moved
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
         }
         if state.next >= count || state.end.is_some() || stop.load(Ordering::Relaxed) {
             return None;
@@ -120,10 +137,14 @@ impl<'a, R, E> OrderedQueue<'a, R, E> {
     fn put(&self, index: u64, piece: R) {
         let mut state = self.lock();
         state.waiting.insert(index, piece);
-        let Some(deliver) = state.deliver.take() else { return };
+        let Some(deliver) = state.deliver.take() else {
+            return;
+        };
         while state.end.is_none() {
             let turn = state.delivered;
-            let Some(piece) = state.waiting.remove(&turn) else { break };
+            let Some(piece) = state.waiting.remove(&turn) else {
+                break;
+            };
             drop(state);
             let flow = deliver(piece);
             state = self.lock();
@@ -176,12 +197,19 @@ mod tests {
         let mut seen = Vec::new();
         let deliver = |index: u64| -> Result<_, Infallible> {
             if index == 0 {
-                third.lock().unwrap().recv_timeout(LONG).expect("piece 3 begins during the delivery of piece 0");
+                third
+                    .lock()
+                    .unwrap()
+                    .recv_timeout(LONG)
+                    .expect("piece 3 begins during the delivery of piece 0");
             }
             seen.push(index);
             Ok(ControlFlow::Continue(()))
         };
-        assert_eq!(in_order(40, 2, &AtomicBool::new(false), make, deliver), Ok(40));
+        assert_eq!(
+            in_order(40, 2, &AtomicBool::new(false), make, deliver),
+            Ok(40)
+        );
         assert!(seen.into_iter().eq(0..40));
     }
 
@@ -191,9 +219,19 @@ mod tests {
         for (maker, deliverer) in [(5, u64::MAX), (u64::MAX, 5)] {
             let (done, ended) = mpsc::channel();
             let run = std::thread::spawn(move || {
-                let make = |index: u64| if index == maker { panic!("planned") } else { index };
+                let make = |index: u64| {
+                    if index == maker {
+                        panic!("planned")
+                    } else {
+                        index
+                    }
+                };
                 let deliver = |index: u64| -> Result<_, Infallible> {
-                    if index == deliverer { panic!("planned") } else { Ok(ControlFlow::Continue(())) }
+                    if index == deliverer {
+                        panic!("planned")
+                    } else {
+                        Ok(ControlFlow::Continue(()))
+                    }
                 };
                 let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
                     in_order(1000, 3, &AtomicBool::new(false), make, deliver)

@@ -65,7 +65,16 @@ pub struct Plan {
 /// pairs these are the even path of each pair and its mirror image, and otherwise the paths
 /// themselves.
 pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
-    paths.iter().map(|&path| if antithetic { noise::antithetic(path) } else { path }).collect()
+    paths
+        .iter()
+        .map(|&path| {
+            if antithetic {
+                noise::antithetic(path)
+            } else {
+                path
+            }
+        })
+        .collect()
 }
 
 /// What is seen of a path: its events, and its motion between them.
@@ -144,7 +153,10 @@ impl Plan {
     /// run and the others are only for a closer look
     /// ([`crate::scheme::Simulate::looked_at_closer`]).
     pub fn looked_at_closer(self, closeness: usize) -> Self {
-        Plan { simulation: self.simulation.looked_at_closer(closeness), ..self }
+        Plan {
+            simulation: self.simulation.looked_at_closer(closeness),
+            ..self
+        }
     }
 
     /// Simulate path number `path` of the ensemble alone. It has the same bits as in the ensemble.
@@ -157,7 +169,11 @@ impl Plan {
     pub fn motion(&self, path: u64) -> Vec<Segment> {
         let mut motion = PathMotion::default();
         let lost = self.simulated(&[path], &mut motion);
-        if lost.is_empty() { motion.segments } else { Vec::new() }
+        if lost.is_empty() {
+            motion.segments
+        } else {
+            Vec::new()
+        }
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until
@@ -165,9 +181,15 @@ impl Plan {
     pub fn why_lost(&self, path: u64, stop: impl Observer) -> Option<GivenUp> {
         let drawn = drawn(&[path], self.antithetic);
         let mut observers = (SeenLast([0.0, self.model().initial_displacement]), stop);
-        let why = self.simulation.why_lost(self.seed, drawn[0], &mut observers)?;
+        let why = self
+            .simulation
+            .why_lost(self.seed, drawn[0], &mut observers)?;
         let [time, displacement] = observers.0.0;
-        Some(GivenUp { why, time, displacement })
+        Some(GivenUp {
+            why,
+            time,
+            displacement,
+        })
     }
 
     /// Simulate the paths `first .. first + paths`. They may lie beyond the end of the ensemble.
@@ -182,7 +204,12 @@ impl Plan {
     }
 
     /// The same. Returns `None` if `stop` is set meanwhile.
-    pub(crate) fn piece_until(&self, first: u64, paths: u64, stop: &AtomicBool) -> Option<BlockResult> {
+    pub(crate) fn piece_until(
+        &self,
+        first: u64,
+        paths: u64,
+        stop: &AtomicBool,
+    ) -> Option<BlockResult> {
         let piece = PathRange::new(first, paths, self.antithetic);
         Some(self.piece_beside(piece, &(), stop)?.0)
     }
@@ -196,7 +223,11 @@ impl Plan {
         halt: &AtomicBool,
     ) -> Option<Delivered<C::Sums>> {
         let (result, beside) = self.piece_beside(self.block_piece(index), auxiliary, halt)?;
-        Some(Delivered { index, result, beside })
+        Some(Delivered {
+            index,
+            result,
+            beside,
+        })
     }
 
     /// Simulate neighbouring blocks together. Only the last block of the run may be less than full.
@@ -210,10 +241,26 @@ impl Plan {
         if blocks.end - blocks.start == 1 {
             return Some(vec![self.block_beside(blocks.start, auxiliary, halt)?]);
         }
-        let pieces: Vec<PathRange> = blocks.clone().map(|index| self.block_piece(index)).collect();
-        let observers = pieces.iter().map(|piece| self.observers(piece, auxiliary)).collect();
-        let mut all = (Flight { observers, lanes: BLOCK_SIZE as usize }, halt);
-        let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
+        let pieces: Vec<PathRange> = blocks
+            .clone()
+            .map(|index| self.block_piece(index))
+            .collect();
+        let observers = pieces
+            .iter()
+            .map(|piece| self.observers(piece, auxiliary))
+            .collect();
+        let mut all = (
+            Flight {
+                observers,
+                lanes: BLOCK_SIZE as usize,
+            },
+            halt,
+        );
+        let paths: Vec<u64> = pieces
+            .iter()
+            .flat_map(|piece| &piece.kept)
+            .copied()
+            .collect();
         let lost = self.simulated(&paths, &mut all);
         if halt.load(Ordering::Relaxed) {
             return None;
@@ -221,13 +268,19 @@ impl Plan {
         let mut delivered = Vec::with_capacity(pieces.len());
         for ((piece, both), index) in pieces.into_iter().zip(all.0.observers).zip(blocks.clone()) {
             let block = index - blocks.start;
-            delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
-                // The block is simulated again, without the paths that diverge.
-                self.block_beside(index, auxiliary, halt)?
-            } else {
-                let (result, beside) = piece.finish(both, auxiliary);
-                Delivered { index, result, beside }
-            });
+            delivered.push(
+                if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
+                    // The block is simulated again, without the paths that diverge.
+                    self.block_beside(index, auxiliary, halt)?
+                } else {
+                    let (result, beside) = piece.finish(both, auxiliary);
+                    Delivered {
+                        index,
+                        result,
+                        beside,
+                    }
+                },
+            );
         }
         Some(delivered)
     }
@@ -240,7 +293,10 @@ impl Plan {
             [path] => format!("in the simulation of path {path}"),
             [] => String::new(),
         };
-        naming(doing, || self.simulation.simulate(self.seed, &drawn(paths, self.antithetic), observer))
+        naming(doing, || {
+            self.simulation
+                .simulate(self.seed, &drawn(paths, self.antithetic), observer)
+        })
     }
 
     /// How many blocks are in memory at a time, at most: those that are simulated, and finished
@@ -253,7 +309,8 @@ impl Plan {
             _ if threads > cores => PIECES_AHEAD,
             _ => PIECES_AHEAD.min(5),
         };
-        let of_threads = (threads as u64).saturating_mul(pieces * self.blocks_in_flight(self.blocks(), threads));
+        let of_threads =
+            (threads as u64).saturating_mul(pieces * self.blocks_in_flight(self.blocks(), threads));
         of_threads.min(self.blocks())
     }
 
@@ -273,9 +330,19 @@ impl Plan {
     }
 
     /// The observers of the kept paths of a piece: that of the program and that of the auxiliary.
-    fn observers<C: AuxiliaryObserver>(&self, piece: &PathRange, auxiliary: &C) -> (BlockObserver, C::Observer) {
-        let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept, piece.unit)
-            .with_step(self.simulation.step());
+    fn observers<C: AuxiliaryObserver>(
+        &self,
+        piece: &PathRange,
+        auxiliary: &C,
+    ) -> (BlockObserver, C::Observer) {
+        let own = BlockObserver::new(
+            self.model(),
+            self.timeline(),
+            &self.record,
+            &piece.kept,
+            piece.unit,
+        )
+        .with_step(self.simulation.step());
         (own, auxiliary.observer(&piece.kept))
     }
 
@@ -325,8 +392,13 @@ impl Plan {
         stop: &AtomicBool,
         mut deliver: impl FnMut(BlockResult) -> Result<ControlFlow<()>, E> + Send,
     ) -> Result<u64, E> {
-        let stops = Stops { stop, halt: &AtomicBool::new(false) };
-        let blocks = self.run_beside(&(), 0..self.blocks(), threads, stops, |block| deliver(block.result))?;
+        let stops = Stops {
+            stop,
+            halt: &AtomicBool::new(false),
+        };
+        let blocks = self.run_beside(&(), 0..self.blocks(), threads, stops, |block| {
+            deliver(block.result)
+        })?;
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 

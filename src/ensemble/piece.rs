@@ -19,16 +19,30 @@ impl PathRange {
         // If a piece contains only one path of some pair, for example because it is a single path,
         // its independent units are paths.
         let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
-        let unit = if holds_pairs { Replicate::Pair } else { Replicate::Path };
-        PathRange { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
+        let unit = if holds_pairs {
+            Replicate::Pair
+        } else {
+            Replicate::Path
+        };
+        PathRange {
+            first,
+            paths,
+            unit,
+            kept: (first..first + paths).collect(),
+            diverged: Vec::new(),
+        }
     }
 
     /// Leave out the paths in these lanes. With a path of an antithetic pair, the other path is
     /// left out too.
     pub fn leave_out(&mut self, lanes: &[usize]) {
-        let lost: Vec<u64> = lanes.iter().map(|&lane| self.unit.of(self.kept[lane])).collect();
-        let (out, rest): (Vec<u64>, _) =
-            std::mem::take(&mut self.kept).into_iter().partition(|&path| lost.contains(&self.unit.of(path)));
+        let lost: Vec<u64> = lanes
+            .iter()
+            .map(|&lane| self.unit.of(self.kept[lane]))
+            .collect();
+        let (out, rest): (Vec<u64>, _) = std::mem::take(&mut self.kept)
+            .into_iter()
+            .partition(|&path| lost.contains(&self.unit.of(path)));
         self.kept = rest;
         self.diverged.extend(out);
         self.diverged.sort_unstable();
@@ -40,6 +54,9 @@ impl PathRange {
         (own, theirs): (BlockObserver, C::Observer),
         auxiliary: &C,
     ) -> (BlockResult, C::Sums) {
-        (own.finish(self.first, self.paths, self.diverged), auxiliary.finish(theirs, self.unit))
+        (
+            own.finish(self.first, self.paths, self.diverged),
+            auxiliary.finish(theirs, self.unit),
+        )
     }
 }

@@ -47,7 +47,10 @@ pub fn cosh_and_sinh_over<L: Lanes>(y2: L) -> (L, L) {
     const SINH: [f64; 8] = every_second(1, 1.0);
     // The first omitted term is below 1/18!.
     let (one, powers) = (L::splat(1.0), powers(y2));
-    (eight_terms(powers, COSH).mul_add(y2, one), eight_terms(powers, SINH).mul_add(y2, one))
+    (
+        eight_terms(powers, COSH).mul_add(y2, one),
+        eight_terms(powers, SINH).mul_add(y2, one),
+    )
 }
 
 /// cos and sin of an angle with |angle| <= 1, correct up to rounding.
@@ -96,9 +99,18 @@ pub fn log1p<L: Lanes>(z: L) -> L {
     // The part of z that was lost when 1 + z was rounded.
     let lost = z - (u - 1.0);
     // u = m 2^k with m between 1/sqrt 2 and sqrt 2.
-    let above = L::add_bits(u.to_bits(), L::splat_bits(ONE_BITS.wrapping_sub(ROOT_HALF_BITS)));
-    let k = L::from_integers(L::add_bits(L::shr::<52>(above), L::splat_bits(1023u64.wrapping_neg())));
-    let m = L::from_bits(L::add_bits(L::keep_and_set(above, (1 << 52) - 1, 0), L::splat_bits(ROOT_HALF_BITS)));
+    let above = L::add_bits(
+        u.to_bits(),
+        L::splat_bits(ONE_BITS.wrapping_sub(ROOT_HALF_BITS)),
+    );
+    let k = L::from_integers(L::add_bits(
+        L::shr::<52>(above),
+        L::splat_bits(1023u64.wrapping_neg()),
+    ));
+    let m = L::from_bits(L::add_bits(
+        L::keep_and_set(above, (1 << 52) - 1, 0),
+        L::splat_bits(ROOT_HALF_BITS),
+    ));
     let f = m - 1.0;
     let s = f / (f + 2.0);
     let s2 = s * s;
@@ -159,13 +171,19 @@ mod tests {
             if size <= 1.0 {
                 let (cosh, sinh) = cosh_and_sinh_over(size * size);
                 let (cos, sin) = small_unit(size);
-                worst[2] = worst[2].max(off(cosh, libm::cosh(size)).max(off(size * sinh, libm::sinh(size))));
+                worst[2] = worst[2]
+                    .max(off(cosh, libm::cosh(size)).max(off(size * sinh, libm::sinh(size))));
                 worst[3] = worst[3].max(off(cos, libm::cos(size)).max(off(sin, libm::sin(size))));
                 worst[4] = worst[4].max(off(exp(size), libm::exp(size)));
             }
         }
         println!("{worst:?}");
-        assert!(worst.iter().all(|&roundings| roundings > 0.0 && roundings <= 3.0), "{worst:?}");
+        assert!(
+            worst
+                .iter()
+                .all(|&roundings| roundings > 0.0 && roundings <= 3.0),
+            "{worst:?}"
+        );
         assert_eq!((exp(0.0), log1p(0.0)), (1.0, 0.0));
         assert!(exp(-1e4) < 1e-300 && exp(f64::NEG_INFINITY) < 1e-300);
     }

@@ -224,11 +224,18 @@ pub enum InstructionSet {
 
 impl InstructionSet {
     /// All instruction sets, from the widest to the one that is always available.
-    pub const ALL: [InstructionSet; 3] = [InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Portable];
+    pub const ALL: [InstructionSet; 3] = [
+        InstructionSet::Avx512,
+        InstructionSet::Avx2,
+        InstructionSet::Portable,
+    ];
 
     /// The widest instruction set that this processor has.
     pub fn detect() -> Self {
-        Self::ALL.into_iter().find(|set| set.is_available()).unwrap_or(InstructionSet::Portable)
+        Self::ALL
+            .into_iter()
+            .find(|set| set.is_available())
+            .unwrap_or(InstructionSet::Portable)
     }
 
     /// Whether this processor has it.
@@ -279,7 +286,9 @@ impl InstructionSet {
     pub fn run_single(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 | InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
+            InstructionSet::Avx512 | InstructionSet::Avx2 if self.is_available() => {
+                x86::run_avx2(program)
+            }
             _ => program.run::<f64>(),
         }
     }

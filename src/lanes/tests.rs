@@ -30,7 +30,16 @@ const EDGES: [f64; 16] = [
 ];
 
 /// Integers for which implementations may differ.
-const WORDS: [u64; 8] = [0, 1, u64::MAX, 1 << 63, (1 << 63) - 1, 0xFFFF_FFFF, 0xFFFF_FFFF_0000_0000, (1 << 53) + 1];
+const WORDS: [u64; 8] = [
+    0,
+    1,
+    u64::MAX,
+    1 << 63,
+    (1 << 63) - 1,
+    0xFFFF_FFFF,
+    0xFFFF_FFFF_0000_0000,
+    (1 << 53) + 1,
+];
 
 /// Triples of numbers and of integers: every pair of edge cases with some third one, and then
 /// random bits.
@@ -51,18 +60,39 @@ impl Inputs {
             mixed ^ mixed >> 31
         };
         let edges = EDGES.len() * EDGES.len();
-        let edge = |column: usize, i: usize| EDGES[[i, i / EDGES.len(), i * 7 + i / 5][column] % EDGES.len()];
-        let word = |column: usize, i: usize| WORDS[[i, i / WORDS.len(), i * 3 + i / 7][column] % WORDS.len()];
+        let edge = |column: usize, i: usize| {
+            EDGES[[i, i / EDGES.len(), i * 7 + i / 5][column] % EDGES.len()]
+        };
+        let word = |column: usize, i: usize| {
+            WORDS[[i, i / WORDS.len(), i * 3 + i / 7][column] % WORDS.len()]
+        };
         let mut filled = |column: usize| -> (Vec<f64>, Vec<u64>) {
             let chance: Vec<u64> = (0..random).map(|_| next()).collect();
             // Half of the random numbers lie between 1/2 and 2, where results round differently
             // most often.
-            let near = |bits: u64| f64::from_bits(if bits & 1 == 0 { bits } else { bits >> 11 | 0x3FE0 << 48 });
-            let numbers = (0..edges).map(|i| edge(column, i)).chain(chance.iter().map(|&bits| near(bits)));
-            (numbers.collect(), (0..edges).map(|i| word(column, i)).chain(chance.iter().copied()).collect())
+            let near = |bits: u64| {
+                f64::from_bits(if bits & 1 == 0 {
+                    bits
+                } else {
+                    bits >> 11 | 0x3FE0 << 48
+                })
+            };
+            let numbers = (0..edges)
+                .map(|i| edge(column, i))
+                .chain(chance.iter().map(|&bits| near(bits)));
+            (
+                numbers.collect(),
+                (0..edges)
+                    .map(|i| word(column, i))
+                    .chain(chance.iter().copied())
+                    .collect(),
+            )
         };
         let (a, b, c) = (filled(0), filled(1), filled(2));
-        Inputs { numbers: [a.0, b.0, c.0], words: [a.1, b.1, c.1] }
+        Inputs {
+            numbers: [a.0, b.0, c.0],
+            words: [a.1, b.1, c.1],
+        }
     }
 }
 
@@ -88,7 +118,13 @@ impl All<'_> {
     fn numbers<L: Lanes>(&mut self, name: &'static str, lanes: L) {
         let mut to = [0.0; ROW];
         lanes.store(&mut to);
-        let bits = to.map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() });
+        let bits = to.map(|x| {
+            if x.is_nan() {
+                f64::NAN.to_bits()
+            } else {
+                x.to_bits()
+            }
+        });
         self.keep(name, &bits[..L::WIDTH]);
     }
 
@@ -100,7 +136,11 @@ impl All<'_> {
 
     fn mask<L: Lanes>(&mut self, name: &'static str, mask: L::Mask) {
         let bits = L::bitmask(mask);
-        assert_eq!(u64::from(bits) >> L::WIDTH, 0, "{name}: bits beyond the lanes");
+        assert_eq!(
+            u64::from(bits) >> L::WIDTH,
+            0,
+            "{name}: bits beyond the lanes"
+        );
         let lanes: [u64; ROW] = std::array::from_fn(|i| u64::from(bits >> i & 1));
         self.keep(name, &lanes[..L::WIDTH]);
     }
@@ -112,7 +152,11 @@ impl LaneProgram for All<'_> {
         let Inputs { numbers, words } = self.inputs;
         for i in (0..numbers[0].len()).step_by(L::WIDTH) {
             self.next = 0;
-            let [a, b, c] = [L::load(&numbers[0][i..]), L::load(&numbers[1][i..]), L::load(&numbers[2][i..])];
+            let [a, b, c] = [
+                L::load(&numbers[0][i..]),
+                L::load(&numbers[1][i..]),
+                L::load(&numbers[2][i..]),
+            ];
             self.numbers("add", a + b);
             self.numbers("sub", a - b);
             self.numbers("mul", a * b);
@@ -143,7 +187,11 @@ impl LaneProgram for All<'_> {
             self.numbers("or_at_least", a.or_at_least(b));
             self.numbers("or_at_most", a.or_at_most(b));
             self.words::<L>("to_bits", L::select(L::always(), b, c).to_bits());
-            let [p, q, r] = [L::load_bits(&words[0][i..]), L::load_bits(&words[1][i..]), L::load_bits(&words[2][i..])];
+            let [p, q, r] = [
+                L::load_bits(&words[0][i..]),
+                L::load_bits(&words[1][i..]),
+                L::load_bits(&words[2][i..]),
+            ];
             self.numbers("from_bits", L::from_bits(p));
             self.numbers("from_integers", L::from_integers(p));
             self.words::<L>("splat_bits", L::splat_bits(0x0123_4567_89AB_CDEF));
@@ -151,7 +199,10 @@ impl LaneProgram for All<'_> {
             self.words::<L>("mul_bits", L::mul_bits(p, q));
             self.words::<L>("xor", L::xor(p, q));
             self.words::<L>("xor3", L::xor3(p, q, r));
-            self.words::<L>("keep_and_set", L::keep_and_set(p, 0x00FF_00FF_0F0F_3333, 0x8100_0000_0000_0001));
+            self.words::<L>(
+                "keep_and_set",
+                L::keep_and_set(p, 0x00FF_00FF_0F0F_3333, 0x8100_0000_0000_0001),
+            );
             self.words::<L>("shr", L::shr::<11>(p));
             self.words::<L>("shr by 63", L::shr::<63>(p));
             self.words::<L>("shl", L::shl::<17>(p));
@@ -175,7 +226,9 @@ impl LaneProgram for Moved {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let value = |row: usize, column: usize| (100 * row + column) as f64 + 0.5;
-        let mut table: Vec<Row> = (0..32).map(|row| Row(std::array::from_fn(|column| value(row, column)))).collect();
+        let mut table: Vec<Row> = (0..32)
+            .map(|row| Row(std::array::from_fn(|column| value(row, column))))
+            .collect();
         let order: [u32; 16] = [5, 0, 31, 7, 12, 2, 30, 11, 1, 9, 8, 3, 4, 29, 6, 10];
         for rows in order.chunks(L::WIDTH) {
             let mut padded = [0; ROW];
@@ -191,11 +244,16 @@ impl LaneProgram for Moved {
             L::scatter_rows(columns.map(|column| column * 2.0), &mut table, &padded);
         }
         self.scattered = table.iter().map(|row| row.0.map(f64::to_bits)).collect();
-        let entries: [u32; ROW] = std::array::from_fn(|i| 1_000_000_007_u32.wrapping_mul(i as u32 + 1));
+        let entries: [u32; ROW] =
+            std::array::from_fn(|i| 1_000_000_007_u32.wrapping_mul(i as u32 + 1));
         for lanes in 0..1 << L::WIDTH {
             let count = u32::count_ones(lanes) as usize;
-            self.compressed.extend(&L::compress(&entries, lanes)[..count]);
-            let expected: Vec<u32> = (0..L::WIDTH).filter(|i| lanes >> i & 1 == 1).map(|i| entries[i]).collect();
+            self.compressed
+                .extend(&L::compress(&entries, lanes)[..count]);
+            let expected: Vec<u32> = (0..L::WIDTH)
+                .filter(|i| lanes >> i & 1 == 1)
+                .map(|i| entries[i])
+                .collect();
             assert!(self.compressed.ends_with(&expected), "lanes {lanes:b}");
         }
     }
@@ -204,18 +262,30 @@ impl LaneProgram for Moved {
 /// Every kind of lanes of this processor: an instruction set, and whether its registers are paired
 /// where they have four lanes.
 fn lanes() -> impl Iterator<Item = (InstructionSet, bool)> {
-    available().into_iter().flat_map(|set| [(set, false), (set, true)])
+    available()
+        .into_iter()
+        .flat_map(|set| [(set, false), (set, true)])
 }
 
 fn run(set: InstructionSet, is_paired: bool, program: &mut impl LaneProgram) {
-    if is_paired { set.run_paired(program) } else { set.run(program) }
+    if is_paired {
+        set.run_paired(program)
+    } else {
+        set.run(program)
+    }
 }
 
 fn available() -> Vec<InstructionSet> {
-    let all: Vec<InstructionSet> = InstructionSet::ALL.into_iter().filter(|set| set.is_available()).collect();
+    let all: Vec<InstructionSet> = InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+        .collect();
     // If the test was compiled for an instruction set, as under Miri, that set must be among the
     // tested.
-    assert!(!cfg!(target_feature = "avx2") || all.contains(&InstructionSet::Avx2), "{all:?}");
+    assert!(
+        !cfg!(target_feature = "avx2") || all.contains(&InstructionSet::Avx2),
+        "{all:?}"
+    );
     eprintln!("lanes: {all:?}");
     all
 }
@@ -223,11 +293,18 @@ fn available() -> Vec<InstructionSet> {
 #[test]
 fn every_operation_has_the_bits_of_the_scalar_lane() {
     let inputs = Inputs::new();
-    let mut table: Box<LookupTable> = vec![0; 1 << (u64::BITS - KEY_SHIFT)].try_into().expect("of this length");
+    let mut table: Box<LookupTable> = vec![0; 1 << (u64::BITS - KEY_SHIFT)]
+        .try_into()
+        .expect("of this length");
     for word in inputs.words[0].iter() {
         table[(word >> KEY_SHIFT) as usize] = word.rotate_left(9) ^ 0x5555;
     }
-    let new = || All { inputs: &inputs, table: &table, results: Vec::new(), next: 0 };
+    let new = || All {
+        inputs: &inputs,
+        table: &table,
+        results: Vec::new(),
+        next: 0,
+    };
     let mut scalar = new();
     scalar.run::<f64>();
     assert_eq!(scalar.results.len(), 45);
@@ -251,7 +328,11 @@ fn every_operation_has_the_bits_of_the_scalar_lane() {
 
 #[test]
 fn rows_are_gathered_scattered_and_compressed_alike() {
-    let new = || Moved { columns: Vec::new(), scattered: Vec::new(), compressed: Vec::new() };
+    let new = || Moved {
+        columns: Vec::new(),
+        scattered: Vec::new(),
+        compressed: Vec::new(),
+    };
     let mut scalar = new();
     scalar.run::<f64>();
     for (set, is_paired) in lanes() {

@@ -168,10 +168,16 @@ impl Lanes for Avx512 {
 unsafe fn entries(table: &LookupTable, at: __m256i) -> __m256i {
     let pair = |at: __m128i| unsafe {
         let entry = |index: i64| table.as_ptr().add(index as usize).cast::<f64>();
-        _mm_loadh_pd(_mm_load_sd(entry(_mm_cvtsi128_si64(at))), entry(_mm_extract_epi64::<1>(at)))
+        _mm_loadh_pd(
+            _mm_load_sd(entry(_mm_cvtsi128_si64(at))),
+            entry(_mm_extract_epi64::<1>(at)),
+        )
     };
     unsafe {
-        let (low, high) = (pair(_mm256_castsi256_si128(at)), pair(_mm256_extracti128_si256::<1>(at)));
+        let (low, high) = (
+            pair(_mm256_castsi256_si128(at)),
+            pair(_mm256_extracti128_si256::<1>(at)),
+        );
         _mm256_castpd_si256(_mm256_set_m128d(high, low))
     }
 }
@@ -182,8 +188,12 @@ unsafe fn entries(table: &LookupTable, at: __m256i) -> __m256i {
 fn assert_in(table: &[Row], rows: &[u32; ROW]) {
     let length = table.len().min(i32::MAX as usize) as i32;
     // SAFETY: see the head of this file.
-    let inside =
-        unsafe { _mm256_cmplt_epu32_mask(_mm256_loadu_si256(rows.as_ptr().cast()), _mm256_set1_epi32(length)) };
+    let inside = unsafe {
+        _mm256_cmplt_epu32_mask(
+            _mm256_loadu_si256(rows.as_ptr().cast()),
+            _mm256_set1_epi32(length),
+        )
+    };
     assert!(inside == 0xFF, "a row that the table does not have");
 }
 
@@ -199,10 +209,22 @@ fn transposed(rows: [__m512d; 8]) -> [__m512d; 8] {
         let (a6, a7) = (_mm512_unpacklo_pd(r6, r7), _mm512_unpackhi_pd(r6, r7));
         // Each quarter of a register holds two rows of one column. The four registers of four rows
         // hold columns 0 and 4, 2 and 6, 1 and 5, and 3 and 7.
-        let (b0, b2) = (_mm512_shuffle_f64x2::<0x88>(a0, a2), _mm512_shuffle_f64x2::<0xDD>(a0, a2));
-        let (b1, b3) = (_mm512_shuffle_f64x2::<0x88>(a1, a3), _mm512_shuffle_f64x2::<0xDD>(a1, a3));
-        let (b4, b6) = (_mm512_shuffle_f64x2::<0x88>(a4, a6), _mm512_shuffle_f64x2::<0xDD>(a4, a6));
-        let (b5, b7) = (_mm512_shuffle_f64x2::<0x88>(a5, a7), _mm512_shuffle_f64x2::<0xDD>(a5, a7));
+        let (b0, b2) = (
+            _mm512_shuffle_f64x2::<0x88>(a0, a2),
+            _mm512_shuffle_f64x2::<0xDD>(a0, a2),
+        );
+        let (b1, b3) = (
+            _mm512_shuffle_f64x2::<0x88>(a1, a3),
+            _mm512_shuffle_f64x2::<0xDD>(a1, a3),
+        );
+        let (b4, b6) = (
+            _mm512_shuffle_f64x2::<0x88>(a4, a6),
+            _mm512_shuffle_f64x2::<0xDD>(a4, a6),
+        );
+        let (b5, b7) = (
+            _mm512_shuffle_f64x2::<0x88>(a5, a7),
+            _mm512_shuffle_f64x2::<0xDD>(a5, a7),
+        );
         [
             _mm512_shuffle_f64x2::<0x88>(b0, b4),
             _mm512_shuffle_f64x2::<0x88>(b1, b5),
@@ -374,8 +396,14 @@ impl Lanes for Avx2 {
 #[inline(always)]
 fn transposed4([r0, r1, r2, r3]: [Avx2; 4]) -> [Avx2; 4] {
     unsafe {
-        let (a0, a1) = (_mm256_unpacklo_pd(r0.0, r1.0), _mm256_unpackhi_pd(r0.0, r1.0));
-        let (a2, a3) = (_mm256_unpacklo_pd(r2.0, r3.0), _mm256_unpackhi_pd(r2.0, r3.0));
+        let (a0, a1) = (
+            _mm256_unpacklo_pd(r0.0, r1.0),
+            _mm256_unpackhi_pd(r0.0, r1.0),
+        );
+        let (a2, a3) = (
+            _mm256_unpacklo_pd(r2.0, r3.0),
+            _mm256_unpackhi_pd(r2.0, r3.0),
+        );
         [
             Avx2(_mm256_permute2f128_pd::<0x20>(a0, a2)),
             Avx2(_mm256_permute2f128_pd::<0x20>(a1, a3)),

@@ -25,7 +25,11 @@ pub enum Sign {
 impl Sign {
     /// The sign of a number; zero counts as positive.
     pub fn of(value: f64) -> Self {
-        if value < 0.0 { Sign::Negative } else { Sign::Positive }
+        if value < 0.0 {
+            Sign::Negative
+        } else {
+            Sign::Positive
+        }
     }
 
     /// -1.0 or 1.0.
@@ -64,7 +68,11 @@ impl EventKind {
     /// otherwise the next sub-phase begins, in the direction of `force`.
     #[inline]
     pub fn at_rest(is_held: bool, force: f64) -> Self {
-        if is_held { EventKind::StickEntered } else { EventKind::SubPhaseBoundary(Sign::of(force)) }
+        if is_held {
+            EventKind::StickEntered
+        } else {
+            EventKind::SubPhaseBoundary(Sign::of(force))
+        }
     }
 
     /// The phase that begins with the event.

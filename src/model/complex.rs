@@ -39,7 +39,10 @@ impl Complex {
         let growth = libm::expm1(self.re);
         let half = libm::sin(0.5 * self.im);
         let (sin, cos) = libm::sincos(self.im);
-        Complex { re: growth * cos - 2.0 * half * half, im: (growth + 1.0) * sin }
+        Complex {
+            re: growth * cos - 2.0 * half * half,
+            im: (growth + 1.0) * sin,
+        }
     }
 
     /// |self|.
@@ -51,28 +54,40 @@ impl Complex {
 impl Add for Complex {
     type Output = Complex;
     fn add(self, other: Complex) -> Complex {
-        Complex { re: self.re + other.re, im: self.im + other.im }
+        Complex {
+            re: self.re + other.re,
+            im: self.im + other.im,
+        }
     }
 }
 
 impl Sub for Complex {
     type Output = Complex;
     fn sub(self, other: Complex) -> Complex {
-        Complex { re: self.re - other.re, im: self.im - other.im }
+        Complex {
+            re: self.re - other.re,
+            im: self.im - other.im,
+        }
     }
 }
 
 impl Mul for Complex {
     type Output = Complex;
     fn mul(self, other: Complex) -> Complex {
-        Complex { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+        Complex {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
     }
 }
 
 impl Mul<f64> for Complex {
     type Output = Complex;
     fn mul(self, factor: f64) -> Complex {
-        Complex { re: self.re * factor, im: self.im * factor }
+        Complex {
+            re: self.re * factor,
+            im: self.im * factor,
+        }
     }
 }
 
@@ -81,7 +96,10 @@ impl Div for Complex {
     /// Scaled by the divisor's modulus, so that |divisor|^2 neither overflows nor underflows.
     fn div(self, other: Complex) -> Complex {
         let modulus = other.abs();
-        let unit = Complex { re: other.re / modulus, im: -other.im / modulus };
+        let unit = Complex {
+            re: other.re / modulus,
+            im: -other.im / modulus,
+        };
         (self * unit) * (1.0 / modulus)
     }
 }

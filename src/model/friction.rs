@@ -17,9 +17,20 @@ impl Friction {
 
     /// Of friction forwards and backwards, that with the smaller f_s, which is made finite.
     pub fn weaker([forwards, backwards]: [Friction; 2]) -> Friction {
-        let weaker = if backwards.static_force < forwards.static_force { backwards } else { forwards };
-        let static_force = if weaker.static_force.is_finite() { weaker.static_force } else { Friction::NEVER };
-        Friction { static_force, ..weaker }
+        let weaker = if backwards.static_force < forwards.static_force {
+            backwards
+        } else {
+            forwards
+        };
+        let static_force = if weaker.static_force.is_finite() {
+            weaker.static_force
+        } else {
+            Friction::NEVER
+        };
+        Friction {
+            static_force,
+            ..weaker
+        }
     }
 }
 

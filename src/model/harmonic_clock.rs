@@ -49,18 +49,31 @@ impl HarmonicClock {
                 turns: product(two_product(harmonic.angular_frequency, h), TURNS_PER_RADIAN),
                 ahead: Vec::new(),
             };
-            table.ahead = (0..RUN).map(|j| libm::sincos(table.angle(j))).map(|(s, c)| (c, s)).collect();
+            table.ahead = (0..RUN)
+                .map(|j| libm::sincos(table.angle(j)))
+                .map(|(s, c)| (c, s))
+                .collect();
             table
         };
-        HarmonicClock { harmonics: harmonics.iter().map(table).collect(), series: None, line: None }
+        HarmonicClock {
+            harmonics: harmonics.iter().map(table).collect(),
+            series: None,
+            line: None,
+        }
     }
 
     /// The values of the line, the harmonics and the series of a temperature, for steps of length
     /// `h`.
     pub fn of(temperature: &Temperature, h: f64) -> Self {
         let series = temperature.series.clone().map(|series| (series, h));
-        let line = temperature.has_line().then_some([temperature.offset, temperature.trend * h]);
-        HarmonicClock { series, line, ..Self::new(&temperature.harmonics, h) }
+        let line = temperature
+            .has_line()
+            .then_some([temperature.offset, temperature.trend * h]);
+        HarmonicClock {
+            series,
+            line,
+            ..Self::new(&temperature.harmonics, h)
+        }
     }
 
     /// Writes the values at t_n, t_{n+1}, ... into `values`.
@@ -137,18 +150,30 @@ mod tests {
 
     #[test]
     fn the_phase_holds_for_a_billion_steps_and_beyond() {
-        let harmonic = Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 };
+        let harmonic = Harmonic {
+            amplitude: 1.0,
+            angular_frequency: 0.25,
+            phase: 0.0,
+        };
         let clock = HarmonicClock::new(&[harmonic], 0.01);
         for (n, cosine) in EXACT {
             let mut run = [0.0; 64];
             clock.fill(n - 40, &mut run);
-            assert!((run[40] - cosine).abs() < 1e-14, "{n}: {} {cosine}", run[40]);
+            assert!(
+                (run[40] - cosine).abs() < 1e-14,
+                "{n}: {} {cosine}",
+                run[40]
+            );
         }
     }
 
     #[test]
     fn a_value_does_not_depend_on_where_the_caller_starts() {
-        let harmonic = Harmonic { amplitude: 1.3, angular_frequency: 0.7, phase: 0.2 };
+        let harmonic = Harmonic {
+            amplitude: 1.3,
+            angular_frequency: 0.7,
+            phase: 0.2,
+        };
         let clock = HarmonicClock::new(&[harmonic], 0.01);
         let mut all = [0.0; 300];
         clock.fill(1000, &mut all);
@@ -162,8 +187,16 @@ mod tests {
     #[test]
     fn several_harmonics_and_phases_add() {
         let harmonics = [
-            Harmonic { amplitude: 2.0, angular_frequency: 0.0, phase: 0.3 },
-            Harmonic { amplitude: -1.5, angular_frequency: 3.0, phase: -1.0 },
+            Harmonic {
+                amplitude: 2.0,
+                angular_frequency: 0.0,
+                phase: 0.3,
+            },
+            Harmonic {
+                amplitude: -1.5,
+                angular_frequency: 3.0,
+                phase: -1.0,
+            },
         ];
         let mut run = [0.0; 16];
         HarmonicClock::new(&harmonics, 0.125).fill(1000, &mut run);

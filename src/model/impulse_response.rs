@@ -55,7 +55,11 @@ impl ImpulseResponse {
             let slow = if w0 == 0.0 { 0.0 } else { w0 * (w0 / fast) };
             [Complex::new(-slow, 0.0), Complex::new(-fast, 0.0)]
         };
-        ImpulseResponse { damping_rate: g, stiffness_ratio: w0 * w0, roots }
+        ImpulseResponse {
+            damping_rate: g,
+            stiffness_ratio: w0 * w0,
+            roots,
+        }
     }
 
     /// S(r).
@@ -97,7 +101,13 @@ impl ImpulseResponse {
     /// G_z' = a G_z + exp[b, c] for any order a, b, c of the roots z, l1, l2. The smallest root is
     /// taken as a, so that the two terms are of the size of their sum. The form z G_z + S would
     /// cancel where the force is faster than the oscillator.
-    pub fn exponential_slope(&self, z: Complex, r: f64, response: Complex, impulse: f64) -> Complex {
+    pub fn exponential_slope(
+        &self,
+        z: Complex,
+        r: f64,
+        response: Complex,
+        impulse: f64,
+    ) -> Complex {
         let [l1, l2] = self.roots;
         if z.abs() <= l1.abs() {
             z * response + Complex::new(impulse, 0.0)
@@ -125,8 +135,11 @@ impl ImpulseResponse {
         if fast.im == 0.0 && slow.abs() * r <= TAYLOR_RADIUS {
             // exp[0, 0, l1, l2] as a difference quotient over 0 and the fast root. The equation of
             // the oscillator, which is used below, would be divided by a K that is nearly zero.
-            let without =
-                ImpulseResponse { damping_rate: -0.5 * slow.re, stiffness_ratio: 0.0, roots: [Complex::ZERO, slow] };
+            let without = ImpulseResponse {
+                damping_rate: -0.5 * slow.re,
+                stiffness_ratio: 0.0,
+                roots: [Complex::ZERO, slow],
+            };
             return (settled - without.exponential(Complex::ZERO, r).re) / fast.re;
         }
         // The displacement follows from the equation of the oscillator.
@@ -143,7 +156,9 @@ impl ImpulseResponse {
         let mut sum = h * (1.0 / factorial);
         for k in 1..TAYLOR_TERMS {
             power = power * z * r;
-            let next = power - h * (2.0 * self.damping_rate * r) - h_before * (self.stiffness_ratio * r * r);
+            let next = power
+                - h * (2.0 * self.damping_rate * r)
+                - h_before * (self.stiffness_ratio * r * r);
             (h_before, h) = (h, next);
             factorial *= k as f64 + f64::from(n);
             sum = sum + h * (1.0 / factorial);
@@ -202,14 +217,25 @@ mod tests {
         let step = r / n as f64;
         (0..=n).fold(Complex::ZERO, |sum, i| {
             let u = i as f64 * step;
-            let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            let weight = if i == 0 || i == n {
+                1.0
+            } else {
+                2.0 + 2.0 * (i % 2) as f64
+            };
             sum + (z * u).exp() * (s(r - u) * weight * step / 3.0)
         })
     }
 
     #[test]
     fn response_agrees_with_the_convolution_in_every_damping_regime_and_at_resonance() {
-        for (gamma, w0) in [(0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (1.0 + 1e-9, 1.0), (1.0 - 1e-7, 1.0), (3.0, 1.0)] {
+        for (gamma, w0) in [
+            (0.0, 1.0),
+            (0.3, 1.0),
+            (1.0, 1.0),
+            (1.0 + 1e-9, 1.0),
+            (1.0 - 1e-7, 1.0),
+            (3.0, 1.0),
+        ] {
             let free = ImpulseResponse::new(gamma, w0);
             for z in [0.0, 0.25, 1.0, 1.0 + 1e-9, 1.0 - 1e-5, 2.5].map(|w| Complex::new(0.0, w)) {
                 for r in [1e-3, 0.2, 0.9, 1.1, 4.0, 12.0] {
@@ -217,10 +243,16 @@ mod tests {
                     // With 2e4 intervals the error of Simpson's rule is (12/2e4)^4 w^4 / 180 * r ~
                     // 1e-13 of its largest terms.
                     let scale = slow.abs().max(0.5 * r * r * (-gamma * r).exp());
-                    assert!((fast - slow).abs() <= 1e-11 * scale, "{gamma} {w0} {z:?} {r}: {fast:?} {slow:?}");
+                    assert!(
+                        (fast - slow).abs() <= 1e-11 * scale,
+                        "{gamma} {w0} {z:?} {r}: {fast:?} {slow:?}"
+                    );
                     let difference = slow - convolution(gamma, w0, Complex::ZERO, r);
                     let fast = free.exponential_from_zero(z, r);
-                    assert!((fast - difference).abs() <= 1e-11 * scale, "{gamma} {w0} {z:?} {r}");
+                    assert!(
+                        (fast - difference).abs() <= 1e-11 * scale,
+                        "{gamma} {w0} {z:?} {r}"
+                    );
                 }
             }
         }
@@ -233,12 +265,19 @@ mod tests {
         let free = ImpulseResponse::new(0.0, 1.0);
         let z = Complex::new(0.0, 1.0);
         let (below, above) = (free.exponential(z, 1.0), free.exponential(z, 1.0 + 1e-15));
-        assert!((below - above).abs() < 4e-15, "slope is below 1: a jump would be a lost digit");
+        assert!(
+            (below - above).abs() < 4e-15,
+            "slope is below 1: a jump would be a lost digit"
+        );
         // At exact resonance, G_i(r) = (e^{ir} r - sin r) / (2i).
         for r in [0.5f64, 2.0, 30.0, 1e4] {
-            let exact = (Complex::unit(r) * r - Complex::new(r.sin(), 0.0)) / Complex::new(0.0, 2.0);
+            let exact =
+                (Complex::unit(r) * r - Complex::new(r.sin(), 0.0)) / Complex::new(0.0, 2.0);
             let got = free.exponential(z, r);
-            assert!((got - exact).abs() <= 8.0 * f64::EPSILON * exact.abs().max(r), "{r}: {got:?} {exact:?}");
+            assert!(
+                (got - exact).abs() <= 8.0 * f64::EPSILON * exact.abs().max(r),
+                "{r}: {got:?} {exact:?}"
+            );
         }
     }
 
@@ -251,9 +290,13 @@ mod tests {
             let z = Complex::new(0.0, w);
             let got = free.exponential_slope(z, r, free.exponential(z, r), free.impulse(r));
             let (sin, cos) = (w * r).sin_cos();
-            let exact = Complex::new(r.sin() - w * sin, w * cos - w * r.cos()) * (1.0 / (1.0 - w * w));
+            let exact =
+                Complex::new(r.sin() - w * sin, w * cos - w * r.cos()) * (1.0 / (1.0 - w * w));
             let scale = w.recip().min(1.0);
-            assert!((got - exact).abs() <= 16.0 * f64::EPSILON * scale, "{w}: {got:?} {exact:?}");
+            assert!(
+                (got - exact).abs() <= 16.0 * f64::EPSILON * scale,
+                "{w}: {got:?} {exact:?}"
+            );
         }
     }
 
@@ -265,15 +308,25 @@ mod tests {
         let critical = ImpulseResponse::new(1.0, 1.0);
         for r in [0.5, 1.5, 7.0, 40.0] {
             let exact = r * r / 2.0 * libm::exp(-r);
-            let [there, near] = [0.0, 1e-9].map(|gap| critical.exponential(Complex::new(-1.0 - gap, 0.0), r).re);
-            assert!((there - exact).abs() <= 1e-15 * exact.max(there), "{r}: {there} {exact}");
-            assert!((near - exact).abs() <= 1e-8 * (1.0 + r) * exact, "{r}: {near} {exact}");
+            let [there, near] =
+                [0.0, 1e-9].map(|gap| critical.exponential(Complex::new(-1.0 - gap, 0.0), r).re);
+            assert!(
+                (there - exact).abs() <= 1e-15 * exact.max(there),
+                "{r}: {there} {exact}"
+            );
+            assert!(
+                (near - exact).abs() <= 1e-8 * (1.0 + r) * exact,
+                "{r}: {near} {exact}"
+            );
             // exp[-1-d, -1, -1] = e^{-r} (e^{-d r} - 1 + d r)/d^2
             for gap in [-0.02, 0.01, 0.3] {
                 let z = Complex::new(-1.0 - gap, 0.0);
                 let expected = libm::exp(-r) * (libm::expm1(-gap * r) + gap * r) / (gap * gap);
                 let response = critical.exponential(z, r).re;
-                assert!((response - expected).abs() <= 1e-11 * expected, "{r} {gap}: {response} {expected}");
+                assert!(
+                    (response - expected).abs() <= 1e-11 * expected,
+                    "{r} {gap}: {response} {expected}"
+                );
             }
         }
         // Roots -gamma +- i w close to z = -gamma + d: the convolution of e^{-gamma t} sin(w t)/w
@@ -283,8 +336,13 @@ mod tests {
         for r in [1.1, 3.0, 3.4, 9.0] {
             let swing = libm::cos(w * r) + d / w * libm::sin(w * r);
             let expected = libm::exp(-r) * (libm::exp(d * r) - swing) / (d * d + w * w);
-            let response = ImpulseResponse::new(1.0, w0).exponential(Complex::new(-1.0 + d, 0.0), r).re;
-            assert!((response - expected).abs() <= 1e-12 * expected, "{r}: {response} {expected}");
+            let response = ImpulseResponse::new(1.0, w0)
+                .exponential(Complex::new(-1.0 + d, 0.0), r)
+                .re;
+            assert!(
+                (response - expected).abs() <= 1e-12 * expected,
+                "{r}: {response} {expected}"
+            );
         }
     }
 }

@@ -22,12 +22,31 @@ impl Model {
     /// where g depends on time; 0 where there is no g or where it is not a number.
     pub fn largest_at_start(&self, end: f64) -> (f64, f64) {
         const TIMES: u32 = 1000;
-        let Some(own) = &self.force else { return (0.0, 0.0) };
+        let Some(own) = &self.force else {
+            return (0.0, 0.0);
+        };
         let times = if own.depends_on_time() { TIMES } else { 0 };
         let times = (0..=times).map(|i| end * f64::from(i) / f64::from(TIMES));
-        let at = |time| (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time);
-        let kinks = own.kinks(end, end / f64::from(TIMES)).into_iter().filter(|time| *time <= end);
-        times.chain(kinks).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
+        let at = |time| {
+            (
+                own.at(
+                    InstructionSet::detect(),
+                    self.initial_displacement,
+                    0.0,
+                    time,
+                )
+                .abs(),
+                time,
+            )
+        };
+        let kinks = own
+            .kinks(end, end / f64::from(TIMES))
+            .into_iter()
+            .filter(|time| *time <= end);
+        times.chain(kinks).map(at).fold(
+            (0.0, 0.0),
+            |largest, now| if now.0 > largest.0 { now } else { largest },
+        )
     }
 
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken
@@ -43,7 +62,11 @@ impl Model {
     /// With z <= -1 it does not swing back, and A is f_d/K, the limit of q without bound: every
     /// slip runs away.
     pub fn runaway_amplitude(&self, added: f64) -> Option<f64> {
-        let Model { oscillator, friction: Friction { dynamic_force, .. }, .. } = self;
+        let Model {
+            oscillator,
+            friction: Friction { dynamic_force, .. },
+            ..
+        } = self;
         let z = (oscillator.damping - added) / (oscillator.mass * oscillator.natural_frequency());
         // Infinite for z <= -1.
         let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
@@ -60,9 +83,21 @@ impl Model {
     /// The size of a displacement up to `end`, to an order of magnitude: that of a spring that the
     /// static friction holds, or of a body that it accelerates.
     pub fn length_scale(&self, end: f64) -> f64 {
-        let Model { oscillator, friction, .. } = self;
-        let force = if friction.static_force > 0.0 { friction.static_force } else { 1.0 };
-        if oscillator.stiffness > 0.0 { force / oscillator.stiffness } else { force / oscillator.mass * end * end }
+        let Model {
+            oscillator,
+            friction,
+            ..
+        } = self;
+        let force = if friction.static_force > 0.0 {
+            friction.static_force
+        } else {
+            1.0
+        };
+        if oscillator.stiffness > 0.0 {
+            force / oscillator.stiffness
+        } else {
+            force / oscillator.mass * end * end
+        }
     }
 
     /// The drift velocity in the long run, where it follows from the spring: the body stays within
@@ -70,7 +105,13 @@ impl Model {
     /// where nothing takes its energy, where a force of the user's own acts, and where T is
     /// measured.
     pub fn long_run_drift(&self) -> Option<f64> {
-        let Model { oscillator, friction, temperature, force, .. } = self;
+        let Model {
+            oscillator,
+            friction,
+            temperature,
+            force,
+            ..
+        } = self;
         let is_bound = oscillator.stiffness > 0.0 && force.is_none() && oscillator.damping >= 0.0;
         let is_braked = oscillator.damping > 0.0 || friction.dynamic_force > 0.0;
         (is_bound && is_braked && temperature.series.is_none())
@@ -80,7 +121,10 @@ impl Model {
     /// A bound of |b| while x = x0, up to `end`, where each noise is bounded by `sds` stationary
     /// standard deviations.
     pub fn force_bound(&self, sds: f64, end: f64) -> f64 {
-        let linear = self.oscillator.force_bound(self.temperature.bound(sds, end), self.initial_displacement.abs());
+        let linear = self.oscillator.force_bound(
+            self.temperature.bound(sds, end),
+            self.initial_displacement.abs(),
+        );
         linear + self.largest_at_start(end).0
     }
 }

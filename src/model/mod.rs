@@ -37,8 +37,8 @@ pub(crate) mod tests;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use force::{
-    Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest, beyond_hold, doubts,
-    steepest,
+    Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest,
+    beyond_hold, doubts, steepest,
 };
 pub use friction::{Friction, let_go, prox};
 #[doc(hidden)]
@@ -77,22 +77,41 @@ pub struct Model {
 
 impl Model {
     /// b(x, x', t), where the temperature has this value: the sum of all forces except friction.
-    pub fn total_force(&self, time: f64, temperature: f64, displacement: f64, velocity: f64) -> f64 {
+    pub fn total_force(
+        &self,
+        time: f64,
+        temperature: f64,
+        displacement: f64,
+        velocity: f64,
+    ) -> f64 {
         let linear = self.oscillator.force(temperature, displacement, velocity);
-        self.own_force(time, displacement, velocity).map_or(linear, |own| linear + own)
+        self.own_force(time, displacement, velocity)
+            .map_or(linear, |own| linear + own)
     }
 
     /// The direction in which a body at rest at x is let go, where the temperature has this value;
     /// none where friction holds it.
     pub fn let_go(&self, time: f64, temperature: f64, displacement: f64) -> Option<Sign> {
         let linear = self.oscillator.force(temperature, displacement, 0.0);
-        let hold = self.force.as_ref().map(|force| force.hold(InstructionSet::detect(), displacement, time));
+        let hold = self
+            .force
+            .as_ref()
+            .map(|force| force.hold(InstructionSet::detect(), displacement, time));
         let Hold { pull, excess } = hold.unwrap_or_default();
-        let_go(linear + pull, excess.map(|excess| self.friction.static_force + excess))
+        let_go(
+            linear + pull,
+            excess.map(|excess| self.friction.static_force + excess),
+        )
     }
 
     /// The force of friction in a slip in this direction.
-    pub fn sliding_friction(&self, direction: Sign, time: f64, displacement: f64, velocity: f64) -> f64 {
+    pub fn sliding_friction(
+        &self,
+        direction: Sign,
+        time: f64,
+        displacement: f64,
+        velocity: f64,
+    ) -> f64 {
         let sides = self.force.as_ref().and_then(Force::sides);
         let size = sides.map(|sides| sides.dynamic_force(direction, displacement, velocity, time));
         direction.value() * size.unwrap_or(self.friction.dynamic_force)
@@ -101,22 +120,33 @@ impl Model {
     /// The same at eight x, x' and t at once, which takes hardly longer than at one.
     pub fn sliding_frictions(&self, direction: Sign, at: [&[f64; 8]; 3]) -> [f64; 8] {
         let sides = self.force.as_ref().and_then(Force::sides);
-        let sizes = sides.map_or([self.friction.dynamic_force; 8], |sides| sides.dynamic_forces(direction, at));
+        let sizes = sides.map_or([self.friction.dynamic_force; 8], |sides| {
+            sides.dynamic_forces(direction, at)
+        });
         sizes.map(|size| direction.value() * size)
     }
 
     /// f_s and f_d forward and backward, without a load.
     pub fn friction_by_direction(&self) -> [Friction; 2] {
-        self.force.as_ref().and_then(Force::sides).map_or([self.friction; 2], Sides::friction)
+        self.force
+            .as_ref()
+            .and_then(Force::sides)
+            .map_or([self.friction; 2], Sides::friction)
     }
 
     /// Whether the force of friction in a slip is no constant.
     pub fn has_load(&self) -> bool {
-        self.force.as_ref().is_some_and(|force| force.sides().is_some())
+        self.force
+            .as_ref()
+            .is_some_and(|force| force.sides().is_some())
     }
 
     /// g(x, x', t), the force of the user's own, if there is one.
     pub fn own_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
-        Some(self.force.as_ref()?.at(InstructionSet::detect(), displacement, velocity, time))
+        Some(
+            self.force
+                .as_ref()?
+                .at(InstructionSet::detect(), displacement, velocity, time),
+        )
     }
 }

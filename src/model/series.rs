@@ -39,12 +39,19 @@ impl Series {
         let is_finite = times.iter().chain(&values).all(|x| x.is_finite());
         let is_ordered = times.windows(2).all(|pair| pair[0] < pair[1]);
         let is_long = times.len() >= 2 && times.len() == values.len() && times[0] == 0.0;
-        if is_finite && is_ordered && is_long { Ok(Series { times, values }) } else { Err(NoSeries) }
+        if is_finite && is_ordered && is_long {
+            Ok(Series { times, values })
+        } else {
+            Err(NoSeries)
+        }
     }
 
     /// Zero at all times.
     pub fn nothing() -> Self {
-        Series { times: vec![0.0, 1.0], values: vec![0.0; 2] }
+        Series {
+            times: vec![0.0, 1.0],
+            values: vec![0.0; 2],
+        }
     }
 
     /// The times of the samples; the first is 0.
@@ -65,7 +72,10 @@ impl Series {
     /// The number of the piece that contains a time. Piece i lasts from t_i to t_{i+1}; the last
     /// one also contains all later times.
     pub fn piece(&self, t: f64) -> usize {
-        self.times.partition_point(|time| *time <= t).clamp(1, self.times.len() - 1) - 1
+        self.times
+            .partition_point(|time| *time <= t)
+            .clamp(1, self.times.len() - 1)
+            - 1
     }
 
     /// S at a time in a piece. At the start of the piece it is exactly the sample.
@@ -85,7 +95,9 @@ impl Series {
 
     /// The largest |S|.
     pub fn bound(&self) -> f64 {
-        self.values.iter().fold(0.0, |most, value| value.abs().max(most))
+        self.values
+            .iter()
+            .fold(0.0, |most, value| value.abs().max(most))
     }
 
     /// The largest |S'|.
@@ -96,19 +108,29 @@ impl Series {
     /// The times of the smallest and of the largest S.
     pub fn extremes(&self) -> [f64; 2] {
         let (low, high) = self.range();
-        [low, high].map(|value| self.values.iter().position(|other| *other == value).map_or(0.0, |i| self.times[i]))
+        [low, high].map(|value| {
+            self.values
+                .iter()
+                .position(|other| *other == value)
+                .map_or(0.0, |i| self.times[i])
+        })
     }
 
     /// The smallest and the largest S.
     pub fn range(&self) -> (f64, f64) {
         self.values
             .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+                (value.min(low), value.max(high))
+            })
     }
 
     /// The total variation of S: the sum of |S(t_{i+1}) - S(t_i)|.
     pub fn variation(&self) -> f64 {
-        self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
+        self.values
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .sum()
     }
 
     /// The median time between two samples; of two middle ones the longer.
@@ -118,7 +140,9 @@ impl Series {
 
     /// The longest time between two samples.
     pub fn longest_spacing(&self) -> f64 {
-        self.times.windows(2).fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
+        self.times
+            .windows(2)
+            .fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
     }
 
     /// A number that identifies the series: FNV-1a over the bits of all samples. Another series has
@@ -126,7 +150,9 @@ impl Series {
     pub fn fingerprint(&self) -> u64 {
         let numbers = self.times.iter().chain(&self.values);
         let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
     }
 }
 
@@ -149,12 +175,29 @@ mod tests {
     #[test]
     fn samples_are_joined_by_straight_lines() {
         let series = series();
-        for (t, value) in [(0.0, 2.0), (0.5, 0.5), (1.0, -1.0), (2.0, 2.0), (3.0, 5.0), (3.5, 5.0), (4.0, 5.0)] {
+        for (t, value) in [
+            (0.0, 2.0),
+            (0.5, 0.5),
+            (1.0, -1.0),
+            (2.0, 2.0),
+            (3.0, 5.0),
+            (3.5, 5.0),
+            (4.0, 5.0),
+        ] {
             assert_eq!(series.at(t), value, "{t}");
         }
-        assert_eq!([0.0, 0.9, 1.0, 3.0, 4.0, 9.0].map(|t| series.piece(t)), [0, 0, 1, 2, 2, 2]);
-        assert_eq!((series.bound(), series.steepest(), series.range()), (5.0, 3.0, (-1.0, 5.0)));
-        assert_eq!((series.variation(), series.end(), series.extremes()), (9.0, 4.0, [1.0, 3.0]));
+        assert_eq!(
+            [0.0, 0.9, 1.0, 3.0, 4.0, 9.0].map(|t| series.piece(t)),
+            [0, 0, 1, 2, 2, 2]
+        );
+        assert_eq!(
+            (series.bound(), series.steepest(), series.range()),
+            (5.0, 3.0, (-1.0, 5.0))
+        );
+        assert_eq!(
+            (series.variation(), series.end(), series.extremes()),
+            (9.0, 4.0, [1.0, 3.0])
+        );
     }
 
     #[test]
@@ -165,7 +208,11 @@ mod tests {
             other.values[i] = other.values[i].next_up();
             marks.push(other.fingerprint());
         }
-        marks.push(Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0]).unwrap().fingerprint());
+        marks.push(
+            Series::new(vec![0.0, 1.0, 3.0, 4.5], vec![2.0, -1.0, 5.0, 5.0])
+                .unwrap()
+                .fingerprint(),
+        );
         let distinct: std::collections::BTreeSet<u64> = marks.iter().copied().collect();
         assert_eq!(distinct.len(), marks.len());
         // The same hash computed independently: FNV-1a of sixteen zero bytes and the bits of 1.0
@@ -173,7 +220,11 @@ mod tests {
         let two = Series::new(vec![0.0, 1.0], vec![0.0, 0.0]).unwrap();
         let bytes = [[0; 8], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f], [0; 8], [0; 8]].concat();
         let prime = 1_099_511_628_211_u128;
-        let hash = bytes.iter().fold(14_695_981_039_346_656_037_u128, |hash, byte| ((hash ^ byte) * prime) % (1 << 64));
+        let hash = bytes
+            .iter()
+            .fold(14_695_981_039_346_656_037_u128, |hash, byte| {
+                ((hash ^ byte) * prime) % (1 << 64)
+            });
         assert_eq!(u128::from(two.fingerprint()), hash);
     }
 

@@ -96,7 +96,11 @@ impl ForcedOscillator {
                 rate: Complex::new(0.0, h.angular_frequency),
             })
             .collect();
-        if let Some(noise) = model.temperature.effective_noise().filter(|n| n.intensity * noise_start != 0.0) {
+        if let Some(noise) = model
+            .temperature
+            .effective_noise()
+            .filter(|n| n.intensity * noise_start != 0.0)
+        {
             terms.push(ForcingTerm {
                 amplitude: Complex::new(gain * noise.intensity * noise_start, 0.0),
                 rate: Complex::new(-noise.relaxation_rate, 0.0),
@@ -104,15 +108,26 @@ impl ForcedOscillator {
         }
         // The sum starts from +0, because the sum of no terms would be -0, and a distance divided
         // by -0 is -infinity.
-        let forcing_curvature = terms.iter().fold(0.0, |sum, t| sum + t.amplitude.abs() * t.rate.abs() * t.rate.abs());
+        let forcing_curvature = terms.iter().fold(0.0, |sum, t| {
+            sum + t.amplitude.abs() * t.rate.abs() * t.rate.abs()
+        });
         let free = ImpulseResponse::new(oscillator.damping_rate(), w0);
-        ForcedOscillator { free, oscillator, terms, forcing_curvature }
+        ForcedOscillator {
+            free,
+            oscillator,
+            terms,
+            forcing_curvature,
+        }
     }
 
     /// The time for which a bound of [`SlipFlow::jerk_bound`] holds: infinite unless gamma < 0.
     pub fn bounded_for(&self) -> f64 {
         let rate = self.oscillator.damping_rate();
-        if rate < 0.0 { -0.5 / rate } else { f64::INFINITY }
+        if rate < 0.0 {
+            -0.5 / rate
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// An upper bound of |K beta T / m| at every time.
@@ -132,7 +147,13 @@ impl ForcedOscillator {
     ) -> SlipFlow<'a> {
         let friction = direction.value() * dynamic_force;
         let start_acceleration = (force - friction) / self.oscillator.mass;
-        SlipFlow { body: self, start_acceleration, start_velocity: velocity, terms, line }
+        SlipFlow {
+            body: self,
+            start_acceleration,
+            start_velocity: velocity,
+            terms,
+            line,
+        }
     }
 
     /// The increment, first and second derivative of K beta T / m over a time r, from a time at
@@ -153,7 +174,12 @@ impl ForcedOscillator {
 impl SlipFlow<'_> {
     /// The state a time r after the start.
     pub fn at(&self, r: f64) -> SlipState {
-        let ForcedOscillator { free, oscillator, terms, .. } = self.body;
+        let ForcedOscillator {
+            free,
+            oscillator,
+            terms,
+            ..
+        } = self.body;
         let w0_squared = oscillator.stiffness / oscillator.mass;
         let two_gamma = 2.0 * oscillator.damping / oscillator.mass;
         let (settled, impulse) = (free.exponential(Complex::ZERO, r).re, free.impulse(r));
@@ -179,7 +205,12 @@ impl SlipFlow<'_> {
         }
         let [_, forcing_slope, _] = self.body.forcing_increment((self.terms, self.line), r);
         let jerk = forcing_slope - w0_squared * velocity - two_gamma * acceleration;
-        SlipState { displacement, velocity, acceleration, jerk }
+        SlipState {
+            displacement,
+            velocity,
+            acceleration,
+            jerk,
+        }
     }
 
     /// Bounds of |x'''| after a state: at a time u later |x'''| is at most `bound.0 + bound.1 u`.
@@ -193,8 +224,15 @@ impl SlipFlow<'_> {
     /// then hold for [`ForcedOscillator::bounded_for`], in which this factor is e.
     pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
         let w0 = self.body.oscillator.natural_frequency();
-        let growth = if self.body.oscillator.damping < 0.0 { std::f64::consts::E } else { 1.0 };
-        (growth * libm::hypot(state.jerk, w0 * state.acceleration), growth * self.body.forcing_curvature)
+        let growth = if self.body.oscillator.damping < 0.0 {
+            std::f64::consts::E
+        } else {
+            1.0
+        };
+        (
+            growth * libm::hypot(state.jerk, w0 * state.acceleration),
+            growth * self.body.forcing_curvature,
+        )
     }
 
     /// A bound of |x''''|, where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]. It

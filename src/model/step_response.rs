@@ -57,15 +57,27 @@ impl StepResponse {
         let gamma = oscillator.damping / oscillator.mass;
         let damped = (gamma > 0.0).then(|| ImpulseResponse::new(gamma, w0));
         let (duration, overshoot, return_speed) = match (damped, gamma / w0) {
-            (Some(response), zeta) if zeta >= 1.0 => (settling_time(&response, gamma, w0), 0.0, 0.0),
+            (Some(response), zeta) if zeta >= 1.0 => {
+                (settling_time(&response, gamma, w0), 0.0, 0.0)
+            }
             (_, zeta) => {
                 // w_d/w0
                 let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
                 let decayed = |angle: f64| libm::exp(-zeta * angle / root);
-                (PI / (w0 * root), decayed(PI), decayed(PI + libm::acos(zeta)))
+                (
+                    PI / (w0 * root),
+                    decayed(PI),
+                    decayed(PI + libm::acos(zeta)),
+                )
             }
         };
-        StepResponse { natural_frequency: w0, damped, duration, overshoot, return_speed }
+        StepResponse {
+            natural_frequency: w0,
+            damped,
+            duration,
+            overshoot,
+            return_speed,
+        }
     }
 
     /// y and y' a time `r` after the force sets in, where `equilibrium` is Y.
@@ -78,7 +90,10 @@ impl StepResponse {
             }
             Some(response) => {
                 let acceleration = equilibrium * w0 * w0;
-                (acceleration * response.exponential(Complex::ZERO, r).re, acceleration * response.impulse(r))
+                (
+                    acceleration * response.exponential(Complex::ZERO, r).re,
+                    acceleration * response.impulse(r),
+                )
             }
         }
     }
@@ -113,7 +128,12 @@ mod tests {
 
     fn response(zeta: f64) -> StepResponse {
         // w0 = 2, gamma = 2 zeta.
-        StepResponse::new(&Oscillator { mass: 0.5, stiffness: 2.0, damping: zeta, drive: Drive::Dilatation(0.0) })
+        StepResponse::new(&Oscillator {
+            mass: 0.5,
+            stiffness: 2.0,
+            damping: zeta,
+            drive: Drive::Dilatation(0.0),
+        })
     }
 
     /// The formulas at the head of this file in plain arithmetic, and for zeta > 1 the two
@@ -124,14 +144,23 @@ mod tests {
             let w_d = w0 * (1.0 - zeta * zeta).sqrt();
             let (sin, cos) = (w_d * r).sin_cos();
             let decay = (-gamma * r).exp();
-            (1.0 - decay * (cos + gamma / w_d * sin), w0 * w0 / w_d * decay * sin)
+            (
+                1.0 - decay * (cos + gamma / w_d * sin),
+                w0 * w0 / w_d * decay * sin,
+            )
         } else if zeta == 1.0 {
-            (1.0 - (1.0 + w0 * r) * (-w0 * r).exp(), w0 * w0 * r * (-w0 * r).exp())
+            (
+                1.0 - (1.0 + w0 * r) * (-w0 * r).exp(),
+                w0 * w0 * r * (-w0 * r).exp(),
+            )
         } else {
             let root = w0 * (zeta * zeta - 1.0).sqrt();
             let (slow, fast) = (root - gamma, -root - gamma);
             let (a, b) = ((slow * r).exp(), (fast * r).exp());
-            (1.0 - (fast * a - slow * b) / (fast - slow), slow * fast * (b - a) / (fast - slow))
+            (
+                1.0 - (fast * a - slow * b) / (fast - slow),
+                slow * fast * (b - a) / (fast - slow),
+            )
         }
     }
 
@@ -140,7 +169,10 @@ mod tests {
         for zeta in [0.0, 1e-12, 0.05, 0.3, 0.9, 0.999, 1.0, 1.5, 40.0] {
             for r in [1e-3, 0.1, 0.7, 1.5, 4.0, 30.0] {
                 let ((y, v), (way, speed)) = (response(zeta).at(1.0, r), formula(zeta, r));
-                assert!((y - way).abs() < 1e-13 && (v - speed).abs() < 2e-13, "{zeta} {r}: {y} {way}, {v} {speed}");
+                assert!(
+                    (y - way).abs() < 1e-13 && (v - speed).abs() < 2e-13,
+                    "{zeta} {r}: {y} {way}, {v} {speed}"
+                );
             }
         }
     }
@@ -150,18 +182,34 @@ mod tests {
         for zeta in [0.0, 0.05, 0.3, 0.9, 0.99] {
             let swing = response(zeta);
             let (y, v) = swing.at(1.0, swing.duration);
-            assert!((y - (1.0 + swing.overshoot)).abs() < 1e-14 && v.abs() < 1e-14, "{zeta}: {y} {v}");
+            assert!(
+                (y - (1.0 + swing.overshoot)).abs() < 1e-14 && v.abs() < 1e-14,
+                "{zeta}: {y} {v}"
+            );
             // The body is not at rest before the end.
-            assert!((1..100).all(|i| swing.at(1.0, swing.duration * f64::from(i) / 100.0).1 > 0.0), "{zeta}");
+            assert!(
+                (1..100).all(|i| swing.at(1.0, swing.duration * f64::from(i) / 100.0).1 > 0.0),
+                "{zeta}"
+            );
             // No speed of the swing back exceeds `return_speed`, and one equals it.
             let back = |i: i32| -swing.at(1.0, swing.duration * (1.0 + f64::from(i) / 1e4)).1;
             let fastest = (0..10_000).map(back).fold(0.0, f64::max) / 2.0;
-            assert!((fastest / swing.return_speed - 1.0).abs() < 1e-6, "{zeta}: {fastest}");
+            assert!(
+                (fastest / swing.return_speed - 1.0).abs() < 1e-6,
+                "{zeta}: {fastest}"
+            );
         }
-        assert_eq!((response(0.0).overshoot, response(0.0).return_speed), (1.0, 1.0));
+        assert_eq!(
+            (response(0.0).overshoot, response(0.0).return_speed),
+            (1.0, 1.0)
+        );
         assert_eq!(response(0.0).duration, PI / 2.0);
         // e^{-0.3 pi/sqrt(0.91)}, from 30-digit arithmetic.
-        assert!((response(0.3).overshoot - 0.372_326_104_926_586_5).abs() < 1e-15, "{}", response(0.3).overshoot);
+        assert!(
+            (response(0.3).overshoot - 0.372_326_104_926_586_5).abs() < 1e-15,
+            "{}",
+            response(0.3).overshoot
+        );
     }
 
     #[test]
@@ -170,10 +218,17 @@ mod tests {
             let swing = response(zeta);
             // The distance that is left, from the two exponentials or their limit.
             let left = 1.0 - formula(zeta, swing.duration).0;
-            assert!((left / SETTLED - 1.0).abs() < if zeta > 1e3 { 1e-3 } else { 1e-6 }, "{zeta}: {left}");
+            assert!(
+                (left / SETTLED - 1.0).abs() < if zeta > 1e3 { 1e-3 } else { 1e-6 },
+                "{zeta}: {left}"
+            );
             assert_eq!((swing.overshoot, swing.return_speed), (0.0, 0.0));
         }
         // (1 + u) e^{-u} = 1e-3 at u = 9.2334134764...; here w0 = 2.
-        assert!((2.0 * response(1.0).duration - 9.233_413_476_4).abs() < 1e-9, "{}", response(1.0).duration);
+        assert!(
+            (2.0 * response(1.0).duration - 9.233_413_476_4).abs() < 1e-9,
+            "{}",
+            response(1.0).duration
+        );
     }
 }

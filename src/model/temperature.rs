@@ -52,7 +52,10 @@ impl Noise {
 
     /// Whether rho v(t) is zero at all times: rho = 0, or v stays at zero.
     pub fn is_silent(&self) -> bool {
-        let starts_at_zero = matches!(self.initial, InitialNoise::Stationary | InitialNoise::At(0.0));
+        let starts_at_zero = matches!(
+            self.initial,
+            InitialNoise::Stationary | InitialNoise::At(0.0)
+        );
         self.intensity == 0.0 || (self.diffusion == 0.0 && starts_at_zero)
     }
 }
@@ -95,7 +98,10 @@ impl Temperature {
     /// The noises that are not zero at all times; only these are simulated. Without any, no random
     /// number is drawn.
     pub fn effective_noises(&self) -> impl Iterator<Item = Noise> {
-        self.noises.iter().copied().filter(|noise| !noise.is_silent())
+        self.noises
+            .iter()
+            .copied()
+            .filter(|noise| !noise.is_silent())
     }
 
     /// The first of [`Temperature::effective_noises`]. It is the only one unless
@@ -122,14 +128,27 @@ impl Temperature {
     /// The line and the series at time t, from their definition.
     pub fn measured(&self, t: f64) -> f64 {
         let line = self.line(t);
-        self.series.as_ref().map_or(line, |series| if self.has_line() { line + series.at(t) } else { series.at(t) })
+        self.series.as_ref().map_or(line, |series| {
+            if self.has_line() {
+                line + series.at(t)
+            } else {
+                series.at(t)
+            }
+        })
     }
 
     /// The line, the harmonics and the series at time t, from their definition.
     pub fn deterministic(&self, t: f64) -> f64 {
-        let harmonics: f64 =
-            self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum();
-        if self.has_line() || self.series.is_some() { harmonics + self.measured(t) } else { harmonics }
+        let harmonics: f64 = self
+            .harmonics
+            .iter()
+            .map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase))
+            .sum();
+        if self.has_line() || self.series.is_some() {
+            harmonics + self.measured(t)
+        } else {
+            harmonics
+        }
     }
 
     /// E T(t), from its definition: the line, the harmonics, the series, and the mean of each v,
@@ -145,13 +164,23 @@ impl Temperature {
     /// A bound of |T| up to `end`, where each noise is bounded by `sds` stationary standard
     /// deviations.
     pub fn bound(&self, sds: f64, end: f64) -> f64 {
-        let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
+        let harmonics: f64 = self
+            .harmonics
+            .iter()
+            .map(|harmonic| harmonic.amplitude.abs())
+            .sum();
         let noise = self.effective_noises().map(|noise| {
-            let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
+            let start = if let InitialNoise::At(v0) = noise.initial {
+                v0.abs()
+            } else {
+                0.0
+            };
             noise.intensity * (start + sds * noise.stationary_sd())
         });
         let line = self.offset.abs() + self.trend.abs() * end;
-        line + harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise.sum::<f64>()
+        line + harmonics
+            + self.series.as_ref().map_or(0.0, |series| series.bound())
+            + noise.sum::<f64>()
     }
 
     /// P, the forcing period: the shortest time after which every harmonic repeats itself.
@@ -163,12 +192,16 @@ impl Temperature {
         if self.series.is_some() {
             return None;
         }
-        let moving = self.harmonics.iter().filter(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
+        let moving = self
+            .harmonics
+            .iter()
+            .filter(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
         let frequencies: Vec<f64> = moving.map(|h| h.angular_frequency).collect();
         let slowest = frequencies.iter().copied().reduce(f64::min)?;
         let is_whole = |cycles: f64| (cycles - cycles.round()).abs() <= WHOLE * cycles;
-        let shared =
-            (1..=MOST_CYCLES).map(f64::from).find(|n| frequencies.iter().all(|w| is_whole(n * (w / slowest))))?;
+        let shared = (1..=MOST_CYCLES)
+            .map(f64::from)
+            .find(|n| frequencies.iter().all(|w| is_whole(n * (w / slowest))))?;
         Some(shared * (TAU / slowest))
     }
 }
@@ -178,8 +211,16 @@ mod tests {
     use super::*;
 
     fn period(harmonics: &[(f64, f64)]) -> Option<f64> {
-        let harmonic = |&(amplitude, angular_frequency)| Harmonic { amplitude, angular_frequency, phase: 0.3 };
-        Temperature { harmonics: harmonics.iter().map(harmonic).collect(), ..Temperature::default() }.period()
+        let harmonic = |&(amplitude, angular_frequency)| Harmonic {
+            amplitude,
+            angular_frequency,
+            phase: 0.3,
+        };
+        Temperature {
+            harmonics: harmonics.iter().map(harmonic).collect(),
+            ..Temperature::default()
+        }
+        .period()
     }
 
     #[test]
@@ -187,11 +228,15 @@ mod tests {
         assert_eq!(period(&[(1.0, 0.25)]), Some(TAU / 0.25));
         // 0.25 and 0.6 have the common measure 0.05. A harmonic of frequency zero or of amplitude
         // zero does not count.
-        let both = period(&[(1.0, 0.25), (0.2, 0.6), (3.0, 0.0), (0.0, 0.7)]).expect("5 and 12 cycles");
+        let both =
+            period(&[(1.0, 0.25), (0.2, 0.6), (3.0, 0.0), (0.0, 0.7)]).expect("5 and 12 cycles");
         assert!((both / (TAU / 0.05) - 1.0).abs() < 1e-12);
         assert_eq!(period(&[(0.2, 0.6), (1.0, 0.25)]), Some(both));
         assert_eq!(period(&[(1.0, 0.3), (1.0, 0.1)]), Some(TAU / 0.1));
-        assert_eq!(period(&[(1.0, 0.25), (1.0, 0.25 * std::f64::consts::SQRT_2)]), None);
+        assert_eq!(
+            period(&[(1.0, 0.25), (1.0, 0.25 * std::f64::consts::SQRT_2)]),
+            None
+        );
         assert_eq!((period(&[]), period(&[(1.0, 0.0)])), (None, None));
     }
 }

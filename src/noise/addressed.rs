@@ -52,19 +52,32 @@ impl AddressedDraws {
     /// on. With [`super::MIRROR`] in `path`, they are those of a mirror image.
     pub fn new(seed: u64, path: u64) -> Self {
         let (path, flip) = mirror::parts(path);
-        AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0, flip }
+        AddressedDraws {
+            origin: path_word(seed, path, 4),
+            key: path_word(seed, path, 5),
+            counter: 0,
+            flip,
+        }
     }
 
     /// Numbers that belong to this path and that no scheme draws, for a statistic of a user's own.
     /// A mirror image has numbers of its own, not those of the other path of its pair.
     pub fn beside(seed: u64, path: u64) -> Self {
-        AddressedDraws { origin: path_word(seed, path, 6), key: path_word(seed, path, 7), counter: 0, flip: 0 }
+        AddressedDraws {
+            origin: path_word(seed, path, 6),
+            key: path_word(seed, path, 7),
+            counter: 0,
+            flip: 0,
+        }
     }
 
     /// The numbers of the same path from this place of a cell on. Cells and places are below 2^31.
     #[inline(always)]
     pub fn at(&self, cell: u64, place: u64) -> Self {
-        AddressedDraws { counter: cell << 32 | place, ..*self }
+        AddressedDraws {
+            counter: cell << 32 | place,
+            ..*self
+        }
     }
 
     /// The numbers for the initial state of the same path.
@@ -83,7 +96,10 @@ impl AddressedDraws {
     pub fn next_u64(&mut self) -> u64 {
         let counter = self.counter;
         self.counter += 1;
-        mixed::<f64>(self.origin.wrapping_add(counter.wrapping_mul(GAMMA)), self.key)
+        mixed::<f64>(
+            self.origin.wrapping_add(counter.wrapping_mul(GAMMA)),
+            self.key,
+        )
     }
 
     /// The keys that distinguish the numbers of this path from those of others: origin, key and
@@ -105,7 +121,10 @@ impl AddressedDraws {
 fn mixed<L: Lanes>(z: L::Bits, key: L::Bits) -> L::Bits {
     let z = L::xor(z, L::shr::<30>(z));
     let z = L::xor(L::mul_bits(z, L::splat_bits(0xBF58_476D_1CE4_E5B9)), key);
-    let z = L::mul_bits(L::xor(z, L::shr::<27>(z)), L::splat_bits(0x94D0_49BB_1331_11EB));
+    let z = L::mul_bits(
+        L::xor(z, L::shr::<27>(z)),
+        L::splat_bits(0x94D0_49BB_1331_11EB),
+    );
     L::xor(z, L::shr::<31>(z))
 }
 
@@ -125,19 +144,29 @@ impl<L: Lanes> LaneDraws<L> {
     /// 2^32 + place, on.
     #[inline(always)]
     pub fn at([origin, key, flip]: [L::Bits; 3], address: u64) -> Self {
-        LaneDraws { state: L::add_bits(origin, L::splat_bits(address.wrapping_mul(GAMMA))), key, flip }
+        LaneDraws {
+            state: L::add_bits(origin, L::splat_bits(address.wrapping_mul(GAMMA))),
+            key,
+            flip,
+        }
     }
 
     /// The same from a place on that may differ from path to path.
     #[inline(always)]
     pub fn at_places(keys: [L::Bits; 3], cell: u64, place: L::Bits) -> Self {
         let first = Self::at(keys, cell << 32);
-        LaneDraws { state: L::add_bits(first.state, L::mul_bits(place, L::splat_bits(GAMMA))), ..first }
+        LaneDraws {
+            state: L::add_bits(first.state, L::mul_bits(place, L::splat_bits(GAMMA))),
+            ..first
+        }
     }
 
     #[inline(always)]
     fn bits(&self, after: u64) -> L::Bits {
-        mixed::<L>(L::add_bits(self.state, L::splat_bits(after.wrapping_mul(GAMMA))), self.key)
+        mixed::<L>(
+            L::add_bits(self.state, L::splat_bits(after.wrapping_mul(GAMMA))),
+            self.key,
+        )
     }
 
     /// [`AddressedDraws::normal`].
@@ -150,7 +179,10 @@ impl<L: Lanes> LaneDraws<L> {
     #[inline(always)]
     pub fn normal_pair(&self, cells: &LookupTable, after: u64) -> [L; 2] {
         let bits = L::xor(self.bits(after), self.flip);
-        [half_normals::<L>(cells, bits) * SQRT_2, half_normals::<L>(cells, L::rotate_left::<32>(bits)) * SQRT_2]
+        [
+            half_normals::<L>(cells, bits) * SQRT_2,
+            half_normals::<L>(cells, L::rotate_left::<32>(bits)) * SQRT_2,
+        ]
     }
 
     /// [`AddressedDraws::three_normals`].

@@ -61,7 +61,11 @@ impl<L: Lanes> BentThreshold<L> {
         let (zero, (d0, d1)) = (L::splat(0.0), self.distances);
         let is_between = L::and(d0.gt(zero), d1.gt(zero));
         let Touching { spread, second } = Touching::of(self.distances, self.duration);
-        let shift = L::select(is_between, self.bend * (spread * 0.5 + self.bend * second), zero);
+        let shift = L::select(
+            is_between,
+            self.bend * (spread * 0.5 + self.bend * second),
+            zero,
+        );
         (d0 + shift, d1 + shift)
     }
 
@@ -70,22 +74,32 @@ impl<L: Lanes> BentThreshold<L> {
     #[inline(always)]
     pub fn proposed_place(&self, normal: L, uniform: L) -> (L, L) {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let BentThreshold { distances: (d0, d1), bend, duration } = *self;
+        let BentThreshold {
+            distances: (d0, d1),
+            bend,
+            duration,
+        } = *self;
         let across = (d0 + d1.abs()).or_at_least(L::splat(LEAST));
         let inverse = one / across;
         let typical = d0 * inverse;
         let slope = bend * (d1 - d0);
         let moved = one + slope * inverse * inverse;
-        let moved = moved.or_at_least(L::splat(1.0 / MOST_MOVED)).or_at_most(L::splat(MOST_MOVED));
+        let moved = moved
+            .or_at_least(L::splat(1.0 / MOST_MOVED))
+            .or_at_most(L::splat(MOST_MOVED));
         let place = meeting_place((d0, d1 * moved.sqrt()), duration, normal, uniform);
         // ln of the ratio of the densities on both thresholds, less its value at the typical place.
         let rest = (one - place).or_at_least(L::splat(1e-15));
         let tilt = (place - typical) * (d1.abs() * across * (one - moved) / rest + slope);
-        let ratio = exp(((tilt + bend * bend * 0.25 * place * rest) * -0.5 / duration).or_at_most(one));
+        let ratio =
+            exp(((tilt + bend * bend * 0.25 * place * rest) * -0.5 / duration).or_at_most(one));
         // The second is largest at u = 1.
         let (crossed, most_crossed) = (self.crossed(place), self.crossed(one));
         let margin = L::select(slope.gt(zero), bend.abs() * MARGIN / duration.sqrt(), zero);
-        (place, ratio * (one + crossed) / (one + most_crossed.or_at_least(zero) + margin))
+        (
+            place,
+            ratio * (one + crossed) / (one + most_crossed.or_at_least(zero) + margin),
+        )
     }
 
     /// b u^2 r/(2 d0), with the approximation 2/(sqrt(pi) (z + sqrt(z^2 + 4/pi))) of erfcx(z)
@@ -142,7 +156,10 @@ impl<L: Lanes> Touching<L> {
         // One division for the inverse of each of the three.
         let all = one / (sum * z1 * product1);
         let (t, inverse) = (sum * product1 * all, z1 * product1 * all);
-        let series = L::splat(C[3]).mul_add(t, L::splat(C[2])).mul_add(t, L::splat(C[1])).mul_add(t, L::splat(C[0]));
+        let series = L::splat(C[3])
+            .mul_add(t, L::splat(C[2]))
+            .mul_add(t, L::splat(C[1]))
+            .mul_add(t, L::splat(C[0]));
         let spread = product * inverse * inverse_root * ROOT * (t * series);
         // r/(2 D)
         let second = product_over_s * (0.5 * 0.0052) * (sum * z1 * all) * inverse;
@@ -165,7 +182,8 @@ mod tests {
                 let phi = std::f64::consts::FRAC_PI_2 * (i as f64 + 0.5) / f64::from(n);
                 let u = phi.sin().powi(2);
                 let jacobian = phi.sin() * phi.cos();
-                let p = (u * (1.0 - u)).powf(-1.5) * (-d0 * d0 / (2.0 * u) - d1 * d1 / (2.0 * (1.0 - u))).exp();
+                let p = (u * (1.0 - u)).powf(-1.5)
+                    * (-d0 * d0 / (2.0 * u) - d1 * d1 / (2.0 * (1.0 - u))).exp();
                 mass += p * jacobian;
                 mean += u * (1.0 - u) * p * jacobian;
             }
@@ -177,8 +195,16 @@ mod tests {
     /// The density of the place of the first meeting, times P(met), on a grid of midpoints:
     /// Durbin's integral equation for Brownian motion, and then the probability to end at 0 from
     /// there.
-    fn density(&BentThreshold { distances: (d0, d1), bend, .. }: &BentThreshold<f64>, n: usize) -> Vec<f64> {
-        let normal = |x: f64, s: f64| (-x * x / (2.0 * s)).exp() / (std::f64::consts::TAU * s).sqrt();
+    fn density(
+        &BentThreshold {
+            distances: (d0, d1),
+            bend,
+            ..
+        }: &BentThreshold<f64>,
+        n: usize,
+    ) -> Vec<f64> {
+        let normal =
+            |x: f64, s: f64| (-x * x / (2.0 * s)).exp() / (std::f64::consts::TAU * s).sqrt();
         let place = |i: usize| (i as f64 + 0.5) / n as f64;
         let threshold = |u: f64| d0 + (d1 - d0) * u + 0.5 * bend * u * (1.0 - u);
         let slope = |u: f64| d1 - d0 + 0.5 * bend * (1.0 - 2.0 * u);
@@ -193,7 +219,10 @@ mod tests {
             rate.push((here / u - slope(u)) * normal(here, u) - before);
         }
         let ends = (0..n).map(|i| normal(threshold(place(i)), 1.0 - place(i)) / normal(0.0, 1.0));
-        rate.iter().zip(ends).map(|(rate, end)| rate * end).collect()
+        rate.iter()
+            .zip(ends)
+            .map(|(rate, end)| rate * end)
+            .collect()
     }
 
     /// The probability to meet a threshold whose deviation is up to 0.08 sqrt(S), the most at the
@@ -202,13 +231,28 @@ mod tests {
     #[test]
     fn a_bent_threshold_is_met_as_often_as_the_integral_equation_tells() {
         for bend in [0.64, -0.64] {
-            for (d0, d1) in [(0.2, 0.2), (0.6, 0.2), (0.2, 0.6), (0.5, 0.5), (1.0, 1.0), (2.0, 0.5), (0.5, 1.5)] {
-                let bent = BentThreshold { distances: (d0, d1), bend, duration: 1.0 };
+            for (d0, d1) in [
+                (0.2, 0.2),
+                (0.6, 0.2),
+                (0.2, 0.6),
+                (0.5, 0.5),
+                (1.0, 1.0),
+                (2.0, 0.5),
+                (0.5, 1.5),
+            ] {
+                let bent = BentThreshold {
+                    distances: (d0, d1),
+                    bend,
+                    duration: 1.0,
+                };
                 let exact = density(&bent, 1000).iter().sum::<f64>() / 1000.0;
                 let (far, straight) = (100.0, bent.straightened());
                 let got = first_meeting_probability(straight, (far - d0, far - d1), 1.0);
                 println!("{bend} {d0} {d1}: {got} {exact} {}", got / exact - 1.0);
-                assert!((got / exact - 1.0).abs() < 7e-4, "{bend} {d0} {d1}: {got} {exact}");
+                assert!(
+                    (got / exact - 1.0).abs() < 7e-4,
+                    "{bend} {d0} {d1}: {got} {exact}"
+                );
             }
         }
     }
@@ -237,7 +281,11 @@ mod tests {
                 (0.7, 0.7),
                 (2.0, -0.6),
             ] {
-                let bent = BentThreshold { distances: (d0, d1), bend, duration: 1.0 };
+                let bent = BentThreshold {
+                    distances: (d0, d1),
+                    bend,
+                    duration: 1.0,
+                };
                 let exact = density(&bent, n);
                 let all: f64 = exact.iter().sum();
                 let mut draws = AddressedDraws::new(41, 0);
@@ -249,7 +297,10 @@ mod tests {
                         places.push(place);
                     }
                 }
-                println!("{bend} {d0} {d1}: {} proposals a place", proposed as f64 / 1e5);
+                println!(
+                    "{bend} {d0} {d1}: {} proposals a place",
+                    proposed as f64 / 1e5
+                );
                 assert!(proposed < 150_000, "{bend} {d0} {d1}: {proposed}");
                 for level in [0.1, 0.3, 0.6, 0.9] {
                     let mut sum = 0.0;

@@ -36,27 +36,37 @@ pub type Distances<L> = (L, L);
 pub fn meeting_probability<L: Lanes>((d0, d1): Distances<L>, duration: L) -> L {
     let zero = L::splat(0.0);
     let is_met = L::or(d0.le(zero), d1.le(zero));
-    L::select(is_met, L::splat(1.0), exp(d0 * d1 * (L::splat(-2.0) / duration)))
+    L::select(
+        is_met,
+        L::splat(1.0),
+        exp(d0 * d1 * (L::splat(-2.0) / duration)),
+    )
 }
 
 /// The probability that a threshold is met, and before the other threshold, given the distances of
 /// both.
 #[inline(always)]
-pub fn first_meeting_probability<L: Lanes>(this: Distances<L>, other: Distances<L>, duration: L) -> L {
+pub fn first_meeting_probability<L: Lanes>(
+    this: Distances<L>,
+    other: Distances<L>,
+    duration: L,
+) -> L {
     let zero = L::splat(0.0);
     let twice_rate = L::splat(-2.0) / duration;
     let (inside, beyond) = (this.1.or_at_least(zero), (-this.1).or_at_least(zero));
     let width = this.0 + other.0;
     let other_first = (other.0 + inside) * (width + beyond) * twice_rate;
     let this_again = (width + inside) * (width + this.0 + beyond) * twice_rate;
-    let chance = meeting_probability(this, duration) - (exp(other_first.or_at_most(zero)) - exp(this_again));
+    let chance =
+        meeting_probability(this, duration) - (exp(other_first.or_at_most(zero)) - exp(this_again));
     chance.or_at_least(zero)
 }
 
 /// The probability that neither of two thresholds is met.
 #[inline(always)]
 pub fn no_meeting_probability<L: Lanes>(this: Distances<L>, other: Distances<L>, duration: L) -> L {
-    let met = first_meeting_probability(this, other, duration) + first_meeting_probability(other, this, duration);
+    let met = first_meeting_probability(this, other, duration)
+        + first_meeting_probability(other, this, duration);
     (L::splat(1.0) - met).or_at_least(L::splat(0.0))
 }
 
@@ -72,7 +82,10 @@ pub fn misses_other<L: Lanes>(d0: L, width: L, passed: L) -> L {
     // Both are kept above zero, where the terms vanish.
     let rate = width * -2.0 / passed.or_at_least(L::splat(1e-200));
     let ratio = width * 2.0 / d0.or_at_least(L::splat(1e-200));
-    let (once, twice) = (exp(((width - d0) * rate).or_at_most(L::splat(0.0))), exp((width + d0) * rate));
+    let (once, twice) = (
+        exp(((width - d0) * rate).or_at_most(L::splat(0.0))),
+        exp((width + d0) * rate),
+    );
     let chance = one + (one - ratio) * once + (one + ratio) * twice;
     chance.or_at_least(L::splat(0.0))
 }
@@ -130,25 +143,34 @@ mod tests {
     /// divided by that of free motion.
     fn by_images(d0: f64, d1: f64, width: f64) -> f64 {
         let ratio = |gap: f64| (0.5 * ((d0 - d1).powi(2) - gap * gap)).exp();
-        (-20..=20).map(|k| 2.0 * f64::from(k) * width).map(|w| ratio(d0 - d1 + w) - ratio(d0 + d1 + w)).sum()
+        (-20..=20)
+            .map(|k| 2.0 * f64::from(k) * width)
+            .map(|w| ratio(d0 - d1 + w) - ratio(d0 + d1 + w))
+            .sum()
     }
 
     /// The omitted terms are below 2 exp(-4 w^2), 7e-4 for the smallest width.
     #[test]
     fn a_bridge_meets_neither_threshold_as_often_as_the_images_tell() {
         for width in [1.4, 1.8, 2.5, 4.0] {
-            for (d0, d1) in
-                [(0.1, 0.1), (0.1, 0.8), (0.5, 0.5), (0.9, 0.2), (0.3, 0.97)].map(|(a, b)| (a * width, b * width))
+            for (d0, d1) in [(0.1, 0.1), (0.1, 0.8), (0.5, 0.5), (0.9, 0.2), (0.3, 0.97)]
+                .map(|(a, b)| (a * width, b * width))
             {
                 let got = no_meeting_probability((d0, d1), (width - d0, width - d1), 1.0);
                 let want = by_images(d0, d1, width);
                 let bound = 2.0 * (-4.0 * width * width).exp() + 1e-12;
-                assert!((got - want).abs() < bound, "{width} {d0} {d1}: {got} {want}");
+                assert!(
+                    (got - want).abs() < bound,
+                    "{width} {d0} {d1}: {got} {want}"
+                );
                 // Given the first meeting at the end, with the other threshold missed before.
                 let near = 1e-6;
                 let got = misses_other(d0, width, 1.0);
                 let want = by_images(d0, near, width) / -(-2.0 * d0 * near).exp_m1();
-                assert!((got - want).abs() < 20.0 * bound + 1e-4, "{width} {d0}: {got} {want}");
+                assert!(
+                    (got - want).abs() < 20.0 * bound + 1e-4,
+                    "{width} {d0}: {got} {want}"
+                );
             }
         }
     }
@@ -160,15 +182,22 @@ mod tests {
         let erfc = |x: f64| libm::erfc(x / std::f64::consts::SQRT_2);
         for (d0, width) in [(0.3, 1.8), (0.9, 1.8), (1.7, 2.0), (2.2, 2.5), (1.5, 3.0)] {
             let terms = (0..20).map(|k| 2.0 * f64::from(k) * width);
-            let exact: f64 = terms.map(|w| erfc(w + d0) - erfc(w + 2.0 * width - d0)).sum();
+            let exact: f64 = terms
+                .map(|w| erfc(w + d0) - erfc(w + 2.0 * width - d0))
+                .sum();
             let (n, farthest) = (20_000, 9.0);
             let mass = (0..n).map(|i| {
                 let end = -farthest + 2.0 * farthest * (f64::from(i) + 0.5) / f64::from(n);
                 let (d1, o0) = (d0 - end, width - d0);
-                first_meeting_probability((d0, d1), (o0, width - d1), 1.0) * (-0.5 * end * end).exp()
+                first_meeting_probability((d0, d1), (o0, width - d1), 1.0)
+                    * (-0.5 * end * end).exp()
             });
-            let got = mass.sum::<f64>() * 2.0 * farthest / f64::from(n) / std::f64::consts::TAU.sqrt();
-            assert!((got - exact).abs() < 2.0 * (-4.0 * width * width).exp() + 1e-6, "{d0} {width}: {got} {exact}");
+            let got =
+                mass.sum::<f64>() * 2.0 * farthest / f64::from(n) / std::f64::consts::TAU.sqrt();
+            assert!(
+                (got - exact).abs() < 2.0 * (-4.0 * width * width).exp() + 1e-6,
+                "{d0} {width}: {got} {exact}"
+            );
         }
     }
 }

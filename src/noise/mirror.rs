@@ -12,12 +12,19 @@ pub const MIRROR: u64 = 1 << 63;
 /// The path number from which path `path` of antithetic pairs takes its random numbers: the even
 /// path of a pair from its own, the odd one from the mirror image of the even one.
 pub const fn antithetic(path: u64) -> u64 {
-    if path.is_multiple_of(2) { path } else { (path - 1) | MIRROR }
+    if path.is_multiple_of(2) {
+        path
+    } else {
+        (path - 1) | MIRROR
+    }
 }
 
 /// The path number without [`MIRROR`], and the bits that a draw is combined with (exclusive or)
 /// before it becomes a normal: all ones for a mirror image, which turns a draw y
 /// ([`super::standard_normal`]) into -y - 1.
 pub(super) const fn parts(path: u64) -> (u64, u64) {
-    (path & !MIRROR, if path & MIRROR == 0 { 0 } else { u64::MAX })
+    (
+        path & !MIRROR,
+        if path & MIRROR == 0 { 0 } else { u64::MAX },
+    )
 }

@@ -63,7 +63,11 @@ fn cell(y: u64) -> u64 {
     let first = 1.0f64.to_bits() >> KEY_SHIFT;
     // y = 0, which occurs once in 2^64 draws, counts as 1.
     let cell = CELLS[((y & !SIGN) >> KEY_SHIFT).saturating_sub(first) as usize];
-    if y & SIGN == 0 { cell } else { SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE)) }
+    if y & SIGN == 0 {
+        cell
+    } else {
+        SIGN | cell & !SLOPE | (SLOPE + 1 - (cell & SLOPE))
+    }
 }
 
 /// The cells of both signs, at the places where [`Lanes::lookup`] finds them. Only the 132 KiB
@@ -71,13 +75,18 @@ fn cell(y: u64) -> u64 {
 pub fn cells() -> &'static LookupTable {
     static TABLE: LazyLock<Box<LookupTable>> = LazyLock::new(|| {
         let mut table = vec![0; size_of::<LookupTable>() / size_of::<u64>()];
-        for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {
+        for y in (0..64).flat_map(|octave| {
+            (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))
+        }) {
             for y in [y.to_bits(), (-y).to_bits()] {
                 table[(y >> KEY_SHIFT) as usize] = cell(y);
             }
         }
         table[0] = cell(0);
-        table.into_boxed_slice().try_into().expect("as long as a table")
+        table
+            .into_boxed_slice()
+            .try_into()
+            .expect("as long as a table")
     });
     &TABLE
 }
@@ -87,7 +96,10 @@ pub fn cells() -> &'static LookupTable {
 pub fn standard_normal(draw: u64) -> f64 {
     let y = (draw as i64 as f64).to_bits();
     let cell = cell(y);
-    let (level, slope) = (f64::from_bits(cell), f64::from_bits(cell & SLOPE | BEFORE_SLOPE.to_bits()) - NO_SLOPE);
+    let (level, slope) = (
+        f64::from_bits(cell),
+        f64::from_bits(cell & SLOPE | BEFORE_SLOPE.to_bits()) - NO_SLOPE,
+    );
     let s = slope * (CENTRE - f64::from_bits(y & PLACE | BEFORE_PLACE.to_bits()));
     SQRT_2 * level.mul_add(s.mul_add(s, 1.0), s)
 }
@@ -98,7 +110,8 @@ pub fn standard_normal(draw: u64) -> f64 {
 pub(super) fn half_normals<L: Lanes>(cells: &LookupTable, draws: L::Bits) -> L {
     let y = L::from_integers(draws).to_bits();
     let cell = L::lookup(cells, y);
-    let slope = L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(NO_SLOPE));
+    let slope =
+        L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(NO_SLOPE));
     let place = L::from_bits(L::keep_and_set(y, PLACE, BEFORE_PLACE.to_bits()));
     let s = slope.mul(L::splat(CENTRE).sub(place));
     L::from_bits(cell).mul_add(s.mul_add(s, L::splat(1.0)), s)
@@ -124,7 +137,9 @@ mod tests {
     #[test]
     fn the_table_is_the_one_that_the_script_writes() {
         let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        let sum = include_bytes!("normal_table.bin").iter().fold(0xcbf2_9ce4_8422_2325, step);
+        let sum = include_bytes!("normal_table.bin")
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325, step);
         assert_eq!(sum, 0x17e1_6d59_852c_8d35, "{sum:#x}");
     }
 
@@ -146,7 +161,10 @@ mod tests {
             assert!(*error <= MAX_NORMAL_ERROR, "octave {octave}: {error:e}");
         }
         let greatest = worst.iter().fold(0.0f64, |a, &b| a.max(b));
-        assert!(greatest > MAX_NORMAL_ERROR / 2.0, "the stated error {MAX_NORMAL_ERROR:e} is idle: {greatest:e}");
+        assert!(
+            greatest > MAX_NORMAL_ERROR / 2.0,
+            "the stated error {MAX_NORMAL_ERROR:e} is idle: {greatest:e}"
+        );
     }
 
     #[test]
@@ -161,10 +179,16 @@ mod tests {
     #[test]
     fn cells_join() {
         for border in (9..63).flat_map(|o| (0..128).map(move |i| (1u64 << o) + (i << (o - 7)))) {
-            let (below, above) = (standard_normal((border - 2) | 1), standard_normal(border | 1));
+            let (below, above) = (
+                standard_normal((border - 2) | 1),
+                standard_normal(border | 1),
+            );
             // Two steps of y move z by at most 4 / (y z'), z' > 0.6 sqrt(z).
             let slope = 8.0 / border as f64;
-            assert!((below - above).abs() < 2.0 * MAX_NORMAL_ERROR + slope, "{border}: {below} {above}");
+            assert!(
+                (below - above).abs() < 2.0 * MAX_NORMAL_ERROR + slope,
+                "{border}: {below} {above}"
+            );
         }
     }
 }

@@ -24,7 +24,10 @@ impl Transition {
     /// not cancel for any theta h.
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
         let increment_sd = sigma * (forgotten(theta, h) / (2.0 * theta)).sqrt();
-        Transition { decay: libm::exp(-theta * h), increment_sd }
+        Transition {
+            decay: libm::exp(-theta * h),
+            increment_sd,
+        }
     }
 
     /// v(t + h) from v(t) and a standard normal.
@@ -64,7 +67,11 @@ impl TimeChange {
     /// The time change over a time `h` >= 0, for theta > 0 and sigma >= 0.
     #[inline(always)]
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
-        if theta * h <= 1.0 { Self::short(theta, sigma, h) } else { Self::long(theta, sigma, h) }
+        if theta * h <= 1.0 {
+            Self::short(theta, sigma, h)
+        } else {
+            Self::long(theta, sigma, h)
+        }
     }
 
     #[inline(never)]
@@ -89,7 +96,12 @@ impl<L: Lanes> TimeChange<L> {
         let sinh = y * s;
         // The first omitted term is y^6/1290240.
         let bow = h * h * ((y2 * (1.0 / 120.0) + 1.0) * y2 * (1.0 / 48.0) + 1.0);
-        TimeChange { duration: h * s * (sigma * sigma), bow, shrink: L::splat(1.0) - c + sinh, stretch: sinh * 2.0 }
+        TimeChange {
+            duration: h * s * (sigma * sigma),
+            bow,
+            shrink: L::splat(1.0) - c + sinh,
+            stretch: sinh * 2.0,
+        }
     }
 
     /// The time t at which a fraction u of the Brownian bridge has passed.
@@ -128,7 +140,13 @@ pub fn short_bridge_middle<L: Lanes>(theta: f64, sigma: f64, h: L) -> (L, L) {
 /// The bridge between two known values n0 and n1, a time `before` after the first and `behind`
 /// before the second: its mean and its standard deviation.
 #[inline(always)]
-pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
+pub fn bridge_at(
+    theta: f64,
+    sigma: f64,
+    before: f64,
+    behind: f64,
+    (n0, n1): (f64, f64),
+) -> (f64, f64) {
     let whole = before + behind;
     if theta * whole > 1.0 {
         return long_bridge_at(theta, sigma, before, behind, (n0, n1));
@@ -139,10 +157,19 @@ pub fn bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f6
 /// [`bridge_at`] for theta (before + behind) <= 1. With S(t) = sinh(theta t)/theta, the mean is (n0
 /// S(behind) + n1 S(before))/S(whole) and the variance sigma^2 S(before) S(behind)/S(whole).
 #[inline(always)]
-pub fn short_bridge_at<L: Lanes>(theta: f64, sigma: f64, before: L, behind: L, (n0, n1): (L, L)) -> (L, L) {
+pub fn short_bridge_at<L: Lanes>(
+    theta: f64,
+    sigma: f64,
+    before: L,
+    behind: L,
+    (n0, n1): (L, L),
+) -> (L, L) {
     let inverse = L::splat(1.0) / sinh_over(theta, before + behind);
     let (before, behind) = (sinh_over(theta, before), sinh_over(theta, behind));
-    ((n0 * behind + n1 * before) * inverse, (before * behind * inverse).sqrt() * sigma)
+    (
+        (n0 * behind + n1 * before) * inverse,
+        (before * behind * inverse).sqrt() * sigma,
+    )
 }
 
 /// sinh(theta t)/theta for theta t <= 1.
@@ -153,11 +180,26 @@ fn sinh_over<L: Lanes>(theta: f64, t: L) -> L {
 }
 
 #[inline(never)]
-fn long_bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f64, f64)) -> (f64, f64) {
-    let (to, from) = (Transition::new(theta, sigma, before), Transition::new(theta, sigma, behind));
-    let (q0, q1) = (to.increment_sd * to.increment_sd, from.increment_sd * from.increment_sd);
+fn long_bridge_at(
+    theta: f64,
+    sigma: f64,
+    before: f64,
+    behind: f64,
+    (n0, n1): (f64, f64),
+) -> (f64, f64) {
+    let (to, from) = (
+        Transition::new(theta, sigma, before),
+        Transition::new(theta, sigma, behind),
+    );
+    let (q0, q1) = (
+        to.increment_sd * to.increment_sd,
+        from.increment_sd * from.increment_sd,
+    );
     let all = from.decay * from.decay * q0 + q1;
-    ((to.decay * n0 * q1 + from.decay * q0 * n1) / all, to.increment_sd * from.increment_sd / all.sqrt())
+    (
+        (to.decay * n0 * q1 + from.decay * q0 * n1) / all,
+        to.increment_sd * from.increment_sd / all.sqrt(),
+    )
 }
 
 /// 1 - e^{-2 theta h}, the fraction of the stationary variance that does not come from the start.
@@ -175,8 +217,16 @@ mod tests {
     /// would lose.
     #[test]
     fn mean_and_variance_are_those_of_the_process() {
-        for (theta, sigma, h) in [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (5.0, 1.0, 1e3)] {
-            let Transition { decay, increment_sd } = Transition::new(theta, sigma, h);
+        for (theta, sigma, h) in [
+            (1.0, 1.0, 0.01),
+            (3.0, 0.5, 2.0),
+            (1e-8, 2.0, 1e-4),
+            (5.0, 1.0, 1e3),
+        ] {
+            let Transition {
+                decay,
+                increment_sd,
+            } = Transition::new(theta, sigma, h);
             let y: f64 = theta * h;
             let series = 1.0 - y + 2.0 / 3.0 * y * y;
             let variance = if y < 1e-6 {
@@ -185,8 +235,14 @@ mod tests {
                 sigma * sigma / (2.0 * theta) * (1.0 - (-2.0 * y).exp())
             };
             assert!((decay - (-y).exp()).abs() <= 1e-15);
-            assert!((increment_sd * increment_sd / variance - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
-            assert!((increment_variance(theta, sigma, h) / variance - 1.0).abs() < 1e-13, "{theta} {sigma} {h}");
+            assert!(
+                (increment_sd * increment_sd / variance - 1.0).abs() < 1e-13,
+                "{theta} {sigma} {h}"
+            );
+            assert!(
+                (increment_variance(theta, sigma, h) / variance - 1.0).abs() < 1e-13,
+                "{theta} {sigma} {h}"
+            );
         }
     }
 
@@ -195,10 +251,16 @@ mod tests {
     #[test]
     fn two_half_steps_have_the_law_of_one() {
         for h in [1e-9, 1e-3, 0.7, 40.0] {
-            let (half, whole) = (Transition::new(1.3, 0.7, h / 2.0), Transition::new(1.3, 0.7, h));
+            let (half, whole) = (
+                Transition::new(1.3, 0.7, h / 2.0),
+                Transition::new(1.3, 0.7, h),
+            );
             assert!((half.decay * half.decay - whole.decay).abs() < 1e-15);
             let variance = half.increment_sd.powi(2) * (1.0 + half.decay.powi(2));
-            assert!((variance / whole.increment_sd.powi(2) - 1.0).abs() < 1e-14, "{h}");
+            assert!(
+                (variance / whole.increment_sd.powi(2) - 1.0).abs() < 1e-14,
+                "{h}"
+            );
         }
     }
 
@@ -221,7 +283,11 @@ mod tests {
             product += start * end;
         }
         let n = paths as f64;
-        assert!((variance / n / stationary - 1.0).abs() < 4.0 * (2.0 / n).sqrt(), "{}", variance / n / stationary);
+        assert!(
+            (variance / n / stationary - 1.0).abs() < 4.0 * (2.0 / n).sqrt(),
+            "{}",
+            variance / n / stationary
+        );
         assert!(
             (product / n / stationary - (-theta * 2.0).exp()).abs() < 4.0 / n.sqrt(),
             "{}",
@@ -235,9 +301,13 @@ mod tests {
     /// the middle and at a quarter.
     #[test]
     fn the_time_change_makes_a_brownian_bridge() {
-        for (theta, sigma, h) in
-            [(1.0, 1.0, 0.01), (3.0, 0.5, 2.0), (1e-8, 2.0, 1e-4), (1.0, 1.5, 0.5), (0.3, 1.0, 30.0)]
-        {
+        for (theta, sigma, h) in [
+            (1.0, 1.0, 0.01),
+            (3.0, 0.5, 2.0),
+            (1e-8, 2.0, 1e-4),
+            (1.0, 1.5, 0.5),
+            (0.3, 1.0, 30.0),
+        ] {
             let change = TimeChange::new(theta, sigma, h);
             let ends = (0.7, -1.1);
             for u in [0.03, 0.25, 0.5, 0.9] {
@@ -245,16 +315,32 @@ mod tests {
                 let scale: f64 = libm::cosh(0.5 * theta * h) / libm::cosh(theta * (t - 0.5 * h));
                 let (mean, sd) = bridge_at(theta, sigma, t, h - t, ends);
                 let straight = ends.0 + u * (ends.1 - ends.0);
-                assert!((mean * scale - straight).abs() < 1e-12, "{theta} {h} {u}: {mean} {scale}");
+                assert!(
+                    (mean * scale - straight).abs() < 1e-12,
+                    "{theta} {h} {u}: {mean} {scale}"
+                );
                 let variance = change.duration * u * (1.0 - u);
-                assert!(((sd * scale).powi(2) / variance - 1.0).abs() < 1e-11, "{theta} {h} {u}");
+                assert!(
+                    ((sd * scale).powi(2) / variance - 1.0).abs() < 1e-11,
+                    "{theta} {h} {u}"
+                );
                 if theta * h <= 1.0 && theta * h > 1e-3 {
                     let bent = 0.5 * theta * theta * change.bow * u * (1.0 - u);
-                    let bound = if u == 0.5 { 1e-6 } else { (theta * h).powi(2) / 16.0 + 1e-6 };
-                    assert!(((scale - 1.0) / bent - 1.0).abs() < bound, "{theta} {h} {u}: {scale} {bent}");
+                    let bound = if u == 0.5 {
+                        1e-6
+                    } else {
+                        (theta * h).powi(2) / 16.0 + 1e-6
+                    };
+                    assert!(
+                        ((scale - 1.0) / bent - 1.0).abs() < bound,
+                        "{theta} {h} {u}: {scale} {bent}"
+                    );
                 }
             }
-            assert!((change.time_at(theta, 1.0) / h - 1.0).abs() < 1e-12, "{theta} {h}");
+            assert!(
+                (change.time_at(theta, 1.0) / h - 1.0).abs() < 1e-12,
+                "{theta} {h}"
+            );
         }
     }
 
@@ -271,7 +357,10 @@ mod tests {
             (2.0, 1.0, 3.0, 3.0),
         ] {
             let (n0, n1) = (0.7, -1.1);
-            let (to, from) = (Transition::new(theta, sigma, before), Transition::new(theta, sigma, behind));
+            let (to, from) = (
+                Transition::new(theta, sigma, before),
+                Transition::new(theta, sigma, behind),
+            );
             let (q0, q1) = (to.increment_sd.powi(2), from.increment_sd.powi(2));
             let precision = 1.0 / q0 + from.decay * from.decay / q1;
             let expected = (to.decay * n0 / q0 + from.decay * n1 / q1) / precision;
@@ -282,7 +371,10 @@ mod tests {
             );
             if before == behind {
                 let (weight, middle) = bridge_middle(theta, sigma, before + behind);
-                assert!((weight * (n0 + n1) - expected).abs() < 1e-12 && (middle / sd - 1.0).abs() < 1e-12);
+                assert!(
+                    (weight * (n0 + n1) - expected).abs() < 1e-12
+                        && (middle / sd - 1.0).abs() < 1e-12
+                );
             }
         }
     }

@@ -46,7 +46,10 @@ impl Stream {
     /// it is the stream of a mirror image.
     pub fn new(seed: u64, path: u64) -> Self {
         let (path, flip) = mirror::parts(path);
-        Stream { state: std::array::from_fn(|i| path_word(seed, path, i as u64)), flip }
+        Stream {
+            state: std::array::from_fn(|i| path_word(seed, path, i as u64)),
+            flip,
+        }
     }
 
     /// The four state words.
@@ -85,7 +88,11 @@ impl LaneStreams {
     /// The streams of these paths, and of further paths up to `lanes` streams.
     pub fn new(seed: u64, paths: &[u64], lanes: usize) -> Self {
         let beyond = paths.last().map_or(0, |p| p.wrapping_add(1));
-        let padded = paths.iter().copied().chain((0..).map(|i| beyond.wrapping_add(i))).take(lanes);
+        let padded = paths
+            .iter()
+            .copied()
+            .chain((0..).map(|i| beyond.wrapping_add(i)))
+            .take(lanes);
         let mut words: [Vec<u64>; 4] = std::array::from_fn(|_| Vec::with_capacity(lanes));
         let mut flips = Vec::with_capacity(lanes);
         for path in padded {
@@ -95,13 +102,20 @@ impl LaneStreams {
             }
             flips.push(stream.flip);
         }
-        LaneStreams { words, flips, is_second: vec![false; lanes] }
+        LaneStreams {
+            words,
+            flips,
+            is_second: vec![false; lanes],
+        }
     }
 
     /// The next `steps` standard normals of each lane, `[step][lane]`.
     pub fn normals(&mut self, steps: usize, instructions: InstructionSet) -> Vec<f64> {
         let mut normals = vec![0.0; steps * self.is_second.len()];
-        instructions.run(&mut Fill { streams: self, normals: &mut normals });
+        instructions.run(&mut Fill {
+            streams: self,
+            normals: &mut normals,
+        });
         normals
     }
 
@@ -111,7 +125,12 @@ impl LaneStreams {
     pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
         let zero = L::splat_bits(0);
         let is_second = self.is_second[lane];
-        let mut taken = LaneNormals { words: [[zero; 4]; R], flips: [zero; R], is_second, cells: cells() };
+        let mut taken = LaneNormals {
+            words: [[zero; 4]; R],
+            flips: [zero; R],
+            is_second,
+            cells: cells(),
+        };
         for r in 0..R {
             taken.flips[r] = L::load_bits(&self.flips[lane + r * L::WIDTH..]);
             for i in 0..4 {
@@ -173,7 +192,9 @@ impl LaneProgram for Fill<'_> {
         for lane in (0..lanes).step_by(L::WIDTH) {
             let mut taken = self.streams.take::<L, 1>(lane);
             for row in self.normals.chunks_exact_mut(lanes) {
-                taken.draw()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
+                taken.draw()[0]
+                    .mul(L::splat(SQRT_2))
+                    .store(&mut row[lane..]);
             }
             self.streams.put(lane, &taken);
         }
@@ -192,5 +213,10 @@ fn output<L: Lanes>([s0, _, _, s3]: &[L::Bits; 4]) -> L::Bits {
 fn step<L: Lanes>([s0, s1, s2, s3]: [L::Bits; 4]) -> [L::Bits; 4] {
     let t = L::shl::<17>(s1);
     let s3_s1 = L::xor(s3, s1);
-    [L::xor(s0, s3_s1), L::xor3(s1, s2, s0), L::xor3(s2, s0, t), L::rotate_left::<45>(s3_s1)]
+    [
+        L::xor(s0, s3_s1),
+        L::xor3(s1, s2, s0),
+        L::xor3(s2, s0, t),
+        L::rotate_left::<45>(s3_s1),
+    ]
 }

@@ -5,7 +5,8 @@ use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature, can_be_computed_with,
+    Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature,
+    can_be_computed_with,
 };
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 use stickslip_data::numbers::short;
@@ -21,7 +22,14 @@ impl Scenario {
 
     /// All values that do not go together, so far as each can be judged beside the others.
     pub(crate) fn misfits(&self) -> Vec<Misfit> {
-        let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
+        let Scenario {
+            model,
+            time,
+            scheme,
+            statistics,
+            ensemble,
+            ..
+        } = self;
         let mut found: Vec<Misfit> = Vec::new();
         found.extend(friction(model));
         found.extend(model.temperature.noises.iter().filter_map(noise));
@@ -41,25 +49,52 @@ impl Scenario {
         }
         found.extend(statistics.check(time.end));
         found.extend(ensemble.check());
-        found.into_iter().map(|misfit| self.as_written(misfit)).collect()
+        found
+            .into_iter()
+            .map(|misfit| self.as_written(misfit))
+            .collect()
     }
 
     /// A measured temperature and every input has samples up to t_end, which are not too close.
     fn series(&self) -> Option<Misfit> {
         let end = self.time.end;
-        let temperature =
-            self.model.temperature.series.iter().map(|series| ("the measured temperature".into(), series));
-        let inputs = self.measured.iter().filter_map(|of| Some((format!("the input `{}`", of.input()?), &of.series)));
+        let temperature = self
+            .model
+            .temperature
+            .series
+            .iter()
+            .map(|series| ("the measured temperature".into(), series));
+        let inputs = self
+            .measured
+            .iter()
+            .filter_map(|of| Some((format!("the input `{}`", of.input()?), &of.series)));
         let all: Vec<(String, _)> = temperature.chain(inputs).collect();
-        let close =
-            |series: &Series| Some(series.times().windows(2).find(|t| t[1] - t[0] < CLOSEST * series.end())?[1]);
-        if let Some((what, time)) = all.iter().find_map(|(what, series)| Some((what, close(series)?))) {
-            let problem =
-                format!("{what} has a sample at {time:e} that is within {CLOSEST:e} of its length from the one before");
-            return Some(Misfit::new(&[], problem, "remove one of these samples, or move them apart"));
+        let close = |series: &Series| {
+            Some(
+                series
+                    .times()
+                    .windows(2)
+                    .find(|t| t[1] - t[0] < CLOSEST * series.end())?[1],
+            )
+        };
+        if let Some((what, time)) = all
+            .iter()
+            .find_map(|(what, series)| Some((what, close(series)?)))
+        {
+            let problem = format!(
+                "{what} has a sample at {time:e} that is within {CLOSEST:e} of its length from the one before"
+            );
+            return Some(Misfit::new(
+                &[],
+                problem,
+                "remove one of these samples, or move them apart",
+            ));
         }
         let (what, series) = all.into_iter().find(|(_, series)| end > series.end())?;
-        let problem = format!("`time.end` = {end:?} is beyond the last sample of {what}, at {:?}", series.end());
+        let problem = format!(
+            "`time.end` = {end:?} is beyond the last sample of {what}, at {:?}",
+            series.end()
+        );
         let remedy = "lower `time.end`, or leave it out to end with the series";
         Some(Misfit::new(&[("time.end", end)], problem, remedy))
     }
@@ -67,7 +102,13 @@ impl Scenario {
     /// A misfit of the stiffness or the damping is one of a linear force, if that made it what it
     /// is.
     fn as_written(&self, misfit: Misfit) -> Misfit {
-        let Some(WrittenForce { expression, without: Some(body) }) = &self.written_force else { return misfit };
+        let Some(WrittenForce {
+            expression,
+            without: Some(body),
+        }) = &self.written_force
+        else {
+            return misfit;
+        };
         let (what, before) = match misfit.about.first() {
             Some(("oscillator.stiffness", _)) => ("stiffness K", body.stiffness),
             Some(("oscillator.damping", _)) => ("damping alpha", body.damping),
@@ -101,7 +142,10 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
-        let changed = Scenario { scheme: scheme.into(), ..self.clone() };
+        let changed = Scenario {
+            scheme: scheme.into(),
+            ..self.clone()
+        };
         changed.check()?;
         Ok(changed)
     }
@@ -119,7 +163,11 @@ impl Ensemble {
             {paths} is odd"
         );
         let remedy = format!("write `paths = {}`", paths + 1);
-        Some(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
+        Some(Misfit::new(
+            &[("ensemble.paths", paths as f64)],
+            problem,
+            remedy,
+        ))
     }
 }
 
@@ -130,9 +178,15 @@ impl Statistics {
         if after == 0.0 || after < end {
             return None;
         }
-        let problem = format!("`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}");
+        let problem = format!(
+            "`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}"
+        );
         let remedy = "lower `statistics.after`, or raise `time.end` to several periods beyond it";
-        Some(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
+        Some(Misfit::new(
+            &[("statistics.after", after), ("time.end", end)],
+            problem,
+            remedy,
+        ))
     }
 }
 
@@ -140,19 +194,29 @@ impl Statistics {
 fn friction(model: &Model) -> Option<Misfit> {
     let [forward, backward] = model.friction_by_direction();
     let is_forward = forward.dynamic_force > forward.static_force;
-    let Friction { static_force: f_s, dynamic_force: f_d } = if is_forward { forward } else { backward };
+    let Friction {
+        static_force: f_s,
+        dynamic_force: f_d,
+    } = if is_forward { forward } else { backward };
     if f_d <= f_s {
         return None;
     }
-    let problem = format!("`friction.dynamic` = {f_d:?} must not exceed `friction.static` = {f_s:?}");
+    let problem =
+        format!("`friction.dynamic` = {f_d:?} must not exceed `friction.static` = {f_s:?}");
     let remedy = "lower `friction.dynamic` or raise `friction.static`";
-    Some(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
+    Some(Misfit::new(
+        &[("friction.dynamic", f_d), ("friction.static", f_s)],
+        problem,
+        remedy,
+    ))
 }
 
 /// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
 fn noise(noise: &Noise) -> Option<Misfit> {
     let sd = noise.stationary_sd();
-    if can_be_computed_with(&[noise.intensity * sd, sd]) && (noise.diffusion == 0.0 || sd.is_normal()) {
+    if can_be_computed_with(&[noise.intensity * sd, sd])
+        && (noise.diffusion == 0.0 || sd.is_normal())
+    {
         return None;
     }
     let about = [
@@ -161,25 +225,40 @@ fn noise(noise: &Noise) -> Option<Misfit> {
     ];
     let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, outside the range of \
         double precision";
-    Some(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
+    Some(Misfit::new(
+        &about,
+        problem,
+        "choose units in which relaxation rate and diffusion are closer to 1",
+    ))
 }
 
 /// There are two noises at most.
 fn third_noise(temperature: &Temperature) -> Option<Misfit> {
     let third = temperature.noises.get(2)?;
-    let remedy = "keep two of them, or merge those with similar relaxation rates (their variances add)";
+    let remedy =
+        "keep two of them, or merge those with similar relaxation rates (their variances add)";
     let problem = "is one noise too many; at most two are supported";
-    Some(Misfit::new(&[("temperature.noise.2.intensity", third.intensity)], problem, remedy))
+    Some(Misfit::new(
+        &[("temperature.noise.2.intensity", third.intensity)],
+        problem,
+        remedy,
+    ))
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
 fn forces(model: &Model, end: f64) -> Option<Misfit> {
-    let Model { oscillator, initial_displacement, .. } = model;
+    let Model {
+        oscillator,
+        initial_displacement,
+        ..
+    } = model;
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
     if oscillator.stiffness > 0.0 && !oscillator.natural_frequency().powi(2).is_normal() {
-        let problem =
-            format!("gives K/m = {:e}, outside the range of double precision", oscillator.stiffness / oscillator.mass);
+        let problem = format!(
+            "gives K/m = {:e}, outside the range of double precision",
+            oscillator.stiffness / oscillator.mass
+        );
         let remedy = "choose units in which mass and stiffness are closer to 1";
         return Some(Misfit::new(&[stiffness, mass], problem, remedy));
     }
@@ -187,7 +266,11 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
     if rate.abs() > LARGEST {
         let problem = format!("gives alpha/m = {rate:e}, which must not exceed 1e100");
         let remedy = "choose units in which mass and damping are closer to 1";
-        return Some(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
+        return Some(Misfit::new(
+            &[("oscillator.damping", oscillator.damping), mass],
+            problem,
+            remedy,
+        ));
     }
     let largest = model.largest_force(end);
     let acceleration = largest / oscillator.mass;
@@ -196,16 +279,27 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
     }
     let (own, time) = model.largest_at_start(end);
     if own > 0.5 * largest || !own.is_finite() {
-        let text = model.force.as_ref().map_or(String::new(), |force| force.shown());
+        let text = model
+            .force
+            .as_ref()
+            .map_or(String::new(), |force| force.shown());
         let problem = format!(
             "`force.expression` = \"{}\" {} at x = {initial_displacement:?} (x0), xdot = 0, t = {time:?}, and \
              b/m reaches {}, which must not exceed {LARGEST:e}",
             text,
-            if own.is_finite() { format!("has the size {}", short(own)) } else { "is infinite".to_string() },
+            if own.is_finite() {
+                format!("has the size {}", short(own))
+            } else {
+                "is infinite".to_string()
+            },
             short(acceleration)
         );
         let remedy = "write a force that is smaller there, or choose units in which mass and forces are closer to 1";
-        return Some(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
+        return Some(Misfit::new(
+            &[("force.expression", f64::NAN)],
+            problem,
+            remedy,
+        ));
     }
     let problem = format!(
         "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}, which must not exceed \
@@ -217,20 +311,39 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
         Drive::Dilatation(beta) => ("oscillator.dilatation", beta),
         Drive::Force(c) => ("oscillator.force_per_temperature", c),
     };
-    let mut factors = [stiffness, drive, ("initial.displacement", *initial_displacement)];
+    let mut factors = [
+        stiffness,
+        drive,
+        ("initial.displacement", *initial_displacement),
+    ];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     Some(Misfit::new(&factors, problem, remedy))
 }
 
 /// The phases of all harmonics keep their digits up to t_end.
 fn phases(model: &Model, end: f64) -> Option<Misfit> {
-    for (i, harmonic) in model.temperature.harmonics.iter().enumerate().filter(|(_, one)| one.amplitude != 0.0) {
-        let Harmonic { angular_frequency: w, phase, .. } = *harmonic;
+    for (i, harmonic) in model
+        .temperature
+        .harmonics
+        .iter()
+        .enumerate()
+        .filter(|(_, one)| one.amplitude != 0.0)
+    {
+        let Harmonic {
+            angular_frequency: w,
+            phase,
+            ..
+        } = *harmonic;
         let key = format!("temperature.harmonics.{i}");
         if phase.abs() > MAX_PHASE {
-            let problem =
-                format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase loses its precision");
-            return Some(Misfit::new(&[], problem, format!("write the equivalent `phase = {:?}`", reduced(phase))));
+            let problem = format!(
+                "`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase loses its precision"
+            );
+            return Some(Misfit::new(
+                &[],
+                problem,
+                format!("write the equivalent `phase = {:?}`", reduced(phase)),
+            ));
         }
         let turned = w * end;
         if turned > MAX_PHASE {
@@ -254,19 +367,35 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
 /// sample.
 fn pinned(temperature: &Temperature) -> Option<Misfit> {
-    let noise = temperature.noises.first().filter(|_| temperature.is_pinned)?;
+    let noise = temperature
+        .noises
+        .first()
+        .filter(|_| temperature.is_pinned)?;
     let (problem, remedy) = if temperature.series.is_none() {
-        ("but there is no [temperature.series] to pin the noise to", "remove it, or add [temperature.series]")
+        (
+            "but there is no [temperature.series] to pin the noise to",
+            "remove it, or add [temperature.series]",
+        )
     } else if temperature.noises.len() > 1 {
-        ("but there are two noises", "keep the faster one; the other hardly moves between samples")
+        (
+            "but there are two noises",
+            "keep the faster one; the other hardly moves between samples",
+        )
     } else if !matches!(noise.initial, InitialNoise::At(0.0)) {
         let problem = "so v is zero at the first sample, but `temperature.noise.initial` is not";
-        (problem, "remove `temperature.noise.initial`, or set it to 0")
+        (
+            problem,
+            "remove `temperature.noise.initial`, or set it to 0",
+        )
     } else {
         return None;
     };
     let key = "temperature.noise.pinned";
-    Some(Misfit::new(&[(key, 1.0)], format!("`{key}` = true, {problem}"), remedy))
+    Some(Misfit::new(
+        &[(key, 1.0)],
+        format!("`{key}` = true, {problem}"),
+        remedy,
+    ))
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
@@ -278,13 +407,18 @@ fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
     (free.friction.static_force, free.force) = (0.0, None);
     free.oscillator.damping = free.oscillator.damping.max(0.0);
     let extent = divergence_bound(&free, end);
-    let rate = if model.oscillator.stiffness > 0.0 { model.oscillator.natural_frequency() } else { 2.0 / end.max(1.0) };
+    let rate = if model.oscillator.stiffness > 0.0 {
+        model.oscillator.natural_frequency()
+    } else {
+        2.0 / end.max(1.0)
+    };
     let speed = extent * rate;
     if can_be_computed_with(&[extent, speed]) {
         return None;
     }
-    let problem =
-        format!("lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}");
+    let problem = format!(
+        "lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}"
+    );
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
     Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }

@@ -41,7 +41,15 @@ pub struct Measured {
 /// The repairs are not compared, because they are known only when the data file itself is read.
 impl PartialEq for Measured {
     fn eq(&self, other: &Self) -> bool {
-        let said = |m: &Self| (m.file.clone(), m.value.clone(), m.unit.clone(), m.layout.clone(), m.start.clone());
+        let said = |m: &Self| {
+            (
+                m.file.clone(),
+                m.value.clone(),
+                m.unit.clone(),
+                m.layout.clone(),
+                m.start.clone(),
+            )
+        };
         let are_same = self.table == other.table && self.series == other.series;
         are_same && said(self) == said(other) && self.max_gap == other.max_gap
     }
@@ -58,7 +66,11 @@ impl Scenario {
     /// All measured values, each by the table that describes it.
     pub fn samples(&self) -> Vec<NamedSeries> {
         let samples = |measured: &Measured| (measured.table.clone(), measured.series.clone());
-        self.measured.iter().map(samples).map(|(name, series)| NamedSeries { name, series }).collect()
+        self.measured
+            .iter()
+            .map(samples)
+            .map(|(name, series)| NamedSeries { name, series })
+            .collect()
     }
 }
 

@@ -47,10 +47,23 @@ impl Scenario {
     /// forces the body, it is a share of the time that is counted. None if the run has no duration.
     pub fn period(&self) -> Option<Period> {
         let counted = self.time.end - self.statistics.after;
-        let given = self.statistics.period.map(|length| Period { length, source: PeriodSource::Given });
-        let forcing = || Some(Period { length: self.model.temperature.period()?, source: PeriodSource::Forcing });
-        let share =
-            || Some(Period { length: counted / INSTANTS, source: PeriodSource::Share }).filter(|_| counted > 0.0);
+        let given = self.statistics.period.map(|length| Period {
+            length,
+            source: PeriodSource::Given,
+        });
+        let forcing = || {
+            Some(Period {
+                length: self.model.temperature.period()?,
+                source: PeriodSource::Forcing,
+            })
+        };
+        let share = || {
+            Some(Period {
+                length: counted / INSTANTS,
+                source: PeriodSource::Share,
+            })
+            .filter(|_| counted > 0.0)
+        };
         given.or_else(forcing).or_else(share)
     }
 
@@ -60,12 +73,19 @@ impl Scenario {
         let Time { end, output_step } = self.time;
         let few = |period: &f64| end / period <= MAX_PERIODS as f64;
         let period = self.period().map(|period| period.length).filter(few);
-        Timeline { end, output_step, period, after: self.statistics.after }
+        Timeline {
+            end,
+            output_step,
+            period,
+            after: self.statistics.after,
+        }
     }
 
     /// Number of steps of a path, if the scheme has steps.
     pub fn steps(&self) -> Option<u64> {
-        self.scheme.step().map(|h| (self.time.end / h).round() as u64)
+        self.scheme
+            .step()
+            .map(|h| (self.time.end / h).round() as u64)
     }
 
     /// The static threshold that the scheme simulates in place of f_s if f_s and f_d are (nearly)
@@ -88,7 +108,13 @@ impl Scenario {
     /// The simulations from which the discretisation bias of a run of `paths` paths is estimated;
     /// an error if the scenario allows no such estimate.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
-        let plan = BiasPlan::new(self.scheme, &self.model, &self.timeline(), self.ensemble.seed, paths)?;
+        let plan = BiasPlan::new(
+            self.scheme,
+            &self.model,
+            &self.timeline(),
+            self.ensemble.seed,
+            paths,
+        )?;
         Ok(plan.recording(&self.record, self.ensemble.antithetic))
     }
 }

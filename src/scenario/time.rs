@@ -20,17 +20,25 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
     if ratio > MAX_STEPS {
-        let problem = format!("gives t_end / h = {ratio:.3e} steps; at most 2^53 = 9.0e15 are supported");
-        let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", round_up(end / MAX_STEPS));
+        let problem =
+            format!("gives t_end / h = {ratio:.3e} steps; at most 2^53 = 9.0e15 are supported");
+        let remedy = format!(
+            "raise `time.step` to {:?} or more, or lower `time.end`",
+            round_up(end / MAX_STEPS)
+        );
         return Some(Misfit::new(&about, problem, remedy));
     }
     if whole_multiple(end, h).is_some() {
         return None;
     }
     let (below, above) = (ratio.floor(), ratio.ceil());
-    let problem = format!("`time.end` = {end:?} is not a whole number of steps `time.step` = {h:?}");
+    let problem =
+        format!("`time.end` = {end:?} is not a whole number of steps `time.step` = {h:?}");
     let list = |f: &dyn Fn(f64) -> f64, counts: [f64; 2]| {
-        let values = counts.iter().filter(|n| **n > 0.0).map(|n| format!("{:?}", tidy(f(*n))));
+        let values = counts
+            .iter()
+            .filter(|n| **n > 0.0)
+            .map(|n| format!("{:?}", tidy(f(*n))));
         values.collect::<Vec<_>>().join(" or ")
     };
     let remedy = format!(
@@ -50,7 +58,9 @@ impl Time {
     pub(crate) fn with_default_rows(end: f64, scheme: Scheme) -> Self {
         let output_step = match scheme.step() {
             Some(h) => default_output_step(end, h),
-            None => Some(end / DEFAULT_ROWS).filter(|spacing| spacing.is_normal()).unwrap_or(1.0),
+            None => Some(end / DEFAULT_ROWS)
+                .filter(|spacing| spacing.is_normal())
+                .unwrap_or(1.0),
         };
         Time { end, output_step }
     }
@@ -59,7 +69,10 @@ impl Time {
     /// [`MAX_ROWS`] rows.
     pub(crate) fn check_rows(&self, scheme: Scheme) -> Option<Misfit> {
         let Time { end, output_step } = *self;
-        if let Some(misfit) = scheme.step().and_then(|h| check_between_steps(output_step, h)) {
+        if let Some(misfit) = scheme
+            .step()
+            .and_then(|h| check_between_steps(output_step, h))
+        {
             return Some(misfit);
         }
         let rows = (end / output_step * (1.0 + WHOLE)).floor() + 1.0;
@@ -67,10 +80,17 @@ impl Time {
             return None;
         }
         let most = (MAX_ROWS - 1) as f64;
-        let least = scheme.step().map_or(round_up(end / most), |h| tidy(round_up((end / h / most).ceil()) * h));
-        let problem = format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
+        let least = scheme.step().map_or(round_up(end / most), |h| {
+            tidy(round_up((end / h / most).ceil()) * h)
+        });
+        let problem =
+            format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
         let remedy = format!("write `time.output_step` = {least:?} or more, or lower `time.end`");
-        Some(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
+        Some(Misfit::new(
+            &[("time.output_step", output_step), ("time.end", end)],
+            problem,
+            remedy,
+        ))
     }
 }
 
@@ -79,12 +99,22 @@ fn check_between_steps(output_step: f64, h: f64) -> Option<Misfit> {
         return None;
     }
     let ratio = output_step / h;
-    let problem = format!("`time.output_step` = {output_step:?} is not a whole number of steps `time.step` = {h:?}");
+    let problem = format!(
+        "`time.output_step` = {output_step:?} is not a whole number of steps `time.step` = {h:?}"
+    );
     let nearest = [ratio.floor(), ratio.ceil()].map(|n| tidy(n.max(1.0) * h));
-    let values = if nearest[0] == nearest[1] { &nearest[..1] } else { &nearest[..] };
+    let values = if nearest[0] == nearest[1] {
+        &nearest[..1]
+    } else {
+        &nearest[..]
+    };
     let values: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
     let remedy = format!("the nearest output steps are {}", values.join(" or "));
-    Some(Misfit::new(&[("time.output_step", output_step), ("time.step", h)], problem, remedy))
+    Some(Misfit::new(
+        &[("time.output_step", output_step), ("time.step", h)],
+        problem,
+        remedy,
+    ))
 }
 
 /// Largest relative distance of a duration from a whole number of steps. It only allows for the

@@ -34,7 +34,11 @@ impl WhiteNoise {
             return Err(Misfit::new(&[strength], problem, remedy));
         }
         let shortest = memory.unwrap_or(end).min(end);
-        let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * shortest));
+        let chosen = || {
+            scheme
+                .tolerance()
+                .map(|tolerance| 1.0 / (tolerance * shortest))
+        };
         let Some(relaxation_rate) = self.relaxation_rate.or_else(chosen) else {
             let problem = format!(
                 "is white noise, which the {} scheme cannot resolve because it has no tolerance",
@@ -63,13 +67,19 @@ impl WhiteNoise {
         );
         let remedy = "set `static` equal to `dynamic`, or use noise with a correlation time (`intensity`, \
                       `relaxation_rate`, `diffusion`)";
-        Some(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy))
+        Some(Misfit::new(
+            &[("temperature.noise.strength", self.strength)],
+            problem,
+            remedy,
+        ))
     }
 
     /// The memory of the noise as a share of the body's, which is how far statistics are from those
     /// under white noise, in order of magnitude; none if that of the body is unknown.
     pub fn share(&self, model: &Model) -> Option<f64> {
-        let memory = self.memory_of_body(model).filter(|memory| memory.is_finite())?;
+        let memory = self
+            .memory_of_body(model)
+            .filter(|memory| memory.is_finite())?;
         Some(1.0 / (model.temperature.noises.first()?.relaxation_rate * memory))
     }
 

@@ -222,7 +222,13 @@ mod tests {
     #[test]
     fn a_scheme_is_shown_as_it_is_typed() {
         let typed = |scheme: Scheme| scheme.to_string();
-        assert_eq!(typed(CorrectedVi { step: 0.005 }.into()), "--scheme corrected-vi --step 0.005");
-        assert_eq!(typed(EventDriven { tolerance: 1e-4 }.into()), "--scheme event-driven --tolerance 0.0001");
+        assert_eq!(
+            typed(CorrectedVi { step: 0.005 }.into()),
+            "--scheme corrected-vi --step 0.005"
+        );
+        assert_eq!(
+            typed(EventDriven { tolerance: 1e-4 }.into()),
+            "--scheme event-driven --tolerance 0.0001"
+        );
     }
 }

@@ -44,7 +44,12 @@ impl StateColumns {
     /// Sets x, x', T and whether the paths are static (one bit a path), for a register of lanes
     /// from `lane` on.
     #[inline(always)]
-    pub(super) fn set_lanes<L: Lanes>(&mut self, lane: usize, (x, v, temperature): (L, L, L), is_static: u32) {
+    pub(super) fn set_lanes<L: Lanes>(
+        &mut self,
+        lane: usize,
+        (x, v, temperature): (L, L, L),
+        is_static: u32,
+    ) {
         x.store(&mut self.displacement[lane..]);
         v.store(&mut self.velocity[lane..]);
         temperature.store(&mut self.temperature[lane..]);

@@ -58,7 +58,8 @@ pub trait Simulate: Sized {
 
     /// Simulates these paths of the ensemble with this seed. What the observer received of the
     /// paths that diverged or had to be given up is no result.
-    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated;
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer)
+    -> Simulated;
 
     /// The same. Returns the lanes (positions in `paths`) of the paths that diverged or had to be
     /// given up.

@@ -17,14 +17,24 @@ pub struct Misfit {
 
 impl Misfit {
     /// An error about these values.
-    pub fn new(about: &[(&'static str, f64)], problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Misfit { about: about.to_vec(), problem: problem.into(), remedy: remedy.into() }
+    pub fn new(
+        about: &[(&'static str, f64)],
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Misfit {
+            about: about.to_vec(),
+            problem: problem.into(),
+            remedy: remedy.into(),
+        }
     }
 
     /// What is wrong, in one line.
     pub fn sentence(&self) -> String {
         match self.about.first() {
-            Some((key, value)) if !self.names(key) => format!("`{key}` = {value:?} {}", self.problem),
+            Some((key, value)) if !self.names(key) => {
+                format!("`{key}` = {value:?} {}", self.problem)
+            }
             _ => self.problem.clone(),
         }
     }

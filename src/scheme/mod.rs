@@ -26,9 +26,12 @@ mod timeline;
 
 #[doc(hidden)]
 pub use discrete_vi::corrected_exit;
-pub use discrete_vi::{CorrectedVi, DiscreteSimulation, DiscreteVi, divergence_bound, monitoring_shift};
+pub use discrete_vi::{
+    CorrectedVi, DiscreteSimulation, DiscreteVi, divergence_bound, monitoring_shift,
+};
 pub use event_driven::{
-    DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, Simulated, TOLERANCES, Unresolved,
+    DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, Simulated, TOLERANCES,
+    Unresolved,
 };
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};

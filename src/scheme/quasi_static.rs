@@ -42,12 +42,13 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, Path, Resolved, Route, ScalarPaths, Scene,
-    Simulated, StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
-    noise_between,
+    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, Path, Resolved, Route,
+    ScalarPaths, Scene, Simulated, StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching,
+    WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment, Simulate, Timeline,
+    Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment,
+    Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -65,8 +66,13 @@ impl Method for QuasiStatic {
     const NAME: &'static str = "quasi-static";
     const MEANING: &'static str = "the recursion for slow forcing";
     /// One tolerance is enough, because the error is that of the approximation.
-    const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[DEFAULT_TOLERANCE] };
-    const LOOK: Look = Look { colour: "#CC79A7", dash: "2 3" };
+    const PARAMETER: Parameter = Parameter::Tolerance {
+        ladder: &[DEFAULT_TOLERANCE],
+    };
+    const LOOK: Look = Look {
+        colour: "#CC79A7",
+        dash: "2 3",
+    };
     type Simulation = QuasiStaticSimulation;
 
     fn with(tolerance: f64) -> Self {
@@ -87,7 +93,9 @@ impl Method for QuasiStatic {
 
     /// The recursion takes a slip for one swing of the spring, which ends at rest.
     fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
-        let Oscillator { stiffness, damping, .. } = model.oscillator;
+        let Oscillator {
+            stiffness, damping, ..
+        } = model.oscillator;
         let remedy = "choose `--scheme event-driven`, which follows every slip";
         if model.has_load() {
             let problem = "friction depends on a load or a direction, but the quasi-static recursion needs \
@@ -100,20 +108,37 @@ impl Method for QuasiStatic {
                  spring alone drives a slip",
                 force.shown()
             );
-            return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
+            return Err(Misfit::new(
+                &[("force.expression", f64::NAN)],
+                problem,
+                remedy,
+            ));
         }
         if stiffness == 0.0 {
-            let problem = "leaves no spring, but the quasi-static recursion needs one to drive slips";
-            return Err(Misfit::new(&[("oscillator.stiffness", stiffness)], problem, remedy));
+            let problem =
+                "leaves no spring, but the quasi-static recursion needs one to drive slips";
+            return Err(Misfit::new(
+                &[("oscillator.stiffness", stiffness)],
+                problem,
+                remedy,
+            ));
         }
         if model.initial_velocity != 0.0 {
             let problem = "gives an initial velocity, but in the quasi-static recursion every slip starts from rest";
-            return Err(Misfit::new(&[("initial.velocity", model.initial_velocity)], problem, remedy));
+            return Err(Misfit::new(
+                &[("initial.velocity", model.initial_velocity)],
+                problem,
+                remedy,
+            ));
         }
         if damping < 0.0 {
             let problem = "makes oscillations grow, but in the quasi-static recursion every slip ends with \
                 its first half-oscillation";
-            return Err(Misfit::new(&[("oscillator.damping", damping)], problem, remedy));
+            return Err(Misfit::new(
+                &[("oscillator.damping", damping)],
+                problem,
+                remedy,
+            ));
         }
         check_friction(model, end)
     }
@@ -158,13 +183,18 @@ impl Swing {
             EventKind::SubPhaseBoundary(_) => true,
             EventKind::StickEntered => false,
         };
-        if is_from_outside { (event.force.abs() - self.threshold).max(0.0) } else { 0.0 }
+        if is_from_outside {
+            (event.force.abs() - self.threshold).max(0.0)
+        } else {
+            0.0
+        }
     }
 
     /// The distance that a slip covers which starts with this excess, with the sign of the
     /// direction.
     fn way(&self, direction: Sign, excess: f64) -> f64 {
-        direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.oscillator.stiffness)
+        direction.value()
+            * (self.jump + (1.0 + self.response.overshoot) * excess / self.oscillator.stiffness)
     }
 
     /// The motion of a slip that begins at this time and x with this excess, between two times
@@ -181,15 +211,23 @@ impl Swing {
         let response = &self.response;
         let reach = self.way(direction, excess) / (1.0 + response.overshoot);
         // The pull of the spring and of the temperature, which is held, less the damping.
-        let Oscillator { mass, stiffness, damping, .. } = self.oscillator;
+        let Oscillator {
+            mass,
+            stiffness,
+            damping,
+            ..
+        } = self.oscillator;
         let state = |since: f64| {
             let (x, v) = self.at(0.0, direction, excess, since);
             [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
         };
         // With |b| at the start, the temperature that is held.
         let pull = direction.value() * (self.threshold + excess) + stiffness * x0;
-        let temperature = Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
-        let pieces = ((until - from) / response.duration * PIECES).ceil().max(1.0);
+        let temperature =
+            Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
+        let pieces = ((until - from) / response.duration * PIECES)
+            .ceil()
+            .max(1.0);
         let at = |i: f64| from + (until - from) * (i / pieces);
         let (mut here, mut i) = (state(from), 0.0);
         while i < pieces {
@@ -206,7 +244,10 @@ impl Swing {
                 displacement: x0 + here[0],
                 way: there[0] - here[0],
                 velocity: [here[1], there[1]],
-                along: Along::Smooth { acceleration: [here[2], there[2]], temperature },
+                along: Along::Smooth {
+                    acceleration: [here[2], there[2]],
+                    temperature,
+                },
             });
             (here, i) = (there, i + 1.0);
         }
@@ -216,7 +257,11 @@ impl Swing {
     /// or the swing back of a body that swung out of the band.
     fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
         let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
-        if is_back { EventKind::SubPhaseBoundary(Sign::of(force)) } else { EventKind::StickEntered }
+        if is_back {
+            EventKind::SubPhaseBoundary(Sign::of(force))
+        } else {
+            EventKind::StickEntered
+        }
     }
 
     /// x and x' of a slip that begins at x0 with this excess, a time after its start.
@@ -224,7 +269,14 @@ impl Swing {
         let equilibrium = self.way(direction, excess) / (1.0 + self.response.overshoot);
         let (way, velocity) = self.response.at(equilibrium, since);
         // The body does not turn within the slip; at its ends, rounding decides the sign.
-        (x0 + way, if velocity * direction.value() < 0.0 { 0.0 } else { velocity })
+        (
+            x0 + way,
+            if velocity * direction.value() < 0.0 {
+                0.0
+            } else {
+                velocity
+            },
+        )
     }
 }
 
@@ -232,18 +284,40 @@ impl QuasiStaticSimulation {
     /// The scheme on a model, observed at the stops of a timeline. `tolerance` governs the noisy
     /// exits as in the event-driven scheme.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
-        let Model { oscillator, friction, .. } = model;
+        let Model {
+            oscillator,
+            friction,
+            ..
+        } = model;
         let response = StepResponse::new(oscillator);
-        let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
-        let slip = Swing { response, jump, threshold: friction.static_force, oscillator: *oscillator };
+        let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force)
+            / oscillator.stiffness;
+        let slip = Swing {
+            response,
+            jump,
+            threshold: friction.static_force,
+            oscillator: *oscillator,
+        };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
-            Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip)))
+            Exits::Noisy(Box::new(NoisyRecursion::new(
+                scene,
+                timeline,
+                &StepRules::new(tolerance),
+                slip,
+            )))
         } else {
-            let recursion = NoiselessRecursion { exits: Noiseless::new(model, timeline), slip };
+            let recursion = NoiselessRecursion {
+                exits: Noiseless::new(model, timeline),
+                slip,
+            };
             Exits::Noiseless(Box::new(recursion))
         };
-        QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits }
+        QuasiStaticSimulation {
+            model: model.clone(),
+            timeline: *timeline,
+            exits,
+        }
     }
 }
 
@@ -260,20 +334,42 @@ type Part = Stretch<(f64, f64), Infallible>;
 
 impl NoiselessRecursion {
     /// The phase that begins at a time and a place, and the event that ends it.
-    fn part(&self, phase: Phase, start: ExactTime, (x, excess): (f64, f64), work: &mut WorkLeft) -> Resolved<Part> {
+    fn part(
+        &self,
+        phase: Phase,
+        start: ExactTime,
+        (x, excess): (f64, f64),
+        work: &mut WorkLeft,
+    ) -> Resolved<Part> {
         work.spend()?;
         let end = if let Phase::Slip(direction) = phase {
             let (duration, model) = (self.slip.response.duration, &self.exits.model);
-            let (time, displacement) = (start.value() + duration, x + self.slip.way(direction, excess));
+            let (time, displacement) = (
+                start.value() + duration,
+                x + self.slip.way(direction, excess),
+            );
             let force = model.oscillator.force_per_temperature() * model.temperature.mean(time)
                 - model.oscillator.stiffness * displacement;
             let kind = self.slip.end(direction, excess, force);
-            Some((duration, End::Event(Event { kind, time, displacement, force })))
+            Some((
+                duration,
+                End::Event(Event {
+                    kind,
+                    time,
+                    displacement,
+                    force,
+                }),
+            ))
         } else {
             let exit = self.exits.stick_exit(start, x, work)?;
             exit.map(|event| (start.until(event.time), End::Event(event)))
         };
-        Ok(Part { start, phase, from: (x, excess), end })
+        Ok(Part {
+            start,
+            phase,
+            from: (x, excess),
+            end,
+        })
     }
 }
 
@@ -290,13 +386,28 @@ impl Stretches for NoiselessRecursion {
     }
 
     fn first(&self, work: &mut WorkLeft) -> Resolved<Part> {
-        self.part(Phase::Static, ExactTime::ZERO, (self.exits.model.initial_displacement, 0.0), work)
+        self.part(
+            Phase::Static,
+            ExactTime::ZERO,
+            (self.exits.model.initial_displacement, 0.0),
+            work,
+        )
     }
 
-    fn next(&self, _: &Part, (_, end): (f64, End<Infallible>), work: &mut WorkLeft) -> Resolved<Part> {
+    fn next(
+        &self,
+        _: &Part,
+        (_, end): (f64, End<Infallible>),
+        work: &mut WorkLeft,
+    ) -> Resolved<Part> {
         let End::Event(event) = end;
         let from = (event.displacement, self.slip.excess(&event));
-        self.part(event.kind.phase(), ExactTime::ZERO.after(event.time), from, work)
+        self.part(
+            event.kind.phase(),
+            ExactTime::ZERO.after(event.time),
+            from,
+            work,
+        )
     }
 
     fn state(&self, part: &Part, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {
@@ -314,7 +425,8 @@ impl Stretches for NoiselessRecursion {
     fn segments(&self, part: &Part, _: f64, tell: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let whole = [0.0, self.slip.response.duration];
-            self.slip.segments(part.start.value(), x, direction, excess, whole, tell);
+            self.slip
+                .segments(part.start.value(), x, direction, excess, whole, tell);
         }
         Ok(())
     }
@@ -375,23 +487,38 @@ impl Cascade for NoisyRecursion {
             ends: [(path.after, path.noise), (cell.length, end_noise)],
         };
         if end < cell.length {
-            piece.ends[1] = (end, noise_between(&self.scene, piece.ends, end, &mut path.draws));
+            piece.ends[1] = (
+                end,
+                noise_between(&self.scene, piece.ends, end, &mut path.draws),
+            );
         }
         watch.look(&self.scene, || piece);
         let began_at = path.motion.0;
         if watch.follows() {
             let from = cell.start + path.after - began_at;
-            let until =
-                if end < cell.length { self.slip.response.duration } else { cell.start + cell.length - began_at };
-            self.slip.segments(began_at, x0, direction, excess, [from, until], |segment| watch.segment(segment));
+            let until = if end < cell.length {
+                self.slip.response.duration
+            } else {
+                cell.start + cell.length - began_at
+            };
+            self.slip
+                .segments(began_at, x0, direction, excess, [from, until], |segment| {
+                    watch.segment(segment)
+                });
         }
         (path.after, path.noise) = piece.ends[1];
         if end >= cell.length {
             return Ok(None);
         }
         let displacement = x0 + self.slip.way(direction, excess);
-        let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: self.slip.end(direction, excess, force), time: cell.start + end, displacement, force }))
+        let force =
+            cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
+        Ok(Some(Event {
+            kind: self.slip.end(direction, excess, force),
+            time: cell.start + end,
+            displacement,
+            force,
+        }))
     }
 
     fn motion_after(&self, event: &Event) -> (f64, f64) {
@@ -401,9 +528,12 @@ impl Cascade for NoisyRecursion {
     fn look(&self, path: &Path<(f64, f64)>, cell: &Cell) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
-            Phase::Slip(direction) => {
-                self.slip.at(path.displacement, direction, path.motion.1, cell.start + cell.length - path.motion.0)
-            }
+            Phase::Slip(direction) => self.slip.at(
+                path.displacement,
+                direction,
+                path.motion.1,
+                cell.start + cell.length - path.motion.0,
+            ),
         }
     }
 }
@@ -427,13 +557,33 @@ impl WatchedPiece for SwingPiece<'_> {
         self.ends[1].0
     }
 
-    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        draws: &mut AddressedDraws,
+    ) -> (Seen, Self, Self) {
         let time = glance.time;
         let noise = noise_between(scene, self.ends, time, draws);
-        let (x, v) = self.slip.at(self.displacement, self.direction, self.excess, time - self.began);
+        let (x, v) = self.slip.at(
+            self.displacement,
+            self.direction,
+            self.excess,
+            time - self.began,
+        );
         let seen = (x, v, scene.temperature(glance.forcing, noise), false);
         let ([first, last], here) = (self.ends, (time, noise));
-        (seen, SwingPiece { ends: [first, here], ..*self }, SwingPiece { ends: [here, last], ..*self })
+        (
+            seen,
+            SwingPiece {
+                ends: [first, here],
+                ..*self
+            },
+            SwingPiece {
+                ends: [here, last],
+                ..*self
+            },
+        )
     }
 }
 
@@ -448,17 +598,26 @@ impl Simulate for QuasiStaticSimulation {
 
     /// A path is given up if it makes all the evaluations that it may, or if a value is not a
     /// number.
-    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+    fn simulate_counting(
+        &self,
+        seed: u64,
+        paths: &[u64],
+        observer: &mut dyn Observer,
+    ) -> Simulated {
         match &self.exits {
             Exits::Noisy(cascade) => {
                 let observer = Watching::new(observer);
-                let (is_stopped, follows) = (|| observer.borrow().is_stopped(), observer.borrow().follows());
+                let (is_stopped, follows) = (
+                    || observer.borrow().is_stopped(),
+                    observer.borrow().follows(),
+                );
                 let mut all = ScalarPaths::new(cascade.as_ref(), seed, paths, &is_stopped, follows);
                 event_driven::simulate(&mut all, paths.len(), &observer)
             }
-            Exits::Noiseless(cascade) => {
-                cascade.simulate(paths.len(), &mut WithUnfeltNoise::new(&self.model, observer, seed, paths))
-            }
+            Exits::Noiseless(cascade) => cascade.simulate(
+                paths.len(),
+                &mut WithUnfeltNoise::new(&self.model, observer, seed, paths),
+            ),
         }
     }
 

@@ -54,22 +54,56 @@ impl Segment {
     /// The distance from the start, x' and x'' at a place, as a part of the length from 0 to 1. In
     /// a step these are the ones of the start.
     pub fn at(&self, part: f64) -> [f64; 3] {
-        let Segment { length: h, way, velocity: [v0, _], .. } = *self;
-        let Along::Smooth { acceleration: [a0, _], .. } = self.along else { return [part * way, v0, 0.0] };
+        let Segment {
+            length: h,
+            way,
+            velocity: [v0, _],
+            ..
+        } = *self;
+        let Along::Smooth {
+            acceleration: [a0, _],
+            ..
+        } = self.along
+        else {
+            return [part * way, v0, 0.0];
+        };
         let x = self.quintic();
         let v = derivative(&x);
         let [x, v, a] = [x, v, derivative(&v)].map(|of| value(&of, part));
-        if h > 0.0 { [x, v / h, a / (h * h)] } else { [part * way, v0, a0] }
+        if h > 0.0 {
+            [x, v / h, a / (h * h)]
+        } else {
+            [part * way, v0, a0]
+        }
     }
 
     /// The distance from the start as a polynomial in the place, by its coefficients.
     fn quintic(&self) -> Polynomial {
-        let Segment { length: h, way, velocity: [v0, v1], .. } = *self;
-        let Along::Smooth { acceleration: [a0, a1], .. } = self.along else { return [0.0, way, 0.0, 0.0, 0.0, 0.0] };
+        let Segment {
+            length: h,
+            way,
+            velocity: [v0, v1],
+            ..
+        } = *self;
+        let Along::Smooth {
+            acceleration: [a0, a1],
+            ..
+        } = self.along
+        else {
+            return [0.0, way, 0.0, 0.0, 0.0, 0.0];
+        };
         // In units of the length: x'' at the start, and what the other end demands beyond it.
         let bend = h * h * a0;
-        let [d, e, f] = [way - h * v0 - 0.5 * bend, h * (v1 - v0) - bend, h * h * (a1 - a0)];
-        let [p, q, r] = [10.0 * d - 4.0 * e + 0.5 * f, 7.0 * e - 15.0 * d - f, 6.0 * d - 3.0 * e + 0.5 * f];
+        let [d, e, f] = [
+            way - h * v0 - 0.5 * bend,
+            h * (v1 - v0) - bend,
+            h * h * (a1 - a0),
+        ];
+        let [p, q, r] = [
+            10.0 * d - 4.0 * e + 0.5 * f,
+            7.0 * e - 15.0 * d - f,
+            6.0 * d - 3.0 * e + 0.5 * f,
+        ];
         [0.0, h * v0, 0.5 * bend, p, q, r]
     }
 
@@ -79,14 +113,23 @@ impl Segment {
         let v = derivative(&x).map(|coefficient| coefficient / self.length);
         x[0] = self.displacement;
         let [start, end] = self.velocity;
-        Course { polynomials: [x, v], ends: [[x[0], start], [x[0] + self.way, end]] }
+        Course {
+            polynomials: [x, v],
+            ends: [[x[0], start], [x[0] + self.way, end]],
+        }
     }
 
     /// The largest |x'| up to a place: at an end, or where x'' = 0.
     pub fn largest_speed(&self, until: f64) -> f64 {
         let [_, v, last] = self.at(until);
         let ends = self.velocity[0].abs().max(v.abs());
-        let Along::Smooth { acceleration: [first, _], .. } = self.along else { return ends };
+        let Along::Smooth {
+            acceleration: [first, _],
+            ..
+        } = self.along
+        else {
+            return ends;
+        };
         let direction = if self.way < 0.0 { -1.0 } else { 1.0 };
         if !(direction * first > 0.0 && direction * last < 0.0) {
             return ends;
@@ -94,7 +137,11 @@ impl Segment {
         let (mut low, mut high) = (0.0, until);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if direction * self.at(middle)[2] > 0.0 { low = middle } else { high = middle }
+            if direction * self.at(middle)[2] > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         // Where a segment is very short its polynomial is rounding, which this bounds.
         let most = ends + self.length * first.abs().max(last.abs());
@@ -107,16 +154,25 @@ type Polynomial = [f64; 6];
 
 /// The value of a polynomial.
 fn value(of: &Polynomial, s: f64) -> f64 {
-    of.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
+    of.iter()
+        .rev()
+        .fold(0.0, |sum, coefficient| sum * s + coefficient)
 }
 
 /// The value of a polynomial and its slope.
 fn value_and_slope(of: &Polynomial, s: f64) -> [f64; 2] {
-    of.iter().rev().fold([0.0; 2], |[value, slope], coefficient| [value * s + coefficient, slope * s + value])
+    of.iter()
+        .rev()
+        .fold([0.0; 2], |[value, slope], coefficient| {
+            [value * s + coefficient, slope * s + value]
+        })
 }
 
 fn derivative(of: &Polynomial) -> Polynomial {
-    std::array::from_fn(|i| of.get(i + 1).map_or(0.0, |coefficient| (i + 1) as f64 * coefficient))
+    std::array::from_fn(|i| {
+        of.get(i + 1)
+            .map_or(0.0, |coefficient| (i + 1) as f64 * coefficient)
+    })
 }
 
 /// The place between `from` and `to` at which a polynomial that is monotone there passes a value, by
@@ -135,7 +191,11 @@ fn passes(of: &Polynomial, wanted: f64, [from, to]: [f64; 2]) -> f64 {
             high = s
         }
         let newton = s - here / slope;
-        let next = if low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+        let next = if low <= newton && newton <= high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
         let step = (next - s).abs();
         s = next;
         // The next step would be about its square.
@@ -175,7 +235,10 @@ impl Course {
     pub fn turns(&self, [from, to]: [f64; 2]) -> Turns {
         let mut chain = [self.polynomials[1]; 4];
         (1..4).for_each(|i| chain[i] = derivative(&chain[i - 1]));
-        let mut turns = Turns { places: [from; 9], count: 1 };
+        let mut turns = Turns {
+            places: [from; 9],
+            count: 1,
+        };
         // Mostly neither turns: x'' lies between its four coefficients in Bernstein's form.
         let [a, b, c, d, ..] = chain[1];
         let hull = [a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d];
@@ -185,7 +248,13 @@ impl Course {
             return turns;
         }
         for (order, of) in chain.iter().enumerate().rev() {
-            let below = std::mem::replace(&mut turns, Turns { places: [from; 9], count: 1 });
+            let below = std::mem::replace(
+                &mut turns,
+                Turns {
+                    places: [from; 9],
+                    count: 1,
+                },
+            );
             let mut left = from;
             for right in below.rest().iter().copied().chain([to]) {
                 if (value(of, left) < 0.0) != (value(of, right) < 0.0) {
@@ -224,7 +293,9 @@ impl Turns {
 
     /// Each place with the next.
     pub fn pairs(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        self.places[..self.count].windows(2).map(|pair| [pair[0], pair[1]])
+        self.places[..self.count]
+            .windows(2)
+            .map(|pair| [pair[0], pair[1]])
     }
 }
 
@@ -235,13 +306,34 @@ mod tests {
     /// x = t^5 - 2 t^2 + 3 t from t = 0.5 on for a time of 2: a quintic is itself.
     #[test]
     fn a_quintic_is_followed_exactly() {
-        let x = |t: f64| [t.powi(5) - 2.0 * t * t + 3.0 * t, 5.0 * t.powi(4) - 4.0 * t + 3.0, 20.0 * t.powi(3) - 4.0];
+        let x = |t: f64| {
+            [
+                t.powi(5) - 2.0 * t * t + 3.0 * t,
+                5.0 * t.powi(4) - 4.0 * t + 3.0,
+                20.0 * t.powi(3) - 4.0,
+            ]
+        };
         let [[x0, v0, a0], [x1, v1, a1]] = [x(0.5), x(2.5)];
-        let along = Along::Smooth { acceleration: [a0, a1], temperature: None };
-        let segment = Segment { start: 0.5, length: 2.0, displacement: x0, way: x1 - x0, velocity: [v0, v1], along };
+        let along = Along::Smooth {
+            acceleration: [a0, a1],
+            temperature: None,
+        };
+        let segment = Segment {
+            start: 0.5,
+            length: 2.0,
+            displacement: x0,
+            way: x1 - x0,
+            velocity: [v0, v1],
+            along,
+        };
         for part in [0.0, 0.25, 0.7, 1.0] {
-            let ([way, v, a], [wanted, wanted_v, wanted_a]) = (segment.at(part), x(0.5 + 2.0 * part));
-            assert!((x0 + way - wanted).abs() < 1e-12 && (v - wanted_v).abs() < 1e-12 && (a - wanted_a).abs() < 1e-11);
+            let ([way, v, a], [wanted, wanted_v, wanted_a]) =
+                (segment.at(part), x(0.5 + 2.0 * part));
+            assert!(
+                (x0 + way - wanted).abs() < 1e-12
+                    && (v - wanted_v).abs() < 1e-12
+                    && (a - wanted_a).abs() < 1e-11
+            );
         }
     }
 
@@ -255,12 +347,26 @@ mod tests {
         let a = derivative(&v);
         let [t0, t1] = [-0.9, 3.5];
         let ends = |of: &Polynomial| [t0, t1].map(|t| value(of, t));
-        let along = Along::Smooth { acceleration: ends(&a), temperature: None };
+        let along = Along::Smooth {
+            acceleration: ends(&a),
+            temperature: None,
+        };
         let (displacement, way) = (x(t0), x(t1) - x(t0));
-        let segment = Segment { start: t0, length: t1 - t0, displacement, way, velocity: ends(&v), along };
+        let segment = Segment {
+            start: t0,
+            length: t1 - t0,
+            displacement,
+            way,
+            velocity: ends(&v),
+            along,
+        };
         let course = segment.course();
         let time = |place: f64| t0 + (t1 - t0) * place;
-        let turns: Vec<f64> = course.turns([0.0, 1.0]).pairs().map(|pair| time(pair[1])).collect();
+        let turns: Vec<f64> = course
+            .turns([0.0, 1.0])
+            .pairs()
+            .map(|pair| time(pair[1]))
+            .collect();
         let steep = |of: &Polynomial| turns.iter().filter(|t| value(of, **t).abs() < 1e-9).count();
         assert_eq!((turns.len(), steep(&v), steep(&a)), (8, 4, 3), "{turns:?}");
         for [p, q] in course.turns([0.1, 0.95]).pairs() {
@@ -268,7 +374,10 @@ mod tests {
             for share in [0.01, 0.3, 0.99] {
                 let wanted = low + share * (high - low);
                 let place = course.passes(0, wanted, [p, q]);
-                assert!(p <= place && place <= q && (x(time(place)) - wanted).abs() < 1e-11, "{wanted}");
+                assert!(
+                    p <= place && place <= q && (x(time(place)) - wanted).abs() < 1e-11,
+                    "{wanted}"
+                );
             }
         }
     }
@@ -278,9 +387,18 @@ mod tests {
     #[test]
     fn the_largest_speed_lies_where_the_acceleration_vanishes() {
         for sign in [1.0, -1.0] {
-            let along = Along::Smooth { acceleration: [3.0 * sign, -3.0 * sign], temperature: None };
-            let segment =
-                Segment { start: 0.0, length: 2.0, displacement: 9.0, way: 2.0 * sign, velocity: [0.0; 2], along };
+            let along = Along::Smooth {
+                acceleration: [3.0 * sign, -3.0 * sign],
+                temperature: None,
+            };
+            let segment = Segment {
+                start: 0.0,
+                length: 2.0,
+                displacement: 9.0,
+                way: 2.0 * sign,
+                velocity: [0.0; 2],
+                along,
+            };
             assert!((segment.largest_speed(1.0) - 1.5).abs() < 1e-15);
             assert!((segment.largest_speed(0.25) - 1.125).abs() < 1e-15);
         }

@@ -47,7 +47,10 @@ impl Timeline {
 
     /// The same timeline with an output grid that has only its first row.
     pub fn without_rows(&self) -> Self {
-        Timeline { output_step: 2.0 * self.end, ..*self }
+        Timeline {
+            output_step: 2.0 * self.end,
+            ..*self
+        }
     }
 
     /// The times of the output grid, row by row.
@@ -73,7 +76,9 @@ impl Timeline {
     /// The number of the first period n >= 1 whose end, n P, is not before the end of the
     /// burn-in.
     pub fn first_period(&self) -> usize {
-        let passed = self.period.map_or(0.0, |p| (self.after / p * (1.0 - END_TOLERANCE)).ceil());
+        let passed = self
+            .period
+            .map_or(0.0, |p| (self.after / p * (1.0 - END_TOLERANCE)).ceil());
         (passed as usize).max(1)
     }
 
@@ -96,7 +101,11 @@ impl Timeline {
         std::iter::from_fn(move || {
             let never = f64::INFINITY;
             let output = if k < rows { this.output_time(k) } else { never };
-            let period = if n <= periods { (n as f64 * this.period.unwrap_or(0.0)).min(this.end) } else { never };
+            let period = if n <= periods {
+                (n as f64 * this.period.unwrap_or(0.0)).min(this.end)
+            } else {
+                never
+            };
             let all = [
                 (output, Instant::Output(k)),
                 (period, Instant::Period(n)),
@@ -104,7 +113,10 @@ impl Timeline {
                 (if ended { never } else { this.end }, Instant::End),
             ];
             // Of equal times the first one.
-            let (time, instant) = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|first| first.0 < never)?;
+            let (time, instant) = all
+                .into_iter()
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|first| first.0 < never)?;
             match instant {
                 Instant::Output(_) => k += 1,
                 Instant::Period(_) => n += 1,
@@ -131,8 +143,17 @@ mod tests {
 
     #[test]
     fn stops_come_in_time_order_with_the_end_of_a_burn_in_among_them() {
-        let line = Timeline { end: 7.0, output_step: 3.0, period: Some(2.0), after: 0.0 };
-        let stops = |line: Timeline| line.stops().map(|stop| (stop.time, stop.instant)).collect::<Vec<_>>();
+        let line = Timeline {
+            end: 7.0,
+            output_step: 3.0,
+            period: Some(2.0),
+            after: 0.0,
+        };
+        let stops = |line: Timeline| {
+            line.stops()
+                .map(|stop| (stop.time, stop.instant))
+                .collect::<Vec<_>>()
+        };
         use Instant::{Counting, End, Output, Period};
         let without = [
             (0.0, Output(0)),
@@ -149,17 +170,37 @@ mod tests {
             with.insert(place, (after, Counting));
             assert_eq!(stops(Timeline { after, ..line }), with, "{after}");
         }
-        let nothing = Timeline { end: 0.0, output_step: 1.0, period: Some(2.0), after: 0.0 };
+        let nothing = Timeline {
+            end: 0.0,
+            output_step: 1.0,
+            period: Some(2.0),
+            after: 0.0,
+        };
         assert_eq!(stops(nothing), [(0.0, Output(0)), (0.0, End)]);
     }
 
     #[test]
     fn periods_count_from_the_end_of_the_first_one_or_of_the_burn_in() {
-        let line = |after| Timeline { end: 60.0, output_step: 60.0, period: Some(0.1), after };
+        let line = |after| Timeline {
+            end: 60.0,
+            output_step: 60.0,
+            period: Some(0.1),
+            after,
+        };
         let counted = |after| (line(after).first_period(), line(after).counted_periods());
-        assert_eq!((counted(0.0), counted(0.1), counted(0.25)), ((1, 599), (1, 599), (3, 597)));
+        assert_eq!(
+            (counted(0.0), counted(0.1), counted(0.25)),
+            ((1, 599), (1, 599), (3, 597))
+        );
         // 3 * 0.1 is 0.30000000000000004.
         assert_eq!((counted(0.3), counted(59.95)), ((3, 597), (600, 0)));
-        assert_eq!(Timeline { period: None, ..line(1.0) }.counted_periods(), 0);
+        assert_eq!(
+            Timeline {
+                period: None,
+                ..line(1.0)
+            }
+            .counted_periods(),
+            0
+        );
     }
 }

@@ -24,7 +24,11 @@ const TEMPERATURE: usize = 2;
 
 /// The values of these variables in a snapshot, each with one value per path.
 fn variables<'a>(snapshot: &Snapshot<'a>) -> [&'a [f64]; VARIABLES] {
-    [snapshot.displacement, snapshot.velocity, snapshot.temperature]
+    [
+        snapshot.displacement,
+        snapshot.velocity,
+        snapshot.temperature,
+    ]
 }
 
 /// Mean and spread of each variable at each time: the part of the bands that consists of
@@ -43,14 +47,19 @@ impl Merge for BandSums {
     fn merge(&mut self, other: &Self) {
         self.rows.merge(&other.rows);
         if let Some(more) = &other.within {
-            self.within.get_or_insert_with(|| no_squares(more[0].len())).merge(more);
+            self.within
+                .get_or_insert_with(|| no_squares(more[0].len()))
+                .merge(more);
         }
     }
 }
 
 impl BandSums {
     pub fn empty(rows: usize) -> Self {
-        BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]), within: None }
+        BandSums {
+            rows: std::array::from_fn(|_| vec![Moments::default(); rows]),
+            within: None,
+        }
     }
 
     /// Set row `row` of the output grid from all paths of the block. A row beyond the grid is
@@ -66,7 +75,12 @@ impl BandSums {
         if unit == Replicate::Pair {
             let within = self.within.get_or_insert_with(|| no_squares(rows));
             for (within, values) in within.iter_mut().zip(variables(snapshot)) {
-                within[row] = values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a - b) * (a - b)).sum();
+                within[row] = values
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|[a, b]| 0.5 * (a - b) * (a - b))
+                    .sum();
             }
         }
     }
@@ -78,9 +92,17 @@ impl BandSums {
             None => rows.map(Moments::variance).collect(),
             // The variance of 2n paths that form n pairs.
             Some(within) => {
-                let of_pairs = |(m, &within): (&Moments, &f64)| (2.0 * m.m2 + within) / (2 * m.count - 1) as f64;
+                let of_pairs = |(m, &within): (&Moments, &f64)| {
+                    (2.0 * m.m2 + within) / (2 * m.count - 1) as f64
+                };
                 rows.zip(&within[variable])
-                    .map(|(m, within)| if m.count == 0 { f64::NAN } else { of_pairs((m, within)) })
+                    .map(|(m, within)| {
+                        if m.count == 0 {
+                            f64::NAN
+                        } else {
+                            of_pairs((m, within))
+                        }
+                    })
                     .collect()
             }
         }
@@ -105,7 +127,9 @@ impl Codec for BandSums {
             1 => Some(no_squares(self.rows[0].len())),
             _ => return Err(Damaged),
         };
-        self.within.iter_mut().try_for_each(|within| within.read(from))
+        self.within
+            .iter_mut()
+            .try_for_each(|within| within.read(from))
     }
 }
 
@@ -155,8 +179,12 @@ impl Merge for BandCounts {
         self.rows.merge(&other.rows);
         self.occupancy.merge(&other.occupancy);
         self.waiting.extend_from_slice(&other.waiting);
-        let together = |of: fn(&BlockValues) -> usize| self.waiting.iter().map(|block| of(block)).sum::<usize>();
-        if together(|block| block.paths) >= WAITING_PATHS || together(|block| block.values.len()) >= WAITING_VALUES {
+        let together = |of: fn(&BlockValues) -> usize| {
+            self.waiting.iter().map(|block| of(block)).sum::<usize>()
+        };
+        if together(|block| block.paths) >= WAITING_PATHS
+            || together(|block| block.values.len()) >= WAITING_VALUES
+        {
             self.count_waiting();
         }
     }
@@ -169,7 +197,14 @@ impl BandCounts {
         let [least, most] = VALUES_PER_SKETCH;
         let values = (VALUES_TOGETHER / (VARIABLES * rows)).clamp(least, most);
         let bins = (values / 2).max(least);
-        let row = |centre| Sketch::empty(Shape { centre, scale: None, values, bins });
+        let row = |centre| {
+            Sketch::empty(Shape {
+                centre,
+                scale: None,
+                values,
+                bins,
+            })
+        };
         BandCounts {
             rows: [model.initial_displacement, 0.0, 0.0].map(|centre| vec![row(centre); rows]),
             waiting: Vec::new(),
@@ -186,11 +221,17 @@ impl BandCounts {
         }
         if self.waiting.is_empty() {
             let values = Vec::with_capacity(VARIABLES * rows * paths);
-            self.waiting.push(Arc::new(BlockValues { paths, values, starts: vec![None; rows] }));
+            self.waiting.push(Arc::new(BlockValues {
+                paths,
+                values,
+                starts: vec![None; rows],
+            }));
         }
         let block = Arc::make_mut(&mut self.waiting[0]);
         block.starts[row] = Some(block.values.len());
-        variables(snapshot).iter().for_each(|values| block.values.extend_from_slice(values));
+        variables(snapshot)
+            .iter()
+            .for_each(|values| block.values.extend_from_slice(values));
         let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
         self.occupancy[row] = [paths as u64, is_static];
     }
@@ -201,7 +242,10 @@ impl BandCounts {
         // This is the order in which the values lie in memory.
         for row in 0..self.occupancy.len() {
             for (variable, rows) in self.rows.iter_mut().enumerate() {
-                let parts: Vec<&[f64]> = waiting.iter().filter_map(|block| block.of(variable, row)).collect();
+                let parts: Vec<&[f64]> = waiting
+                    .iter()
+                    .filter_map(|block| block.of(variable, row))
+                    .collect();
                 rows[row].extend_by_parts(&parts);
             }
         }
@@ -254,7 +298,11 @@ pub(super) fn summary(
     let counts = counts.normalised();
     let size = unit.size() as f64;
     let band = |variable: usize| {
-        let (moments, variances, rows) = (&sums.rows[variable], sums.variances(variable), &counts.rows[variable]);
+        let (moments, variances, rows) = (
+            &sums.rows[variable],
+            sums.variances(variable),
+            &counts.rows[variable],
+        );
         let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
         let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
         let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
@@ -263,26 +311,44 @@ pub(super) fn summary(
             values.iter().enumerate().map(move |(row, values)| {
                 let [least, most] = [0.0, 1.0].map(|p| values.quantile(p));
                 let is_point = least == most && !may_differ(row) && values.count() > unit.size();
-                if is_point { [least; 2] } else { ends(values, level, size) }
+                if is_point {
+                    [least; 2]
+                } else {
+                    ends(values, level, size)
+                }
             })
         };
         let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
         let mean_ends = |(row, m): (usize, &Moments)| {
             let law = ErrorLaw::of_freedom(m.count.saturating_sub(1) as f64);
-            Measured::mean(m, law).in_range(Range::ANY, chance(row, m)).interval()
+            Measured::mean(m, law)
+                .in_range(Range::ANY, chance(row, m))
+                .interval()
         };
         let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
             let sd = variance.sqrt();
             let (relative, law) = values.error_of_spread();
             let law = law.with_freedom(law.freedom / size);
-            let error = if sd == 0.0 { 0.0 } else { sd * relative * size.sqrt() };
-            Measured::spread(sd, error, law, m.count).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
+            let error = if sd == 0.0 {
+                0.0
+            } else {
+                sd * relative * size.sqrt()
+            };
+            Measured::spread(sd, error, law, m.count)
+                .in_range(Range::NOT_NEGATIVE, chance(row, m))
+                .interval()
         };
         Band {
             mean: moments.iter().map(Moments::mean).collect(),
             mean_ends: moments.iter().enumerate().map(mean_ends).collect(),
             sd: variances.iter().map(|variance| variance.sqrt()).collect(),
-            sd_ends: moments.iter().enumerate().zip(&variances).zip(&values).map(sd_ends).collect(),
+            sd_ends: moments
+                .iter()
+                .enumerate()
+                .zip(&variances)
+                .zip(&values)
+                .map(sd_ends)
+                .collect(),
             quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
                 quantiles[i * rows.len() + j]
             }),
@@ -291,14 +357,23 @@ pub(super) fn summary(
     };
     let is_static = |(row, &[paths, still]): (usize, &[u64; 2])| {
         let is_random = !(certain.everything || row == 0 && certain.start);
-        Sample { paths, units: paths / unit.size(), is_random }.share(still)
+        Sample {
+            paths,
+            units: paths / unit.size(),
+            is_random,
+        }
+        .share(still)
     };
     Bands {
         time: timeline.output_times(),
         displacement: band(0),
         velocity: band(1),
         temperature: band(2),
-        static_probability: counts.occupancy.iter().map(|&[paths, still]| still as f64 / paths as f64).collect(),
+        static_probability: counts
+            .occupancy
+            .iter()
+            .map(|&[paths, still]| still as f64 / paths as f64)
+            .collect(),
         static_probability_ends: counts.occupancy.iter().enumerate().map(is_static).collect(),
     }
 }
@@ -318,8 +393,16 @@ fn ends(values: &Ordered, level: f64, size: f64) -> [f64; 2] {
         return [f64::NAN; 2];
     }
     let half_width = NORMAL * (level * (1.0 - level) / n).sqrt();
-    let low = if half_width < level { values.quantile(level - half_width) } else { f64::NEG_INFINITY };
-    let high = if level + half_width < 1.0 { values.quantile(level + half_width) } else { f64::INFINITY };
+    let low = if half_width < level {
+        values.quantile(level - half_width)
+    } else {
+        f64::NEG_INFINITY
+    };
+    let high = if level + half_width < 1.0 {
+        values.quantile(level + half_width)
+    } else {
+        f64::INFINITY
+    };
     [low, high]
 }
 
@@ -345,7 +428,12 @@ mod tests {
     /// counting what waits after each part gives the same state as counting it at the end.
     #[test]
     fn counting_what_waits_changes_no_result() {
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end: 1.0,
+            output_step: 1.0,
+            period: None,
+            after: 0.0,
+        };
         let empty = || BandCounts::empty(&model(), timeline.rows());
         let bytes = |counts: &BandCounts| {
             let mut bytes = Vec::new();
@@ -357,10 +445,17 @@ mod tests {
         let (mut settled, mut whole) = (empty(), empty());
         for _ in 0..3 {
             let x0 = model().initial_displacement;
-            let x: Vec<f64> = (0..1000).map(|i| if i % 7 == 0 { x0 } else { law.sample(&mut rng) }).collect();
+            let x: Vec<f64> = (0..1000)
+                .map(|i| if i % 7 == 0 { x0 } else { law.sample(&mut rng) })
+                .collect();
             let is_static: Vec<bool> = x.iter().map(|x| *x > 4.0).collect();
-            let snapshot =
-                Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
+            let snapshot = Snapshot {
+                time: 1.0,
+                displacement: &x,
+                velocity: &x,
+                temperature: &x,
+                is_static: &is_static,
+            };
             let mut part = empty();
             part.fold(1, &snapshot);
             settled.merge(&part);
@@ -377,20 +472,39 @@ mod tests {
     /// rate.
     #[test]
     fn intervals_at_a_time_cover_what_they_bound() {
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end: 1.0,
+            output_step: 1.0,
+            period: None,
+            after: 0.0,
+        };
         let mut rng = Pcg64Dxsm::seed_from_u64(39);
         let law = Normal::new(4.0, 1.5).unwrap();
         let mut held: [Coverage; 4] = Default::default();
         for _ in 0..2000 {
-            let mut part = (BandSums::empty(timeline.rows()), BandCounts::empty(&model(), timeline.rows()));
+            let mut part = (
+                BandSums::empty(timeline.rows()),
+                BandCounts::empty(&model(), timeline.rows()),
+            );
             let x: Vec<f64> = (0..200).map(|_| law.sample(&mut rng)).collect();
             let uniform = |rng: &mut Pcg64Dxsm| Distribution::<f64>::sample(&StandardUniform, rng);
             let is_static: Vec<bool> = x.iter().map(|_| uniform(&mut rng) < 0.3).collect();
-            let snapshot =
-                Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
+            let snapshot = Snapshot {
+                time: 1.0,
+                displacement: &x,
+                velocity: &x,
+                temperature: &x,
+                is_static: &is_static,
+            };
             part.0.fold(1, &snapshot, Replicate::Path);
             part.1.fold(1, &snapshot);
-            let bands = summary(&part.0, &part.1, &timeline, Certain::NOTHING, Replicate::Path);
+            let bands = summary(
+                &part.0,
+                &part.1,
+                &timeline,
+                Certain::NOTHING,
+                Replicate::Path,
+            );
             let x = &bands.displacement;
             // The upper quartile of the standard normal law is 0.674490. It is the fourth level,
             // and there are two times, so its index is 3 * 2 + 1 at the second time.
@@ -404,33 +518,64 @@ mod tests {
                 held.count(ends.low[point] <= truth && truth <= ends.high[point]);
             }
         }
-        for (held, what) in held.iter().zip(["mean", "standard deviation", "upper quartile", "static probability"]) {
+        for (held, what) in held.iter().zip([
+            "mean",
+            "standard deviation",
+            "upper quartile",
+            "static probability",
+        ]) {
             held.assert_95_percent(what);
         }
     }
 
     #[test]
     fn bands_merged_over_blocks_are_those_of_all_paths_at_once() {
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end: 1.0,
+            output_step: 1.0,
+            period: None,
+            after: 0.0,
+        };
         let normal = Normal::new(4.0, 1.5).unwrap();
         let mut rng = Pcg64Dxsm::seed_from_u64(3);
         // 5000 paths, two fifths of which have not left x0 = 6.
-        let x: Vec<f64> = (0..5000).map(|i| if i % 5 < 2 { 6.0 } else { normal.sample(&mut rng) }).collect();
-        let empty = || (BandSums::empty(timeline.rows()), BandCounts::empty(&model(), timeline.rows()));
+        let x: Vec<f64> = (0..5000)
+            .map(|i| {
+                if i % 5 < 2 {
+                    6.0
+                } else {
+                    normal.sample(&mut rng)
+                }
+            })
+            .collect();
+        let empty = || {
+            (
+                BandSums::empty(timeline.rows()),
+                BandCounts::empty(&model(), timeline.rows()),
+            )
+        };
         let (mut sums, mut counts) = empty();
         for block in x.chunks(256) {
             let mut part = empty();
             let is_static: Vec<bool> = block.iter().map(|&x| x == 6.0).collect();
             let v: Vec<f64> = block.iter().map(|x| x - 6.0).collect();
-            let snapshot =
-                Snapshot { time: 1.0, displacement: block, velocity: &v, temperature: &v, is_static: &is_static };
+            let snapshot = Snapshot {
+                time: 1.0,
+                displacement: block,
+                velocity: &v,
+                temperature: &v,
+                is_static: &is_static,
+            };
             part.0.fold(1, &snapshot, Replicate::Path);
             part.1.fold(1, &snapshot);
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
         let bands = summary(&sums, &counts, &timeline, Certain::NOTHING, Replicate::Path);
-        assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
+        assert_eq!(
+            (bands.time.clone(), bands.static_probability[1]),
+            (vec![0.0, 1.0], 0.4)
+        );
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // The reference is computed in two passes over all values. Rounding is 1e-16 per value.
         let mean = x.iter().sum::<f64>() / 5000.0;
@@ -442,8 +587,14 @@ mod tests {
             // moved span nine standard deviations, and lie in bins that are a hundredth of one
             // wide.
             let exact = exact(&x, p);
-            assert!((bands.displacement.quantiles[[i, 1]] - exact).abs() <= 0.01 * sd, "{p}");
-            assert!((bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= 0.01 * sd, "{p}");
+            assert!(
+                (bands.displacement.quantiles[[i, 1]] - exact).abs() <= 0.01 * sd,
+                "{p}"
+            );
+            assert!(
+                (bands.velocity.quantiles[[i, 1]] - (exact - 6.0)).abs() <= 0.01 * sd,
+                "{p}"
+            );
         }
         // The atom at x0 holds the quantiles from 0.53 to 0.96, so those between are exact.
         assert_eq!(bands.displacement.quantiles[[3, 1]], 6.0);

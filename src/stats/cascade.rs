@@ -73,8 +73,10 @@ impl CascadeSums {
         let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
         let column = |of: fn(&PathFold) -> f64| unit.column(paths, of);
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
-        let [first_sticks, first_durations] =
-            [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];
+        let [first_sticks, first_durations] = [
+            column(|p| f64::from(u8::from(p.first_duration.is_some()))),
+            column(|p| p.first_duration.unwrap_or(0.0)),
+        ];
         let [slips, sub_phases] = [column(|p| p.slips.into()), column(|p| p.sub_phases.into())];
         let [jumps, jump_sizes] = [column(|p| p.jump), column(|p| p.jump_abs)];
         let tails = CascadeTails {
@@ -88,7 +90,13 @@ impl CascadeSums {
             sticks: LawSums::of(paths, |path| path.sticks, unit),
             tails,
             first_sticks: JointMoments::of([&first_sticks, &first_durations]),
-            slips: JointMoments::of([&slips, &sub_phases, &column(|p| p.multiple.into()), &jumps, &jump_sizes]),
+            slips: JointMoments::of([
+                &slips,
+                &sub_phases,
+                &column(|p| p.multiple.into()),
+                &jumps,
+                &jump_sizes,
+            ]),
             stick_time: FourMoments::of(&column(|p| p.stick_time)),
             work: FourMoments::of(&column(|p| p.friction_work)),
             sliding_path: FourMoments::of(&column(|p| p.travel)),
@@ -107,37 +115,71 @@ impl CascadeSums {
 impl Measure for CascadeSums {
     fn measured(&self, statistic: Statistic, of: &Sampled) -> Option<Measured> {
         let CascadeSums {
-            sticks, tails, first_sticks, slips, stick_time, work, sliding_path, displacement_end, ..
+            sticks,
+            tails,
+            first_sticks,
+            slips,
+            stick_time,
+            work,
+            sliding_path,
+            displacement_end,
+            ..
         } = self;
         let (contributing, counted) = (&self.contributing, of.timeline.counted());
         let units = work.two.count;
-        let moved = |measured: Measured, fewest| measured.of_few(contributing.moving, units, fewest);
-        let of_slips = |measured: Measured, fewest| measured.of_few(contributing.slips, units, fewest);
+        let moved =
+            |measured: Measured, fewest| measured.of_few(contributing.moving, units, fewest);
+        let of_slips =
+            |measured: Measured, fewest| measured.of_few(contributing.slips, units, fewest);
         let positive = |of: &FourMoments| moved(Measured::mean_of_four(of), FEWEST);
         Some(match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(of.unit),
             Statistic::StickDurationCv => sticks.coefficient_of_variation(of.unit),
-            Statistic::FirstStickDurationMean => {
-                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks)
-            }
+            Statistic::FirstStickDurationMean => rare_ratio(
+                first_sticks,
+                1,
+                0,
+                &tails.first_stick_duration,
+                contributing.first_sticks,
+            ),
             Statistic::SticksPerPath => sticks.number(),
             Statistic::SlipsPerPath => rare_mean(slips, SLIPS, &tails.slips, contributing.slips),
-            Statistic::SubPhasesMean => rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips),
-            Statistic::SubPhasesMultipleShare => {
-                of_slips(Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips), FEWEST)
+            Statistic::SubPhasesMean => rare_ratio(
+                slips,
+                SUB_PHASES,
+                SLIPS,
+                &tails.sub_phases,
+                contributing.slips,
+            ),
+            Statistic::SubPhasesMultipleShare => of_slips(
+                Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
+                FEWEST,
+            ),
+            Statistic::StickingFraction | Statistic::SlidingPathRate if of.timeline.end == 0.0 => {
+                Measured::NOTHING
             }
-            Statistic::StickingFraction | Statistic::SlidingPathRate if of.timeline.end == 0.0 => Measured::NOTHING,
             Statistic::StickingFraction => {
                 let law = cautious(stick_time.error_law(), contributing.sticking, units);
                 let mean = Measured::mean(&stick_time.two, law);
                 let are_few = are_too_few(contributing.sticking, units, FEWEST);
-                (if are_few { mean.without_interval() } else { mean }).divided_by(counted)
+                (if are_few {
+                    mean.without_interval()
+                } else {
+                    mean
+                })
+                .divided_by(counted)
             }
-            Statistic::DisplacementEndMean => moved(Measured::mean_of_four(&displacement_end.units), FEWEST),
-            Statistic::DisplacementEndSd => moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD),
+            Statistic::DisplacementEndMean => {
+                moved(Measured::mean_of_four(&displacement_end.units), FEWEST)
+            }
+            Statistic::DisplacementEndSd => {
+                moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD)
+            }
             Statistic::JumpMean => rare_ratio(slips, JUMP, SLIPS, &tails.jump, contributing.slips),
-            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips),
+            Statistic::JumpAbsMean => {
+                rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips)
+            }
             Statistic::FrictionWorkMean => positive(work),
             Statistic::SlidingPathRate => positive(sliding_path).divided_by(counted),
             _ => return None,

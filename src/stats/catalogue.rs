@@ -35,7 +35,12 @@ pub(crate) struct CatalogueRow {
 impl CatalogueRow {
     /// A row like this one with these names and this meaning.
     const fn called(self, name: &'static str, words: &'static str, meaning: &'static str) -> Self {
-        CatalogueRow { name, words, meaning, ..self }
+        CatalogueRow {
+            name,
+            words,
+            meaning,
+            ..self
+        }
     }
 }
 
@@ -71,7 +76,10 @@ impl Over {
     /// Whether phases are counted or averaged over. There are infinitely many of them where slips
     /// of all sizes occur. Total times, the first stick and positions are not affected by that.
     pub fn counts_phases(self) -> bool {
-        matches!(self, Over::Sticks | Over::Slips | Over::Recurrences | Over::CountsOfPaths)
+        matches!(
+            self,
+            Over::Sticks | Over::Slips | Over::Recurrences | Over::CountsOfPaths
+        )
     }
 }
 
@@ -127,8 +135,12 @@ const OF_STICKS: CatalogueRow = CatalogueRow {
     needs: &[Need::Stick],
     ..OF_PATHS
 };
-const OF_SLIPS: CatalogueRow =
-    CatalogueRow { over: Over::Slips, step_error: StepError::Root, needs: &[Need::Slip], ..OF_PATHS };
+const OF_SLIPS: CatalogueRow = CatalogueRow {
+    over: Over::Slips,
+    step_error: StepError::Root,
+    needs: &[Need::Slip],
+    ..OF_PATHS
+};
 const COUNTED: CatalogueRow = CatalogueRow {
     dimension: Dimension::ONE,
     range: Range::NOT_NEGATIVE,
@@ -138,18 +150,42 @@ const COUNTED: CatalogueRow = CatalogueRow {
     ..OF_PATHS
 };
 /// Energy over the counted time, on request.
-const OF_ENERGY: CatalogueRow = CatalogueRow { dimension: Dimension::WORK, asked_by: Some(Extra::Energy), ..OF_PATHS };
+const OF_ENERGY: CatalogueRow = CatalogueRow {
+    dimension: Dimension::WORK,
+    asked_by: Some(Extra::Energy),
+    ..OF_PATHS
+};
 /// A number of the largest displacements or speeds, on request.
-const OF_EXTREMES: CatalogueRow =
-    CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Levels), ..OF_PATHS };
+const OF_EXTREMES: CatalogueRow = CatalogueRow {
+    range: Range::NOT_NEGATIVE,
+    asked_by: Some(Extra::Levels),
+    ..OF_PATHS
+};
 /// A number of durations of slips, sizes of jumps or times from slip to slip, on request.
-const OF_LAWS: CatalogueRow = CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
+const OF_LAWS: CatalogueRow = CatalogueRow {
+    range: Range::NOT_NEGATIVE,
+    asked_by: Some(Extra::Laws),
+    ..OF_SLIPS
+};
 /// How much those of slips differ.
-const OF_SLIP_SPREADS: CatalogueRow = CatalogueRow { needs: &[Need::Slip, Need::TwoSlips], ..OF_LAWS };
-const OF_SLIP_DURATIONS: CatalogueRow = CatalogueRow { dimension: Dimension::TIME, ..OF_LAWS };
-const OF_RECURRENCE: CatalogueRow =
-    CatalogueRow { dimension: Dimension::TIME, over: Over::Recurrences, needs: &[Need::Recurrence], ..OF_LAWS };
-const OF_PERIODS: CatalogueRow = CatalogueRow { needs: &[Need::Period], ..OF_PATHS };
+const OF_SLIP_SPREADS: CatalogueRow = CatalogueRow {
+    needs: &[Need::Slip, Need::TwoSlips],
+    ..OF_LAWS
+};
+const OF_SLIP_DURATIONS: CatalogueRow = CatalogueRow {
+    dimension: Dimension::TIME,
+    ..OF_LAWS
+};
+const OF_RECURRENCE: CatalogueRow = CatalogueRow {
+    dimension: Dimension::TIME,
+    over: Over::Recurrences,
+    needs: &[Need::Recurrence],
+    ..OF_LAWS
+};
+const OF_PERIODS: CatalogueRow = CatalogueRow {
+    needs: &[Need::Period],
+    ..OF_PATHS
+};
 
 catalogue! {
     /// Mean stick duration D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
@@ -433,7 +469,9 @@ impl Statistic {
 
     /// The statistic with this name, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
-        Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
+        Statistic::ALL
+            .into_iter()
+            .find(|statistic| statistic.name() == name)
     }
 
     pub(crate) fn row(self) -> &'static CatalogueRow {

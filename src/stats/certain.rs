@@ -25,12 +25,22 @@ pub(crate) struct Certain {
 
 impl Certain {
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
-        let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
+        let Model {
+            oscillator,
+            friction,
+            temperature,
+            initial_displacement,
+            initial_velocity,
+            ..
+        } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
         let is_thrown = *initial_velocity != 0.0;
-        let start =
-            is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.effective_noises().all(is_given);
-        let is_let_go = model.let_go(0.0, temperature.mean(0.0), *initial_displacement).is_some();
+        let start = is_thrown
+            || oscillator.force_per_temperature() == 0.0
+            || temperature.effective_noises().all(is_given);
+        let is_let_go = model
+            .let_go(0.0, temperature.mean(0.0), *initial_displacement)
+            .is_some();
         let has_load = model.has_load();
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
         Certain {
@@ -51,32 +61,63 @@ mod tests {
     use crate::stats::Statistic;
     use crate::stats::synthetic::model;
 
-    const TIMELINE: Timeline = Timeline { end: 10.0, output_step: 10.0, period: None, after: 0.0 };
+    const TIMELINE: Timeline = Timeline {
+        end: 10.0,
+        output_step: 10.0,
+        period: None,
+        after: 0.0,
+    };
 
     /// x0 = 6 and K = beta = 1, so that b(0) = v(0)/4 - 6.
     fn scene(static_force: f64, dynamic_force: f64, initial: InitialNoise) -> Model {
-        let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial };
+        let noise = Noise {
+            intensity: 0.25,
+            relaxation_rate: 1.0,
+            diffusion: 1.0,
+            initial,
+        };
         Model {
-            friction: Friction { static_force, dynamic_force },
-            temperature: Temperature { noises: vec![noise], ..Temperature::default() },
+            friction: Friction {
+                static_force,
+                dynamic_force,
+            },
+            temperature: Temperature {
+                noises: vec![noise],
+                ..Temperature::default()
+            },
             ..model()
         }
     }
 
     fn certain(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
         let certain = Certain::of(model, timeline);
-        Statistic::ALL.into_iter().filter(|statistic| statistic.is_decided_by(certain)).collect()
+        Statistic::ALL
+            .into_iter()
+            .filter(|statistic| statistic.is_decided_by(certain))
+            .collect()
     }
 
     #[test]
     fn only_what_the_scene_alone_decides_is_certain() {
         let given = InitialNoise::At(0.0);
         assert_eq!(certain(&scene(7.0, 2.0, given), &TIMELINE), []);
-        assert_eq!(certain(&scene(7.0, 0.0, given), &TIMELINE), [Statistic::FrictionWorkMean]);
-        assert_eq!(certain(&scene(5.0, 2.0, given), &TIMELINE), [Statistic::FirstStickDurationMean]);
+        assert_eq!(
+            certain(&scene(7.0, 0.0, given), &TIMELINE),
+            [Statistic::FrictionWorkMean]
+        );
+        assert_eq!(
+            certain(&scene(5.0, 2.0, given), &TIMELINE),
+            [Statistic::FirstStickDurationMean]
+        );
         // With v(0) = 8, b(0) is -4, and with a random v(0) it may be anything.
-        assert_eq!(certain(&scene(5.0, 2.0, InitialNoise::At(8.0)), &TIMELINE), []);
-        assert_eq!(certain(&scene(5.0, 2.0, InitialNoise::Stationary), &TIMELINE), []);
+        assert_eq!(
+            certain(&scene(5.0, 2.0, InitialNoise::At(8.0)), &TIMELINE),
+            []
+        );
+        assert_eq!(
+            certain(&scene(5.0, 2.0, InitialNoise::Stationary), &TIMELINE),
+            []
+        );
         let never = [
             Statistic::FirstStickDurationMean,
             Statistic::SticksPerPath,
@@ -85,7 +126,10 @@ mod tests {
             Statistic::FrictionWorkMean,
         ];
         assert_eq!(certain(&scene(0.0, 0.0, given), &TIMELINE), never);
-        let at_once = Timeline { end: 0.0, ..TIMELINE };
+        let at_once = Timeline {
+            end: 0.0,
+            ..TIMELINE
+        };
         assert_eq!(certain(&scene(7.0, 2.0, given), &at_once), Statistic::ALL);
         assert_eq!(certain(&model(), &TIMELINE), Statistic::ALL);
     }

@@ -69,23 +69,47 @@ impl<'a> Described<'a> {
     }
 
     /// The same variable along these axes, with these attributes.
-    pub fn along<'b>(&self, axes: &'b [&'b str], attributes: &'b [(&'b str, &'b str)]) -> Described<'b>
+    pub fn along<'b>(
+        &self,
+        axes: &'b [&'b str],
+        attributes: &'b [(&'b str, &'b str)],
+    ) -> Described<'b>
     where
         'a: 'b,
     {
-        Described { axes, attributes, ..*self }
+        Described {
+            axes,
+            attributes,
+            ..*self
+        }
     }
 
     /// The same variable as one of flags, with these values and these attributes that name them.
-    pub const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
+    pub const fn flags(
+        mut self,
+        values: &'a [i8],
+        meanings: &'a [(&'a str, &'a str)],
+    ) -> Described<'a> {
         self.flags = values;
         self.with(meanings)
     }
 }
 
 /// A variable without further attributes.
-pub const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
-    Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
+pub const fn variable<'a>(
+    name: &'a str,
+    axes: &'a [&'a str],
+    unit: Unit,
+    long_name: &'a str,
+) -> Described<'a> {
+    Described {
+        name,
+        axes,
+        unit,
+        long_name,
+        attributes: &[],
+        flags: &[],
+    }
 }
 
 /// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
@@ -241,12 +265,22 @@ impl ColumnView<'_> {
     /// Append the bytes of the values to `out`. Texts end with a zero.
     pub fn write(self, out: &mut Vec<u8>) {
         match self {
-            ColumnView::F64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
-            ColumnView::U64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
-            ColumnView::U32(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
-            ColumnView::I8(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::F64(values) => values
+                .iter()
+                .for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::U64(values) => values
+                .iter()
+                .for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::U32(values) => values
+                .iter()
+                .for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::I8(values) => values
+                .iter()
+                .for_each(|value| out.extend(value.to_le_bytes())),
             ColumnView::U8(values) => out.extend(values),
-            ColumnView::Text(texts) => texts.iter().for_each(|text| out.extend(text.bytes().chain([0]))),
+            ColumnView::Text(texts) => texts
+                .iter()
+                .for_each(|text| out.extend(text.bytes().chain([0]))),
         }
     }
 }
@@ -259,13 +293,28 @@ fn is_same_real(a: &f64, b: &f64) -> bool {
     a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
 }
 
-fn first<T: Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
+fn first<T: Debug>(
+    stored: &[T],
+    computed: &[T],
+    is_same: impl Fn(&T, &T) -> bool,
+) -> Option<FirstDifference> {
     if stored.len() != computed.len() {
-        return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
+        return Some((
+            None,
+            format!("one of {} values", stored.len()),
+            format!("one of {}", computed.len()),
+        ));
     }
     // `{:?}` gives enough digits to distinguish any two reals.
-    let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
-    Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
+    let at = stored
+        .iter()
+        .zip(computed)
+        .position(|(stored, computed)| !is_same(stored, computed))?;
+    Some((
+        Some(at),
+        format!("{:?}", stored[at]),
+        format!("{:?}", computed[at]),
+    ))
 }
 
 impl ElementType {
@@ -321,22 +370,36 @@ pub trait Columns: Default {
 
     /// The table with the columns that `read` returns, in its order. A column of another type is an
     /// error.
-    fn read(read: impl FnMut(&Variable, ElementType) -> Result<Column, String>) -> Result<Self, String>;
+    fn read(
+        read: impl FnMut(&Variable, ElementType) -> Result<Column, String>,
+    ) -> Result<Self, String>;
 
     /// The columns with their values.
     fn columns(&self) -> impl Iterator<Item = (&'static Variable, ColumnView<'_>)> {
-        Self::VARIABLES.iter().map(|(variable, _)| variable).zip(self.views())
+        Self::VARIABLES
+            .iter()
+            .map(|(variable, _)| variable)
+            .zip(self.views())
     }
 
     /// The number of bytes of one value of every column along these axes.
     fn bytes_along(axes: &[&str]) -> usize {
-        Self::VARIABLES.iter().filter(|(variable, _)| variable.axes == axes).map(|(_, kind)| kind.size()).sum()
+        Self::VARIABLES
+            .iter()
+            .filter(|(variable, _)| variable.axes == axes)
+            .map(|(_, kind)| kind.size())
+            .sum()
     }
 }
 
 /// Take the values of a column out of it, if they have this type.
 pub fn values_of<T: Element>(variable: &Described, column: Column) -> Result<Vec<T>, String> {
-    T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name))
+    T::of(column).ok_or_else(|| {
+        format!(
+            "{} has another type than it was written with",
+            variable.name
+        )
+    })
 }
 
 /// Declares a table and its row: first the columns with one value for each path, then those with

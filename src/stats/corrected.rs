@@ -27,7 +27,11 @@ impl Bias {
     /// of the plain estimate by at most 0.15, and that of the estimate less all of its bias by at
     /// most 0.4.
     pub fn weight(&self) -> f64 {
-        if self.estimate.abs() > self.uncertainty { 1.0 - (self.uncertainty / self.estimate).powi(4) } else { 0.0 }
+        if self.estimate.abs() > self.uncertainty {
+            1.0 - (self.uncertainty / self.estimate).powi(4)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -49,7 +53,11 @@ impl Estimate {
         let low = centre - (self.estimate - self.low).hypot(bias.uncertainty);
         let high = centre + (self.high - self.estimate).hypot(bias.uncertainty);
         let estimate = self.estimate - bias.weight() * bias.estimate;
-        (low.is_finite() && high.is_finite()).then_some(Corrected { estimate, low, high })
+        (low.is_finite() && high.is_finite()).then_some(Corrected {
+            estimate,
+            low,
+            high,
+        })
     }
 }
 
@@ -62,9 +70,20 @@ mod tests {
     use rand_pcg::rand_core::SeedableRng;
 
     fn estimate(value: f64, half_width: f64, bias: f64, uncertainty: f64) -> Estimate {
-        let bias = Some(Bias { estimate: bias, uncertainty, order: None });
+        let bias = Some(Bias {
+            estimate: bias,
+            uncertainty,
+            order: None,
+        });
         let (statistic, standard_error) = (Statistic::SticksPerPath, half_width / 1.96);
-        Estimate { statistic, estimate: value, standard_error, low: value - half_width, high: value + half_width, bias }
+        Estimate {
+            statistic,
+            estimate: value,
+            standard_error,
+            low: value - half_width,
+            high: value + half_width,
+            bias,
+        }
     }
 
     #[test]
@@ -72,17 +91,60 @@ mod tests {
         // The weight is 1 - (1/2)^4 = 15/16, of a bias of 2. The interval is that of 10 - 2,
         // sqrt(0.75^2 + 1) to either side.
         let corrected = estimate(10.0, 0.75, 2.0, 1.0).corrected();
-        assert_eq!(corrected, Some(Corrected { estimate: 8.125, low: 6.75, high: 9.25 }));
+        assert_eq!(
+            corrected,
+            Some(Corrected {
+                estimate: 8.125,
+                low: 6.75,
+                high: 9.25
+            })
+        );
         // Within the uncertainty nothing is subtracted.
         let corrected = estimate(10.0, 0.75, -0.5, 1.0).corrected();
-        assert_eq!(corrected, Some(Corrected { estimate: 10.0, low: 9.25, high: 11.75 }));
+        assert_eq!(
+            corrected,
+            Some(Corrected {
+                estimate: 10.0,
+                low: 9.25,
+                high: 11.75
+            })
+        );
         // Arms of unequal length stay on their sides.
-        let uneven = Estimate { low: 10.0, ..estimate(10.0, 0.75, 2.0, 1.0) };
-        assert_eq!(uneven.corrected(), Some(Corrected { estimate: 8.125, low: 7.0, high: 9.25 }));
-        assert_eq!(Estimate { bias: None, ..uneven }.corrected(), None);
-        assert_eq!(Estimate { low: f64::NAN, ..uneven }.corrected(), None);
+        let uneven = Estimate {
+            low: 10.0,
+            ..estimate(10.0, 0.75, 2.0, 1.0)
+        };
+        assert_eq!(
+            uneven.corrected(),
+            Some(Corrected {
+                estimate: 8.125,
+                low: 7.0,
+                high: 9.25
+            })
+        );
+        assert_eq!(
+            Estimate {
+                bias: None,
+                ..uneven
+            }
+            .corrected(),
+            None
+        );
+        assert_eq!(
+            Estimate {
+                low: f64::NAN,
+                ..uneven
+            }
+            .corrected(),
+            None
+        );
         // A bias that is exactly zero and exactly known.
-        assert_eq!(estimate(10.0, 0.75, 0.0, 0.0).corrected().map(|c| c.estimate), Some(10.0));
+        assert_eq!(
+            estimate(10.0, 0.75, 0.0, 0.0)
+                .corrected()
+                .map(|c| c.estimate),
+            Some(10.0)
+        );
     }
 
     /// A law of errors: its name, a draw of mean zero, and the half-width of the central interval
@@ -92,9 +154,21 @@ mod tests {
     const LAWS: [Law; 3] = [
         ("normal", |rng| StandardNormal.sample(rng), 1.959_964),
         // Abramowitz and Stegun, table 26.10.
-        ("Student", |rng| StudentT::new(5.0).expect("five degrees of freedom").sample(rng), 2.571),
+        (
+            "Student",
+            |rng| {
+                StudentT::new(5.0)
+                    .expect("five degrees of freedom")
+                    .sample(rng)
+            },
+            2.571,
+        ),
         // P(|E - 1| <= u) = 1 - exp(-1 - u) for u >= 1.
-        ("skewed", |rng| Distribution::<f64>::sample(&Exp1, rng) - 1.0, 1.995_732),
+        (
+            "skewed",
+            |rng| Distribution::<f64>::sample(&Exp1, rng) - 1.0,
+            1.995_732,
+        ),
     ];
 
     /// Root-mean-square errors of the plain, the partly corrected and the wholly corrected
@@ -102,7 +176,12 @@ mod tests {
     /// is the uncertainty of the bias. `truth` is the true bias. `share` is the error of the plain
     /// estimate, relative to that of the bias. The bias is measured on its own, or against a second
     /// estimate if `has_reference`.
-    fn simulated((_, draw, half_width): Law, truth: f64, share: f64, has_reference: bool) -> ([f64; 3], f64) {
+    fn simulated(
+        (_, draw, half_width): Law,
+        truth: f64,
+        share: f64,
+        has_reference: bool,
+    ) -> ([f64; 3], f64) {
         let (n, mut rng) = (20_000, Pcg64Dxsm::seed_from_u64(1961));
         let (mut squares, mut held) = ([0.0; 3], 0);
         for _ in 0..n {
@@ -120,7 +199,10 @@ mod tests {
                 *square += error * error;
             }
         }
-        (squares.map(|square| (square / f64::from(n)).sqrt()), f64::from(held) / f64::from(n))
+        (
+            squares.map(|square| (square / f64::from(n)).sqrt()),
+            f64::from(held) / f64::from(n),
+        )
     }
 
     /// The true value is zero, and the true bias goes from none to six uncertainties. The errors
@@ -139,17 +221,30 @@ mod tests {
     #[test]
     fn shrinking_costs_no_more_than_it_says_and_the_interval_holds() {
         for law in LAWS {
-            let (to_plain, to_whole) = if law.0 == "normal" { (0.15, 0.4) } else { (0.3, 0.55) };
+            let (to_plain, to_whole) = if law.0 == "normal" {
+                (0.15, 0.4)
+            } else {
+                (0.3, 0.55)
+            };
             for (share, has_reference) in [(0.05, false), (1.0, false), (0.05, true), (0.3, true)] {
                 let mut worst = [f64::NEG_INFINITY; 2];
                 for tenths in 0..=60 {
                     let truth = 0.1 * f64::from(tenths);
-                    let ([plain, shrunk, whole], held) = simulated(law, truth, share, has_reference);
+                    let ([plain, shrunk, whole], held) =
+                        simulated(law, truth, share, has_reference);
                     worst = [worst[0].max(shrunk - plain), worst[1].max(shrunk - whole)];
-                    assert!(held > if law.0 == "skewed" { 0.93 } else { 0.942 }, "{}, {truth}, {share}: {held}", law.0);
+                    assert!(
+                        held > if law.0 == "skewed" { 0.93 } else { 0.942 },
+                        "{}, {truth}, {share}: {held}",
+                        law.0
+                    );
                 }
                 println!("{}, {share}, {has_reference}: {worst:?}", law.0);
-                assert!(worst[0] < to_plain + 0.01 && worst[1] < to_whole + 0.01, "{}, {share}: {worst:?}", law.0);
+                assert!(
+                    worst[0] < to_plain + 0.01 && worst[1] < to_whole + 0.01,
+                    "{}, {share}: {worst:?}",
+                    law.0
+                );
             }
         }
     }

@@ -38,8 +38,16 @@ pub struct Repeats {
 
 impl LimitCycle {
     /// The names of the numbers of a cycle in a data set.
-    pub const NUMBERS: [&str; 8] =
-        ["amplitude", "period", "forcing_periods", "advance", "slips", "sticks", "at_rest", "is_symmetric"];
+    pub const NUMBERS: [&str; 8] = [
+        "amplitude",
+        "period",
+        "forcing_periods",
+        "advance",
+        "slips",
+        "sticks",
+        "at_rest",
+        "is_symmetric",
+    ];
 
     /// The length of a section in a data set.
     pub const STATES: usize = STATES;
@@ -52,17 +60,45 @@ impl LimitCycle {
         let forcing_periods = of.forcing_periods.map_or(f64::NAN, |n| n as f64);
         let counted = [of.slips, of.sticks].map(|n| n as f64);
         let symmetric = f64::from(u8::from(of.is_symmetric));
-        [self.amplitude, of.period, forcing_periods, of.advance, counted[0], counted[1], of.at_rest, symmetric]
+        [
+            self.amplitude,
+            of.period,
+            forcing_periods,
+            of.advance,
+            counted[0],
+            counted[1],
+            of.at_rest,
+            symmetric,
+        ]
     }
 
     /// The cycle with these numbers and this section, which may end with NaN.
     pub fn of_numbers(
-        [amplitude, period, forcing_periods, advance, slips, sticks, at_rest, symmetric]: [f64; 8],
+        [
+            amplitude,
+            period,
+            forcing_periods,
+            advance,
+            slips,
+            sticks,
+            at_rest,
+            symmetric,
+        ]: [f64; 8],
         section: &[f64],
     ) -> Self {
-        let forcing_periods = Some(forcing_periods).filter(|n| !n.is_nan()).map(|n| n as usize);
+        let forcing_periods = Some(forcing_periods)
+            .filter(|n| !n.is_nan())
+            .map(|n| n as usize);
         let (slips, sticks, is_symmetric) = (slips as usize, sticks as usize, symmetric == 1.0);
-        let repeats = Repeats { period, forcing_periods, advance, slips, sticks, at_rest, is_symmetric };
+        let repeats = Repeats {
+            period,
+            forcing_periods,
+            advance,
+            slips,
+            sticks,
+            at_rest,
+            is_symmetric,
+        };
         LimitCycle {
             section: section.iter().copied().filter(|x| !x.is_nan()).collect(),
             amplitude,

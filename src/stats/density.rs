@@ -52,7 +52,13 @@ impl Default for DensityCounts {
     fn default() -> Self {
         let one = || Grid::empty(ONE, BATCHES);
         let (displacement, velocity, joint) = (one(), one(), Grid::empty(TWO, 1));
-        DensityCounts { displacement, velocity, joint, all: [0; BATCHES], at_rest: [0; BATCHES] }
+        DensityCounts {
+            displacement,
+            velocity,
+            joint,
+            all: [0; BATCHES],
+            at_rest: [0; BATCHES],
+        }
     }
 }
 
@@ -65,23 +71,58 @@ impl DensityCounts {
             let share = |counts: &[u64]| {
                 // In units of the time of a path, so that a share that is never taken has the interval
                 // of so many paths.
-                Share::of(counts.iter().zip(&self.all).map(|(count, all)| (*count as f64 / TICKS, *all as f64 / TICKS)))
+                Share::of(
+                    counts
+                        .iter()
+                        .zip(&self.all)
+                        .map(|(count, all)| (*count as f64 / TICKS, *all as f64 / TICKS)),
+                )
             };
             let shares: Vec<Share> = grid.cells().map(share).collect();
-            let density = shares.iter().zip(&widths).map(|(share, width)| share.estimate / width).collect();
-            let ends = grid.cells().zip(&shares).zip(&widths).map(|((counts, share), width)| {
-                let visited = counts.iter().filter(|count| **count > 0).count();
-                if visited < FEWEST { [f64::NAN; 2] } else { share.interval(chance).map(|end| end / width) }
-            });
-            DensityCurve { density, ends: ends.collect::<Ends>(), edges }
+            let density = shares
+                .iter()
+                .zip(&widths)
+                .map(|(share, width)| share.estimate / width)
+                .collect();
+            let ends = grid
+                .cells()
+                .zip(&shares)
+                .zip(&widths)
+                .map(|((counts, share), width)| {
+                    let visited = counts.iter().filter(|count| **count > 0).count();
+                    if visited < FEWEST {
+                        [f64::NAN; 2]
+                    } else {
+                        share.interval(chance).map(|end| end / width)
+                    }
+                });
+            DensityCurve {
+                density,
+                ends: ends.collect::<Ends>(),
+                edges,
+            }
         };
         let all: f64 = self.all.iter().map(|ticks| *ticks as f64).sum();
         let [rows, columns] = self.joint.axes();
         let edges = [rows.edges(), columns.edges()];
-        let area = |edges: &[Vec<f64>; 2]| edges.iter().map(|edges| edges[1] - edges[0]).product::<f64>();
-        let joint = self.joint.cells().map(|count| count[0] as f64 / (all * area(&edges))).collect();
+        let area = |edges: &[Vec<f64>; 2]| {
+            edges
+                .iter()
+                .map(|edges| edges[1] - edges[0])
+                .product::<f64>()
+        };
+        let joint = self
+            .joint
+            .cells()
+            .map(|count| count[0] as f64 / (all * area(&edges)))
+            .collect();
         let shape = (rows.cells(), columns.cells());
-        let at_rest = Share::of(self.at_rest.iter().zip(&self.all).map(|(rest, all)| (*rest as f64, *all as f64)));
+        let at_rest = Share::of(
+            self.at_rest
+                .iter()
+                .zip(&self.all)
+                .map(|(rest, all)| (*rest as f64, *all as f64)),
+        );
         Densities {
             displacement: curve(&self.displacement),
             velocity: curve(&self.velocity),
@@ -128,18 +169,32 @@ impl DensityFold {
         if event.kind == EventKind::StickEntered {
             self.rests[lane] = Some((event.time, event.displacement));
         }
-        debug_assert_eq!(event.kind.phase() == Phase::Static, self.rests[lane].is_some());
+        debug_assert_eq!(
+            event.kind.phase() == Phase::Static,
+            self.rests[lane].is_some()
+        );
     }
 
     /// The stick of a path, if it is in one, is over at this time.
     fn leave(&mut self, lane: usize, time: f64) {
-        let Some((since, x)) = self.rests[lane].take() else { return };
-        let DensityFold { timeline: Timeline { after, .. }, rate, .. } = *self;
-        let (ticks, batch) = ([since.max(after), time].map(|time| tick(time - after, rate)), self.batches[lane]);
+        let Some((since, x)) = self.rests[lane].take() else {
+            return;
+        };
+        let DensityFold {
+            timeline: Timeline { after, .. },
+            rate,
+            ..
+        } = *self;
+        let (ticks, batch) = (
+            [since.max(after), time].map(|time| tick(time - after, rate)),
+            self.batches[lane],
+        );
         if ticks[0] < ticks[1] {
             self.counts.at_rest[batch] += ticks[1] - ticks[0];
             self.counts.all[batch] += ticks[1] - ticks[0];
-            self.counts.displacement.pass([[x, 0.0]; 2], ticks, batch, |_, _| 0);
+            self.counts
+                .displacement
+                .pass([[x, 0.0]; 2], ticks, batch, |_, _| 0);
         }
     }
 
@@ -154,7 +209,9 @@ impl DensityFold {
             let course = segment.course();
             for part in course.turns(counted).pairs() {
                 let ends = part.map(|place| course.at(place));
-                self.pass(lane, segment, part, ends, |variable, edge| course.passes(variable, edge, part));
+                self.pass(lane, segment, part, ends, |variable, edge| {
+                    course.passes(variable, edge, part)
+                });
             }
         }
     }
@@ -178,8 +235,12 @@ impl DensityFold {
         let crossing = |variable, edge| tick(place(variable, edge));
         let one = |variable: usize| ends.map(|state| [state[variable], 0.0]);
         self.counts.all[batch] += ticks[1] - ticks[0];
-        self.counts.displacement.pass(one(0), ticks, batch, |_, edge| crossing(0, edge));
-        self.counts.velocity.pass(one(1), ticks, batch, |_, edge| crossing(1, edge));
+        self.counts
+            .displacement
+            .pass(one(0), ticks, batch, |_, edge| crossing(0, edge));
+        self.counts
+            .velocity
+            .pass(one(1), ticks, batch, |_, edge| crossing(1, edge));
         self.counts.joint.pass(ends, ticks, 0, crossing);
     }
 

@@ -29,36 +29,80 @@ pub struct Units {
 
 impl Dimension {
     /// A pure number.
-    pub const ONE: Dimension = Dimension { time: 0, length: 0, force: 0, temperature: 0 };
+    pub const ONE: Dimension = Dimension {
+        time: 0,
+        length: 0,
+        force: 0,
+        temperature: 0,
+    };
     /// time
-    pub const TIME: Dimension = Dimension { time: 1, ..Dimension::ONE };
+    pub const TIME: Dimension = Dimension {
+        time: 1,
+        ..Dimension::ONE
+    };
     /// length
-    pub const LENGTH: Dimension = Dimension { length: 1, ..Dimension::ONE };
+    pub const LENGTH: Dimension = Dimension {
+        length: 1,
+        ..Dimension::ONE
+    };
     /// force
-    pub const FORCE: Dimension = Dimension { force: 1, ..Dimension::ONE };
+    pub const FORCE: Dimension = Dimension {
+        force: 1,
+        ..Dimension::ONE
+    };
     /// temperature
-    pub const TEMPERATURE: Dimension = Dimension { temperature: 1, ..Dimension::ONE };
+    pub const TEMPERATURE: Dimension = Dimension {
+        temperature: 1,
+        ..Dimension::ONE
+    };
     /// length / time
-    pub const VELOCITY: Dimension = Dimension { length: 1, time: -1, ..Dimension::ONE };
+    pub const VELOCITY: Dimension = Dimension {
+        length: 1,
+        time: -1,
+        ..Dimension::ONE
+    };
     /// length^2
-    pub const AREA: Dimension = Dimension { length: 2, ..Dimension::ONE };
+    pub const AREA: Dimension = Dimension {
+        length: 2,
+        ..Dimension::ONE
+    };
     /// length^2 / time
-    pub const DIFFUSIVITY: Dimension = Dimension { length: 2, time: -1, ..Dimension::ONE };
+    pub const DIFFUSIVITY: Dimension = Dimension {
+        length: 2,
+        time: -1,
+        ..Dimension::ONE
+    };
     /// force * length
-    pub const WORK: Dimension = Dimension { force: 1, length: 1, ..Dimension::ONE };
+    pub const WORK: Dimension = Dimension {
+        force: 1,
+        length: 1,
+        ..Dimension::ONE
+    };
 
     /// The labels with their powers, in the order in which products are written, as in newton metre
     /// or metre per second.
     fn factors(self, units: &Units) -> [(&str, i32); 4] {
-        let Dimension { time, length, force, temperature } = self;
-        [(&units.force, force), (&units.length, length), (&units.temperature, temperature), (&units.time, time)]
-            .map(|(label, power)| (label.as_str(), power))
+        let Dimension {
+            time,
+            length,
+            force,
+            temperature,
+        } = self;
+        [
+            (&units.force, force),
+            (&units.length, length),
+            (&units.temperature, temperature),
+            (&units.time, time),
+        ]
+        .map(|(label, power)| (label.as_str(), power))
     }
 
     /// The unit as people write it: `m^2/s`, `N m`, `1/s`; empty where nothing has a label.
     pub fn label(self, units: &Units) -> String {
         let product = |of: &[(&str, i32)]| {
-            let factors = of.iter().filter(|(label, power)| !label.is_empty() && *power > 0);
+            let factors = of
+                .iter()
+                .filter(|(label, power)| !label.is_empty() && *power > 0);
             let written = factors.map(|(label, power)| match power {
                 1 => label.to_string(),
                 _ => format!("{label}^{power}"),
@@ -66,7 +110,10 @@ impl Dimension {
             written.collect::<Vec<_>>().join(" ")
         };
         let factors = self.factors(units);
-        let (above, below) = (product(&factors), product(&factors.map(|(label, power)| (label, -power))));
+        let (above, below) = (
+            product(&factors),
+            product(&factors.map(|(label, power)| (label, -power))),
+        );
         match (above.is_empty(), below.is_empty()) {
             (_, true) => above,
             (true, false) => format!("1/{below}"),
@@ -77,9 +124,16 @@ impl Dimension {
     /// The unit in the notation of UDUNITS, which netCDF files use: `m2 s-1`, `N m`, `s-1`; `1`
     /// where nothing has a label.
     pub fn udunits(self, units: &Units) -> String {
-        let factors = self.factors(units).into_iter().filter_map(|(label, power)| udunits_factor(label, power));
+        let factors = self
+            .factors(units)
+            .into_iter()
+            .filter_map(|(label, power)| udunits_factor(label, power));
         let factors: Vec<String> = factors.collect();
-        if factors.is_empty() { "1".to_owned() } else { factors.join(" ") }
+        if factors.is_empty() {
+            "1".to_owned()
+        } else {
+            factors.join(" ")
+        }
     }
 }
 
@@ -103,7 +157,12 @@ mod tests {
 
     fn units(labels: [&str; 4]) -> Units {
         let [time, length, force, temperature] = labels.map(String::from);
-        Units { time, length, force, temperature }
+        Units {
+            time,
+            length,
+            force,
+            temperature,
+        }
     }
 
     const EVERY: [Dimension; 9] = [
@@ -121,20 +180,42 @@ mod tests {
     #[test]
     fn units_label_are_fractions() {
         let si = units(["s", "m", "N", "K"]);
-        assert_eq!(EVERY.map(|d| d.label(&si)), ["", "s", "m", "N", "K", "m/s", "m^2", "m^2/s", "N m"]);
+        assert_eq!(
+            EVERY.map(|d| d.label(&si)),
+            ["", "s", "m", "N", "K", "m/s", "m^2", "m^2/s", "N m"]
+        );
         let no_length = units(["s", "", "N", "K"]);
-        assert_eq!(EVERY.map(|d| d.label(&no_length)), ["", "s", "", "N", "K", "1/s", "", "1/s", "N"]);
+        assert_eq!(
+            EVERY.map(|d| d.label(&no_length)),
+            ["", "s", "", "N", "K", "1/s", "", "1/s", "N"]
+        );
         let no_time = units(["", "m", "", "K"]);
-        assert_eq!(EVERY.map(|d| d.label(&no_time)), ["", "", "m", "", "K", "m", "m^2", "m^2", "m"]);
+        assert_eq!(
+            EVERY.map(|d| d.label(&no_time)),
+            ["", "", "m", "", "K", "m", "m^2", "m^2", "m"]
+        );
         assert!(EVERY.iter().all(|d| d.label(&Units::default()).is_empty()));
     }
 
     #[test]
     fn units_of_a_file_are_udunits_notation() {
         let si = units(["s", "m", "N", "K"]);
-        assert_eq!(EVERY.map(|d| d.udunits(&si)), ["1", "s", "m", "N", "K", "m s-1", "m2", "m2 s-1", "N m"]);
+        assert_eq!(
+            EVERY.map(|d| d.udunits(&si)),
+            ["1", "s", "m", "N", "K", "m s-1", "m2", "m2 s-1", "N m"]
+        );
         let mixed = units(["1/w0", "", "MN", " 1 "]);
-        let expected = ["1", "1/w0", "1", "MN", "1", "(1/w0)^-1", "1", "(1/w0)^-1", "MN"];
+        let expected = [
+            "1",
+            "1/w0",
+            "1",
+            "MN",
+            "1",
+            "(1/w0)^-1",
+            "1",
+            "(1/w0)^-1",
+            "MN",
+        ];
         assert_eq!(EVERY.map(|d| d.udunits(&mixed)), expected);
     }
 }

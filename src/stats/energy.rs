@@ -27,7 +27,8 @@ sums! {
 impl EnergySums {
     /// The sums over the paths of a block.
     pub fn of(paths: &[MotionFold], unit: Replicate) -> Self {
-        let moments = |of: fn(&Works) -> f64| FourMoments::of(&unit.column(paths, |path| of(&path.works)));
+        let moments =
+            |of: fn(&Works) -> f64| FourMoments::of(&unit.column(paths, |path| of(&path.works)));
         let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),
@@ -43,13 +44,17 @@ impl EnergySums {
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
         // What is stored is a square, whose law has long tails where few bodies move.
-        let mean = |of: &FourMoments| Measured::mean_of_four(of).of_few(self.moving, of.two.count, FEWEST_FOR_SPREAD);
+        let mean = |of: &FourMoments| {
+            Measured::mean_of_four(of).of_few(self.moving, of.two.count, FEWEST_FOR_SPREAD)
+        };
         Some(match statistic {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
             Statistic::OwnForceWorkMean => mean(&self.own_force),
-            Statistic::DampingWorkMean => {
-                Measured::mean_of_four(&self.damping).of_few(self.moving, self.damping.two.count, FEWEST)
-            }
+            Statistic::DampingWorkMean => Measured::mean_of_four(&self.damping).of_few(
+                self.moving,
+                self.damping.two.count,
+                FEWEST,
+            ),
             Statistic::StoredEnergyMean => mean(&self.change),
             Statistic::EnergyResidualMean => Measured::mean_of_four(&self.residual.units),
             Statistic::EnergyResidualSd => self.residual.standard_deviation(),

@@ -22,9 +22,19 @@ sums! {
 impl ExtremeSums {
     /// The sums over the paths of a block.
     pub fn of(paths: &[MotionFold], unit: Replicate) -> Self {
-        let column =
-            |i: usize| SpreadMoments::of(&paths.iter().map(|path| path.largest[i]).collect::<Vec<f64>>(), unit);
-        ExtremeSums { displacement: column(0), velocity: column(1) }
+        let column = |i: usize| {
+            SpreadMoments::of(
+                &paths
+                    .iter()
+                    .map(|path| path.largest[i])
+                    .collect::<Vec<f64>>(),
+                unit,
+            )
+        };
+        ExtremeSums {
+            displacement: column(0),
+            velocity: column(1),
+        }
     }
 }
 
@@ -77,24 +87,46 @@ impl ExtremeCounts {
     pub fn row(&mut self, row: usize, paths: &[MotionFold], at: &[f64]) {
         let rows = self.rows();
         for (i, level) in self.levels.iter().enumerate() {
-            let is_below = |(path, x): &(&MotionFold, &f64)| path.largest[0].max((*x - path.start).abs()) < level;
+            let is_below = |(path, x): &(&MotionFold, &f64)| {
+                path.largest[0].max((*x - path.start).abs()) < level
+            };
             self.below[i * rows + row] += paths.iter().zip(at).filter(is_below).count() as u64;
         }
     }
 
     /// Add a path that has ended.
     pub fn end(&mut self, unit: u64, path: &MotionFold) {
-        self.largest.iter_mut().zip(path.largest).for_each(|(counts, largest)| counts.completed(unit, largest));
+        self.largest
+            .iter_mut()
+            .zip(path.largest)
+            .for_each(|(counts, largest)| counts.completed(unit, largest));
     }
 
     /// What is reported. `chance` is the number of units, if these are random.
     pub fn summary(&self, chance: Option<u64>, sample: Sample) -> Extremes {
-        let [displacement, velocity] = self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), chance));
-        let passages = self.levels.iter().zip(self.below.chunks(self.rows())).map(|(level, below)| Passages {
-            level,
-            survival: below.iter().map(|count| *count as f64 / sample.paths as f64).collect(),
-            survival_ends: below.iter().map(|count| sample.share(*count)).collect::<Ends>(),
-        });
-        Extremes { displacement, velocity, passages: passages.collect() }
+        let [displacement, velocity] = self
+            .largest
+            .each_ref()
+            .map(|counts| counts.summary(&counts.ordered(), chance));
+        let passages =
+            self.levels
+                .iter()
+                .zip(self.below.chunks(self.rows()))
+                .map(|(level, below)| Passages {
+                    level,
+                    survival: below
+                        .iter()
+                        .map(|count| *count as f64 / sample.paths as f64)
+                        .collect(),
+                    survival_ends: below
+                        .iter()
+                        .map(|count| sample.share(*count))
+                        .collect::<Ends>(),
+                });
+        Extremes {
+            displacement,
+            velocity,
+            passages: passages.collect(),
+        }
     }
 }

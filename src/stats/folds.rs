@@ -34,7 +34,9 @@ impl PathFolds {
         let path = path.moving(model.initial_velocity != 0.0);
         PathFolds {
             paths: vec![path; count],
-            laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
+            laws: record
+                .laws
+                .then(|| vec![LawFold::counted_after(timeline.after); count]),
             motion: (record.has_motion() || model.has_load())
                 .then(|| vec![MotionFold::starting_at(model, timeline); count]),
             model: model.clone(),
@@ -46,7 +48,12 @@ impl PathFolds {
     /// Add an event. Returns the counted phase that it completes; `law` receives the completed
     /// values of the laws.
     #[inline]
-    pub fn event(&mut self, lane: usize, event: &Event, law: impl FnMut(PhaseLaw, f64)) -> Option<EndedPhase> {
+    pub fn event(
+        &mut self,
+        lane: usize,
+        event: &Event,
+        law: impl FnMut(PhaseLaw, f64),
+    ) -> Option<EndedPhase> {
         if let Some(laws) = &mut self.laws {
             laws[lane].event(event, law);
         }
@@ -67,7 +74,12 @@ impl PathFolds {
     }
 
     /// Add the states at an instant. `end` receives the phase of each path that runs at the end.
-    pub fn at(&mut self, instant: Instant, seen: &Snapshot<'_>, mut end: impl FnMut(usize, Option<Censored>)) {
+    pub fn at(
+        &mut self,
+        instant: Instant,
+        seen: &Snapshot<'_>,
+        mut end: impl FnMut(usize, Option<Censored>),
+    ) {
         for (lane, (path, &x)) in self.paths.iter_mut().zip(seen.displacement).enumerate() {
             match instant {
                 Instant::Counting => path.count_from_here(x),
@@ -84,15 +96,30 @@ impl PathFolds {
     /// The sums over the paths in these lanes, or over all.
     pub fn sums(&self, lanes: Option<&[usize]>, periods: PeriodSums, unit: Replicate) -> PhaseSums {
         fn of<'a, T: Copy>(all: &'a [T], lanes: Option<&[usize]>) -> Cow<'a, [T]> {
-            lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
+            lanes.map_or(Cow::Borrowed(all), |lanes| {
+                lanes.iter().map(|&lane| all[lane]).collect()
+            })
         }
-        let motion = self.motion.as_deref().map(|motion| of(motion, lanes)).unwrap_or_default();
+        let motion = self
+            .motion
+            .as_deref()
+            .map(|motion| of(motion, lanes))
+            .unwrap_or_default();
         PhaseSums {
             cascade: CascadeSums::of(&of(&self.paths, lanes), unit),
             periods,
-            laws: self.laws.as_deref().map(|laws| Box::new(LawsSums::of(&of(laws, lanes), unit))),
-            energy: self.record.energy.then(|| Box::new(EnergySums::of(&motion, unit))),
-            extremes: self.record.asks_for(Extra::Levels).then(|| Box::new(ExtremeSums::of(&motion, unit))),
+            laws: self
+                .laws
+                .as_deref()
+                .map(|laws| Box::new(LawsSums::of(&of(laws, lanes), unit))),
+            energy: self
+                .record
+                .energy
+                .then(|| Box::new(EnergySums::of(&motion, unit))),
+            extremes: self
+                .record
+                .asks_for(Extra::Levels)
+                .then(|| Box::new(ExtremeSums::of(&motion, unit))),
         }
     }
 }

@@ -57,7 +57,11 @@ const ZERO: f64 = 2.0;
 impl Goal {
     /// Whether an estimate has reached the goal.
     pub fn judge(&self, estimate: &Estimate) -> Verdict {
-        let Estimate { estimate, standard_error, .. } = *estimate;
+        let Estimate {
+            estimate,
+            standard_error,
+            ..
+        } = *estimate;
         if !estimate.is_finite() || !standard_error.is_finite() {
             return Verdict::Missing;
         }
@@ -70,7 +74,8 @@ impl Goal {
         };
         if standard_error < bound {
             Verdict::Reached
-        } else if matches!(self.bound, Bound::Relative(_)) && estimate.abs() < ZERO * standard_error {
+        } else if matches!(self.bound, Bound::Relative(_)) && estimate.abs() < ZERO * standard_error
+        {
             Verdict::Zero
         } else {
             Verdict::Ahead((standard_error / bound).powi(2))
@@ -98,14 +103,23 @@ impl FromStr for Goal {
     fn from_str(text: &str) -> Result<Self, GoalError> {
         let (name, bound) = text.split_once('<').ok_or(GoalError::NoComparison)?;
         let name = name.trim();
-        let statistic = Statistic::from_name(name).ok_or_else(|| GoalError::UnknownStatistic(name.to_string()))?;
+        let statistic = Statistic::from_name(name)
+            .ok_or_else(|| GoalError::UnknownStatistic(name.to_string()))?;
         let bound = bound.trim();
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+        let number = |text: &str| {
+            text.trim()
+                .parse::<f64>()
+                .ok()
+                .filter(|x| x.is_finite() && *x > 0.0)
+        };
         let parsed = match bound.strip_suffix('%') {
             Some(percent) => number(percent).map(|percent| Bound::Relative(percent / 100.0)),
             None => number(bound).map(Bound::Absolute),
         };
-        Ok(Goal { statistic, bound: parsed.ok_or_else(|| GoalError::NoBound(bound.to_string()))? })
+        Ok(Goal {
+            statistic,
+            bound: parsed.ok_or_else(|| GoalError::NoBound(bound.to_string()))?,
+        })
     }
 }
 
@@ -114,7 +128,12 @@ impl fmt::Display for Goal {
         match self.bound {
             // The number is rounded to twelve digits, so that 0.7% does not come back as
             // 0.7000000000000001%.
-            Bound::Relative(share) => write!(f, "{} < {}%", self.statistic.name(), (share * 1e14).round() / 1e12),
+            Bound::Relative(share) => write!(
+                f,
+                "{} < {}%",
+                self.statistic.name(),
+                (share * 1e14).round() / 1e12
+            ),
             Bound::Absolute(bound) => write!(f, "{} < {bound:?}", self.statistic.name()),
         }
     }
@@ -126,16 +145,35 @@ mod tests {
 
     fn estimate(estimate: f64, standard_error: f64) -> Estimate {
         let statistic = Statistic::StickDurationMean;
-        Estimate { statistic, estimate, standard_error, low: f64::NAN, high: f64::NAN, bias: None }
+        Estimate {
+            statistic,
+            estimate,
+            standard_error,
+            low: f64::NAN,
+            high: f64::NAN,
+            bias: None,
+        }
     }
 
     #[test]
     fn goals_are_read_as_they_are_written() {
         let goal: Goal = " stick_duration_mean <0.5 % ".parse().unwrap();
-        assert_eq!(goal, Goal { statistic: Statistic::StickDurationMean, bound: Bound::Relative(0.005) });
+        assert_eq!(
+            goal,
+            Goal {
+                statistic: Statistic::StickDurationMean,
+                bound: Bound::Relative(0.005)
+            }
+        );
         assert_eq!(goal.to_string(), "stick_duration_mean < 0.5%");
         let goal: Goal = "drift_velocity<1e-3".parse().unwrap();
-        assert_eq!(goal, Goal { statistic: Statistic::DriftVelocity, bound: Bound::Absolute(0.001) });
+        assert_eq!(
+            goal,
+            Goal {
+                statistic: Statistic::DriftVelocity,
+                bound: Bound::Absolute(0.001)
+            }
+        );
         for (text, error) in [
             ("60", GoalError::NoComparison),
             ("stick < 1%", GoalError::UnknownStatistic("stick".into())),

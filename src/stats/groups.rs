@@ -53,16 +53,23 @@ impl Groups {
     /// where durations are whole numbers of steps, because leaving out paths mostly does not change
     /// it at all.
     pub fn without(&self, run: &Totals) -> Vec<GroupValues> {
-        let Totals { timeline, counts, .. } = run;
+        let Totals {
+            timeline, counts, ..
+        } = run;
         let some = &self.0[..GROUPS.min(counts.units as usize)];
         let empty = PhaseSums::empty(timeline, &counts.record);
         // The median is taken from the run, because computing it for every group would take long.
         let is_no_median = |statistic: Statistic| statistic.row().median_of.is_none();
         let of = |sums: &PhaseSums| sums.values(timeline, counts, is_no_median);
         let (_, mut without) = leaving_one_out(&empty, some, of);
-        let medians = Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, statistic.row().median_of?)));
+        let medians = Statistic::ALL
+            .into_iter()
+            .filter_map(|statistic| Some((statistic, statistic.row().median_of?)));
         for (statistic, law) in medians {
-            for (values, median) in without.iter_mut().zip(counts.medians_without_each_batch(law)) {
+            for (values, median) in without
+                .iter_mut()
+                .zip(counts.medians_without_each_batch(law))
+            {
                 values[statistic.index()] = median;
             }
         }
@@ -74,7 +81,12 @@ impl Grouping {
     /// A grouping for runs of this model on this timeline, whose independent units are paths or
     /// pairs, and which measure what `record` asks for.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Replicate) -> Self {
-        Grouping { timeline: *timeline, unit, model: model.clone(), record: *record }
+        Grouping {
+            timeline: *timeline,
+            unit,
+            model: model.clone(),
+            record: *record,
+        }
     }
 }
 
@@ -92,12 +104,25 @@ impl AuxiliaryObserver for Grouping {
             lanes[batch_of(self.unit.of(*path))].push(lane);
         }
         let group = |lanes: Vec<usize>| {
-            let periods = PeriodFold::new(&self.timeline, self.model.initial_displacement, lanes.len(), self.unit);
+            let periods = PeriodFold::new(
+                &self.timeline,
+                self.model.initial_displacement,
+                lanes.len(),
+                self.unit,
+            );
             let [displacement, velocity] = [lanes.len(); 2].map(Vec::with_capacity);
-            Group { lanes, periods, displacement, velocity }
+            Group {
+                lanes,
+                periods,
+                displacement,
+                velocity,
+            }
         };
         let folds = PathFolds::new(&self.model, &self.timeline, &self.record, paths.len());
-        GroupObserver { folds, groups: lanes.into_iter().map(group).collect() }
+        GroupObserver {
+            folds,
+            groups: lanes.into_iter().map(group).collect(),
+        }
     }
 
     fn finish(&self, GroupObserver { folds, groups }: GroupObserver, _: Replicate) -> Groups {
@@ -140,14 +165,27 @@ impl Observer for GroupObserver {
             Instant::Output(_) => {}
             Instant::Counting | Instant::End => self.folds.at(instant, &snapshot, |_, _| ()),
             Instant::Period(n) => {
-                for Group { lanes, periods, displacement, velocity } in &mut self.groups {
+                for Group {
+                    lanes,
+                    periods,
+                    displacement,
+                    velocity,
+                } in &mut self.groups
+                {
                     let gather = |into: &mut Vec<f64>, from: &[f64]| {
                         into.clear();
                         into.extend(lanes.iter().map(|&lane| from[lane]));
                     };
                     gather(displacement, snapshot.displacement);
                     gather(velocity, snapshot.velocity);
-                    periods.observe(n, &Snapshot { displacement, velocity, ..snapshot });
+                    periods.observe(
+                        n,
+                        &Snapshot {
+                            displacement,
+                            velocity,
+                            ..snapshot
+                        },
+                    );
                 }
             }
         }

@@ -64,7 +64,11 @@ impl PhaseLaw {
             PhaseLaw::Slip => ("slip", "slip duration", Dimension::TIME),
             PhaseLaw::Jump => ("jump", "size of a jump", Dimension::LENGTH),
             PhaseLaw::JumpForward => ("jump_forward", "size of a forward jump", Dimension::LENGTH),
-            PhaseLaw::JumpBackward => ("jump_backward", "size of a backward jump", Dimension::LENGTH),
+            PhaseLaw::JumpBackward => (
+                "jump_backward",
+                "size of a backward jump",
+                Dimension::LENGTH,
+            ),
             PhaseLaw::Recurrence => ("recurrence", "time from slip to slip", Dimension::TIME),
         }
     }
@@ -137,12 +141,22 @@ impl LawSums {
         // The influence of a path is the sum over its values d of (d - mean)^2 - sd^2, with the
         // mean and the sd of these paths.
         let [number, sum, squares] = units.mean;
-        let (mean, variance) = (sum / number, squares / number - (sum / number) * (sum / number));
+        let (mean, variance) = (
+            sum / number,
+            squares / number - (sum / number) * (sum / number),
+        );
         let influence = |folded: Folded| {
-            folded.squares - 2.0 * mean * folded.sum + (mean * mean - variance) * f64::from(folded.count)
+            folded.squares - 2.0 * mean * folded.sum
+                + (mean * mean - variance) * f64::from(folded.count)
         };
         let sd_tails = match unit {
-            Replicate::Path => Tails::of(paths.iter().map(&of).filter(|folded| folded.count > 0).map(influence)),
+            Replicate::Path => Tails::of(
+                paths
+                    .iter()
+                    .map(&of)
+                    .filter(|folded| folded.count > 0)
+                    .map(influence),
+            ),
             Replicate::Pair => Tails::of(column(&influence).into_iter()),
         };
         LawSums {
@@ -166,7 +180,13 @@ impl LawSums {
 
     /// The mean of values that cannot be negative.
     pub fn mean(&self) -> Measured {
-        rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing)
+        rare_ratio(
+            &self.units,
+            SUM,
+            NUMBER,
+            &self.mean_tails,
+            self.contributing,
+        )
     }
 
     /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-7 of the root mean
@@ -174,7 +194,8 @@ impl LawSums {
     pub fn sd(&self, unit: Replicate) -> Measured {
         self.spread(unit, |[n, s, q], sd| {
             let (mean, mean_square) = (s / n, q / n);
-            let gradient = [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
+            let gradient =
+                [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
             (sd, gradient)
         })
     }
@@ -183,7 +204,8 @@ impl LawSums {
     pub fn coefficient_of_variation(&self, unit: Replicate) -> Measured {
         self.spread(unit, |[n, s, q], sd| {
             let cv = sd * n / s;
-            let gradient = [q / (s * s), -2.0 * q * n / (s * s * s), n / (s * s)].map(|g| g / (2.0 * cv));
+            let gradient =
+                [q / (s * s), -2.0 * q * n / (s * s * s), n / (s * s)].map(|g| g / (2.0 * cv));
             (cv, gradient)
         })
     }
@@ -191,7 +213,11 @@ impl LawSums {
     /// A measure of spread, of which `of` gives the value and the gradient in n, s and q from the
     /// standard deviation.
     fn spread(&self, unit: Replicate, of: impl Fn([f64; 3], f64) -> (f64, [f64; 3])) -> Measured {
-        let LawSums { units, contributing, .. } = self;
+        let LawSums {
+            units,
+            contributing,
+            ..
+        } = self;
         let [n, s, q] = units.mean;
         // A single value has no spread.
         if n * (units.count * unit.size()) as f64 <= 1.5 {
@@ -203,10 +229,20 @@ impl LawSums {
             return Measured::smooth(0.0, units, [0.0; 3], *contributing);
         }
         let (value, gradient) = of(units.mean, variance.sqrt());
-        let error = Measured::smooth(value, units, gradient, *contributing).measurement().standard_error;
-        let law = cautious(self.sd_tails.error_law(*contributing), *contributing, units.count);
+        let error = Measured::smooth(value, units, gradient, *contributing)
+            .measurement()
+            .standard_error;
+        let law = cautious(
+            self.sd_tails.error_law(*contributing),
+            *contributing,
+            units.count,
+        );
         let spread = Measured::spread(value, error, law, *contributing);
-        if *contributing < FEWEST_FOR_PHASES { spread.without_interval() } else { spread }
+        if *contributing < FEWEST_FOR_PHASES {
+            spread.without_interval()
+        } else {
+            spread
+        }
     }
 }
 
@@ -221,7 +257,13 @@ pub(super) fn rare_ratio<const N: usize>(
     let measured = Measured::ratio(units, top, bottom, contributing);
     let mut influence = [0.0; N];
     (influence[top], influence[bottom]) = (1.0, -measured.estimate());
-    rare(measured, units, influence, (tails, contributing), contributing)
+    rare(
+        measured,
+        units,
+        influence,
+        (tails, contributing),
+        contributing,
+    )
 }
 
 /// A number of events per path, of which these units have any.
@@ -233,7 +275,13 @@ pub(super) fn rare_mean<const N: usize>(
 ) -> Measured {
     let mut influence = [0.0; N];
     influence[entry] = 1.0;
-    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing)
+    rare(
+        Measured::mean_of(units, entry),
+        units,
+        influence,
+        (tails, units.count),
+        contributing,
+    )
 }
 
 /// A measured number with the interval of one that few units may contribute to. The tails are those

@@ -45,7 +45,12 @@ const CENSORED: usize = 1;
 
 /// The shape of the durations of this many batches together.
 fn shape(scale: LogScale, batches: usize) -> Shape {
-    Shape { centre: 0.0, scale: Some(scale), values: batches * LIMIT, bins: batches * LIMIT }
+    Shape {
+        centre: 0.0,
+        scale: Some(scale),
+        values: batches * LIMIT,
+        bins: batches * LIMIT,
+    }
 }
 
 /// Counts of the values of one law.
@@ -79,7 +84,12 @@ impl LawCounts {
     pub fn empty(scale: f64) -> Self {
         let scale = LogScale::new(scale * RESOLUTION);
         let empty = |_| [0; 2].map(|_| Sketch::empty(shape(scale, 1)));
-        LawCounts { scale, step: None, batches: std::array::from_fn(empty), listed: Vec::new() }
+        LawCounts {
+            scale,
+            step: None,
+            batches: std::array::from_fn(empty),
+            listed: Vec::new(),
+        }
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
@@ -107,7 +117,11 @@ impl LawCounts {
 
     /// Counts what waits to be counted ([`Sketch::settle`]).
     pub fn settle(&mut self) {
-        count(&mut self.batches, &std::mem::take(&mut self.listed), self.step);
+        count(
+            &mut self.batches,
+            &std::mem::take(&mut self.listed),
+            self.step,
+        );
         self.batches.iter_mut().flatten().for_each(Sketch::settle);
     }
 
@@ -130,7 +144,9 @@ impl LawCounts {
         let batches = self.batches();
         let mut pooled = Sketch::empty(shape(self.scale, BATCHES));
         // The only form of each, because the pooled bins would keep how fine a batch happens to be.
-        batches.iter().for_each(|batch| pooled.merge(&batch[ENDED].normalised()));
+        batches
+            .iter()
+            .for_each(|batch| pooled.merge(&batch[ENDED].normalised()));
         let batches: Vec<Ordered> = batches.iter().map(|batch| batch[ENDED].ordered()).collect();
         let pooled = pooled.ordered();
         match self.step {
@@ -157,22 +173,44 @@ impl LawCounts {
     /// `chance` is the number of units with a completed stick, if these are random.
     pub fn summary(&self, ordered: &OrderedLaw, chance: Option<u64>) -> Distribution {
         let batches = self.batches();
-        let level = batches.iter().flatten().map(Sketch::finest_level).fold(FINE, i32::max);
-        let fine: Vec<[List; 2]> = batches.iter().map(|batch| batch.each_ref().map(|of| of.counts(level))).collect();
+        let level = batches
+            .iter()
+            .flatten()
+            .map(Sketch::finest_level)
+            .fold(FINE, i32::max);
+        let fine: Vec<[List; 2]> = batches
+            .iter()
+            .map(|batch| batch.each_ref().map(|of| of.counts(level)))
+            .collect();
         // Durations of exactly zero belong to the first bin.
-        let bins = |list: &List| coarsen(list, (PUBLIC - level) as u32).into_iter().map(|(i, n)| ((i - 1).max(0), n));
-        let public: Vec<[List; 2]> =
-            fine.iter().map(|lists| lists.each_ref().map(|list| bins(list).collect())).collect();
-        let ends = public.iter().flatten().flat_map(|list| list.first().into_iter().chain(list.last()));
-        let (first, end) = ends.fold((i64::MAX, 0), |(first, end), bin| (first.min(bin.0), end.max(bin.0 + 1)));
+        let bins = |list: &List| {
+            coarsen(list, (PUBLIC - level) as u32)
+                .into_iter()
+                .map(|(i, n)| ((i - 1).max(0), n))
+        };
+        let public: Vec<[List; 2]> = fine
+            .iter()
+            .map(|lists| lists.each_ref().map(|list| bins(list).collect()))
+            .collect();
+        let ends = public
+            .iter()
+            .flatten()
+            .flat_map(|list| list.first().into_iter().chain(list.last()));
+        let (first, end) = ends.fold((i64::MAX, 0), |(first, end), bin| {
+            (first.min(bin.0), end.max(bin.0 + 1))
+        });
         let first = first.min(end);
         let pooled = |which: usize| {
             let mut counts = vec![0; (end - first) as usize];
-            public.iter().flat_map(|of| &of[which]).for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
+            public
+                .iter()
+                .flat_map(|of| &of[which])
+                .for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
             counts
         };
         let (counts, censored_counts) = (pooled(0), pooled(1));
-        let bin_of = |index: i64| ((coarsened(index, (PUBLIC - level) as u32) - 1).max(0) - first) as usize;
+        let bin_of =
+            |index: i64| ((coarsened(index, (PUBLIC - level) as u32) - 1).max(0) - first) as usize;
         let survival = Survival::new(fine, bin_of, counts.len());
         let quantiles = QUANTILE_LEVELS.map(|p| ordered.quantile(p));
         Distribution {
@@ -180,14 +218,22 @@ impl LawCounts {
             completed: counts.iter().sum(),
             censored: censored_counts.iter().sum(),
             histogram: Histogram {
-                edges: (first..=end).map(|edge| self.scale.number(edge as f64 * width(PUBLIC))).collect(),
+                edges: (first..=end)
+                    .map(|edge| self.scale.number(edge as f64 * width(PUBLIC)))
+                    .collect(),
                 counts,
             },
             censored_counts,
             survival_ends: survival.ends(chance),
             survival: survival.curve,
-            quantiles: quantiles.iter().map(|quantile| quantile.estimate()).collect(),
-            quantile_ends: quantiles.iter().map(|quantile| quantile.interval()).collect(),
+            quantiles: quantiles
+                .iter()
+                .map(|quantile| quantile.estimate())
+                .collect(),
+            quantile_ends: quantiles
+                .iter()
+                .map(|quantile| quantile.interval())
+                .collect(),
         }
     }
 }
@@ -196,8 +242,15 @@ impl LawCounts {
 /// steps if there is a step. Putting them in order takes long, so this is done once for all
 /// statistics that need it.
 pub(super) enum OrderedLaw {
-    Continuous { batches: Vec<Ordered>, pooled: Ordered },
-    Steps { step: f64, batches: Vec<Steps>, pooled: Steps },
+    Continuous {
+        batches: Vec<Ordered>,
+        pooled: Ordered,
+    },
+    Steps {
+        step: f64,
+        batches: Vec<Steps>,
+        pooled: Steps,
+    },
 }
 
 impl OrderedLaw {
@@ -210,7 +263,11 @@ impl OrderedLaw {
     fn quantile(&self, p: f64) -> Measured {
         match self {
             OrderedLaw::Continuous { batches, pooled } => quantile::continuous(batches, pooled, p),
-            OrderedLaw::Steps { step, batches, pooled } => quantile::of_steps(batches, pooled, p).times(*step),
+            OrderedLaw::Steps {
+                step,
+                batches,
+                pooled,
+            } => quantile::of_steps(batches, pooled, p).times(*step),
         }
     }
 }
@@ -260,9 +317,18 @@ mod tests {
         // example (Cox and Oakes, *Analysis of Survival Data*, table 1.1): 9 relapses and 12
         // censored. The estimates below are the printed ones.
         let relapsed = [6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0];
-        let censored = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
-        let printed =
-            [(6.0, 0.857), (7.0, 0.807), (10.0, 0.753), (13.0, 0.690), (16.0, 0.627), (22.0, 0.538), (23.0, 0.448)];
+        let censored = [
+            6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0,
+        ];
+        let printed = [
+            (6.0, 0.857),
+            (7.0, 0.807),
+            (10.0, 0.753),
+            (13.0, 0.690),
+            (16.0, 0.627),
+            (22.0, 0.538),
+            (23.0, 0.448),
+        ];
         let mut totals = LawCounts::empty(64.0);
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
@@ -270,8 +336,17 @@ mod tests {
         assert_eq!((summary.completed, summary.censored), (9, 12));
         // All these times lie in different public bins, except 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {
-            let bin = summary.histogram.edges.windows(2).position(|e| e[0] <= time && time < e[1]).unwrap();
-            assert!((summary.survival[bin] - survival).abs() <= 0.0005, "{time}: {}", summary.survival[bin]);
+            let bin = summary
+                .histogram
+                .edges
+                .windows(2)
+                .position(|e| e[0] <= time && time < e[1])
+                .unwrap();
+            assert!(
+                (summary.survival[bin] - survival).abs() <= 0.0005,
+                "{time}: {}",
+                summary.survival[bin]
+            );
         }
     }
 
@@ -289,12 +364,14 @@ mod tests {
     fn intervals_of_survival_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
-        let exponential = |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
+        let exponential =
+            |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;
         // The probability that a stick ends, and does so before t. Its density is that of D times
         // P(C > t) = e^{-t/3}, where C is the clock.
         let ended_by = |t: f64| {
-            let of = |rate: f64| rate / (rate + 1.0 / 3.0) * (1.0 - (-(rate + 1.0 / 3.0) * t).exp());
+            let of =
+                |rate: f64| rate / (rate + 1.0 / 3.0) * (1.0 - (-(rate + 1.0 / 3.0) * t).exp());
             (of(2.0) + of(0.5)) / 2.0
         };
         let ended = ended_by(f64::INFINITY);
@@ -306,9 +383,14 @@ mod tests {
             let mut totals = LawCounts::empty(64.0);
             let mut sticks = Vec::new();
             for path in 0..paths {
-                let mean = if Distribution::<f64>::sample(&StandardUniform, &mut rng) < 0.5 { 0.5 } else { 2.0 };
+                let mean = if Distribution::<f64>::sample(&StandardUniform, &mut rng) < 0.5 {
+                    0.5
+                } else {
+                    2.0
+                };
                 for _ in 0..Uniform::new(2, 9).expect("not empty").sample(&mut rng) {
-                    let (duration, clock) = (exponential(mean, &mut rng), exponential(3.0, &mut rng));
+                    let (duration, clock) =
+                        (exponential(mean, &mut rng), exponential(3.0, &mut rng));
                     if duration <= clock {
                         totals.completed(path, duration);
                     } else {
@@ -319,16 +401,36 @@ mod tests {
             }
             let summary = totals.summary(&totals.ordered(), Some(paths));
             let edges = &summary.histogram.edges;
-            let bin = |time: f64| edges.windows(2).position(|e| e[0] <= time && time < e[1]).expect("a bin");
+            let bin = |time: f64| {
+                edges
+                    .windows(2)
+                    .position(|e| e[0] <= time && time < e[1])
+                    .expect("a bin")
+            };
             sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for ((held, greenwood), bin) in held.iter_mut().zip(&mut greenwood).zip(times.map(bin)) {
-                let (low, high) = (summary.survival_ends.low[bin], summary.survival_ends.high[bin]);
+            for ((held, greenwood), bin) in held.iter_mut().zip(&mut greenwood).zip(times.map(bin))
+            {
+                let (low, high) = (
+                    summary.survival_ends.low[bin],
+                    summary.survival_ends.high[bin],
+                );
                 let truth = survival(edges[bin + 1]);
-                assert!(0.0 <= low && low <= summary.survival[bin] && summary.survival[bin] <= high && high <= 1.0);
+                assert!(
+                    0.0 <= low
+                        && low <= summary.survival[bin]
+                        && summary.survival[bin] <= high
+                        && high <= 1.0
+                );
                 held.count(low <= truth && truth <= high);
-                let passed = sticks.iter().enumerate().take_while(|(_, stick)| stick.0 < edges[bin + 1]);
+                let passed = sticks
+                    .iter()
+                    .enumerate()
+                    .take_while(|(_, stick)| stick.0 < edges[bin + 1]);
                 let at_risk = |i: usize| (sticks.len() - i) as f64;
-                let sum: f64 = passed.filter(|(_, s)| s.1).map(|(i, _)| 1.0 / (at_risk(i) * (at_risk(i) - 1.0))).sum();
+                let sum: f64 = passed
+                    .filter(|(_, s)| s.1)
+                    .map(|(i, _)| 1.0 / (at_risk(i) * (at_risk(i) - 1.0)))
+                    .sum();
                 let error = summary.survival[bin] * sum.sqrt();
                 greenwood.count((summary.survival[bin] - truth).abs() <= 1.96 * error);
             }
@@ -350,8 +452,12 @@ mod tests {
         let mut rng = Pcg64Dxsm::seed_from_u64(1938);
         let uniform = |rng: &mut Pcg64Dxsm| -> f64 { StandardUniform.sample(rng) };
         let exponential = |rng: &mut Pcg64Dxsm| -> f64 { Exp1.sample(rng) };
-        for (name, step) in [("decades", None), ("humps", None), ("lattice", Some(1e-3)), ("long lattice", Some(1e-5))]
-        {
+        for (name, step) in [
+            ("decades", None),
+            ("humps", None),
+            ("lattice", Some(1e-3)),
+            ("long lattice", Some(1e-5)),
+        ] {
             for number in [300, 30_000, 600_000] {
                 let mut counts = LawCounts::empty(64.0);
                 counts.set_step(step);
@@ -359,7 +465,9 @@ mod tests {
                 for i in 0..number {
                     let value = match name {
                         "decades" => (-8.0 * exponential(&mut rng)).exp() * exponential(&mut rng),
-                        "humps" if uniform(&mut rng) < 0.3 => 3.0 + 0.03 * (uniform(&mut rng) + uniform(&mut rng)),
+                        "humps" if uniform(&mut rng) < 0.3 => {
+                            3.0 + 0.03 * (uniform(&mut rng) + uniform(&mut rng))
+                        }
                         "humps" => 1e-3 * exponential(&mut rng),
                         _ => exponential(&mut rng).powi(2),
                     };
@@ -371,18 +479,25 @@ mod tests {
                 for p in [0.05, 0.25, 0.5, 0.75, 0.95] {
                     // Definition 7 of Hyndman and Fan, and definition 1 on a lattice.
                     let at = |p: f64| match step {
-                        Some(_) => values[((p * number as f64 * (1.0 - 1e-12)).ceil() as usize).max(1) - 1],
+                        Some(_) => {
+                            values[((p * number as f64 * (1.0 - 1e-12)).ceil() as usize).max(1) - 1]
+                        }
                         None => {
                             let rank = p * (number - 1) as f64;
-                            let [below, above] = [rank.floor(), rank.ceil()].map(|rank| values[rank as usize]);
+                            let [below, above] =
+                                [rank.floor(), rank.ceil()].map(|rank| values[rank as usize]);
                             below + (above - below) * rank.fract()
                         }
                     };
                     let error = (p * (1.0 - p) / number as f64).sqrt();
                     let [below, above] = [p - error, p + error].map(|p| at(p.clamp(0.0, 1.0)));
-                    let off = (ordered.quantile(p).estimate() - at(p)).abs() / (above - below).max(step.unwrap_or(0.0));
+                    let off = (ordered.quantile(p).estimate() - at(p)).abs()
+                        / (above - below).max(step.unwrap_or(0.0));
                     // As long as they are kept one by one, they are exact.
-                    assert!(number > 100_000 || off == 0.0, "{name}, {number} values, {p}: {off}");
+                    assert!(
+                        number > 100_000 || off == 0.0,
+                        "{name}, {number} values, {p}: {off}"
+                    );
                     assert!(off < 0.1, "{name}, {number} values, {p}: {off}");
                 }
             }
@@ -393,17 +508,26 @@ mod tests {
     /// batches count their values in bins.
     #[test]
     fn quantiles_do_not_depend_on_how_a_run_was_cut() {
-        let values: Vec<f64> = Exp1.sample_iter(Pcg64Dxsm::seed_from_u64(7)).take(40 * LIMIT).collect();
+        let values: Vec<f64> = Exp1
+            .sample_iter(Pcg64Dxsm::seed_from_u64(7))
+            .take(40 * LIMIT)
+            .collect();
         // Most of the values are in a few batches.
         let unit = |i: usize| (i % 7) as u64;
         let cut = |block: usize| {
             let blocks = values.chunks(block).enumerate().map(|(number, values)| {
                 let mut counts = LawCounts::empty(64.0);
-                values.iter().enumerate().for_each(|(i, value)| counts.completed(unit(number * block + i), *value));
+                values
+                    .iter()
+                    .enumerate()
+                    .for_each(|(i, value)| counts.completed(unit(number * block + i), *value));
                 counts
             });
             let mut all = LawCounts::empty(64.0);
-            blocks.collect::<Vec<_>>().iter().for_each(|block| all.merge(block));
+            blocks
+                .collect::<Vec<_>>()
+                .iter()
+                .for_each(|block| all.merge(block));
             QUANTILE_LEVELS.map(|p| all.ordered().quantile(p).estimate())
         };
         let whole = cut(values.len());
@@ -436,7 +560,10 @@ mod tests {
                 }
                 merged.merge(&part);
             }
-            assert_eq!((whole.listed.len(), merged.listed.len()), (20_000 % LISTED, 0));
+            assert_eq!(
+                (whole.listed.len(), merged.listed.len()),
+                (20_000 % LISTED, 0)
+            );
             assert_eq!(whole, merged);
             assert_eq!(whole.ordered().median(), merged.ordered().median());
             assert_eq!(
@@ -450,14 +577,19 @@ mod tests {
             };
             assert_eq!(bytes(&whole), bytes(&merged));
             let summary = |counts: &LawCounts| counts.summary(&counts.ordered(), Some(1000));
-            assert_eq!(format!("{:?}", summary(&whole)), format!("{:?}", summary(&merged)));
+            assert_eq!(
+                format!("{:?}", summary(&whole)),
+                format!("{:?}", summary(&merged))
+            );
             // Counting what waits changes nothing, now and for sticks that come later.
             let mut settled = whole.clone();
             settled.settle();
             assert!(settled.listed.is_empty());
             assert_eq!(bytes(&settled), bytes(&whole));
             for counts in [&mut settled, &mut whole] {
-                (0..9000).for_each(|stick| counts.completed(stick, f64::from(stick as u32 * 7919 % 20_011) / 1024.0));
+                (0..9000).for_each(|stick| {
+                    counts.completed(stick, f64::from(stick as u32 * 7919 % 20_011) / 1024.0)
+                });
             }
             assert_eq!(bytes(&settled), bytes(&whole));
         }
@@ -468,7 +600,11 @@ mod tests {
         let mut totals = LawCounts::empty(64.0);
         (0..4).for_each(|path| totals.completed(path, 1.0 + 0.4 * path as f64));
         let sticks = totals.summary(&totals.ordered(), Some(4));
-        let (last, low, high) = (sticks.survival.len() - 1, &sticks.survival_ends.low, &sticks.survival_ends.high);
+        let (last, low, high) = (
+            sticks.survival.len() - 1,
+            &sticks.survival_ends.low,
+            &sticks.survival_ends.high,
+        );
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
         // Where nothing is random, every number is certain.
@@ -489,8 +625,14 @@ mod tests {
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {
             let inside = |d: f64| edges[0] <= d && d < edges[1];
-            let expected = (0..1000).filter(|&i| inside(0.75 + 0.001 * i as f64)).count();
-            assert_eq!(count, expected as u64 + u64::from(edges[0] == 0.0), "{edges:?}");
+            let expected = (0..1000)
+                .filter(|&i| inside(0.75 + 0.001 * i as f64))
+                .count();
+            assert_eq!(
+                count,
+                expected as u64 + u64::from(edges[0] == 0.0),
+                "{edges:?}"
+            );
         }
         // The scale is 64 / 2^40. The edges of the octave from 1 on are 1, 9/8, 10/8, ... less
         // that.
@@ -504,10 +646,15 @@ mod tests {
     fn the_median_of_equal_paths_has_no_error() {
         let mut totals = LawCounts::empty(64.0);
         for path in 0..100 {
-            [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
+            [1.1, 2.3, 3.7]
+                .iter()
+                .for_each(|&d| totals.completed(path, d));
         }
         let e = totals.ordered().median().measurement();
-        assert_eq!((e.estimate, e.standard_error, e.low, e.high), (2.3, 0.0, 2.3, 2.3));
+        assert_eq!(
+            (e.estimate, e.standard_error, e.low, e.high),
+            (2.3, 0.0, 2.3, 2.3)
+        );
     }
 
     #[test]

@@ -32,7 +32,13 @@ impl LawFold {
     /// A path with a burn-in that ends at this time.
     pub fn counted_after(after: f64) -> Self {
         let nothing = Folded::default();
-        LawFold { after, running: None, last_start: None, folded: [nothing; LAWS], signed_jumps: nothing }
+        LawFold {
+            after,
+            running: None,
+            last_start: None,
+            folded: [nothing; LAWS],
+            signed_jumps: nothing,
+        }
     }
 
     /// Add the next event. `count` receives the values that it completes.
@@ -48,7 +54,9 @@ impl LawFold {
                 self.running = is_counted.then_some((event.time, event.displacement));
             }
             EventKind::StickEntered => {
-                let Some((time, displacement)) = self.running.take() else { return };
+                let Some((time, displacement)) = self.running.take() else {
+                    return;
+                };
                 let jump = event.displacement - displacement;
                 self.signed_jumps.add(jump);
                 self.add(PhaseLaw::Slip, event.time - time, &mut count);
@@ -111,7 +119,8 @@ impl LawsSums {
 
 impl Measure for LawsSums {
     fn measured(&self, statistic: Statistic, Sampled { unit, .. }: &Sampled) -> Option<Measured> {
-        let [slip, jump, recurrence] = [PhaseLaw::Slip, PhaseLaw::Jump, PhaseLaw::Recurrence].map(|law| self.law(law));
+        let [slip, jump, recurrence] =
+            [PhaseLaw::Slip, PhaseLaw::Jump, PhaseLaw::Recurrence].map(|law| self.law(law));
         Some(match statistic {
             Statistic::SlipDurationMean => slip.mean(),
             Statistic::SlipDurationSd => slip.sd(*unit),
@@ -136,15 +145,38 @@ mod tests {
     /// runs at t_end = 7.
     #[test]
     fn slips_and_the_times_to_the_next_count_from_the_burn_in_on() {
-        let events = [slip(1.0, 5.0), stick(3.0, 6.0), slip(4.0, 6.0), turn(4.5, 7.0), stick(5.5, 3.0), slip(6.0, 3.0)];
+        let events = [
+            slip(1.0, 5.0),
+            stick(3.0, 6.0),
+            slip(4.0, 6.0),
+            turn(4.5, 7.0),
+            stick(5.5, 3.0),
+            slip(6.0, 3.0),
+        ];
         let mut path = LawFold::counted_after(2.0);
         let (mut counted, mut censored) = (Vec::new(), Vec::new());
-        events.iter().for_each(|event| path.event(event, |law, value| counted.push((law, value))));
+        events
+            .iter()
+            .for_each(|event| path.event(event, |law, value| counted.push((law, value))));
         path.end(7.0, |law, value| censored.push((law, value)));
-        let slips =
-            [(PhaseLaw::Slip, 1.5), (PhaseLaw::Jump, 3.0), (PhaseLaw::JumpBackward, 3.0), (PhaseLaw::Recurrence, 2.0)];
+        let slips = [
+            (PhaseLaw::Slip, 1.5),
+            (PhaseLaw::Jump, 3.0),
+            (PhaseLaw::JumpBackward, 3.0),
+            (PhaseLaw::Recurrence, 2.0),
+        ];
         assert_eq!(counted, slips);
-        assert_eq!(censored, [(PhaseLaw::Slip, 1.0), (PhaseLaw::Recurrence, 1.0)]);
-        assert_eq!(path.signed_jumps, Folded { count: 1, sum: -3.0, squares: 9.0 });
+        assert_eq!(
+            censored,
+            [(PhaseLaw::Slip, 1.0), (PhaseLaw::Recurrence, 1.0)]
+        );
+        assert_eq!(
+            path.signed_jumps,
+            Folded {
+                count: 1,
+                sum: -3.0,
+                squares: 9.0
+            }
+        );
     }
 }

@@ -67,8 +67,9 @@ pub use request::{PassageLevels, Record};
 pub use run_totals::RunTotals;
 pub use sub_phases::SUB_PHASE_CAP;
 pub use summary::{
-    Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks, Fluctuations, Histogram,
-    Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks,
+    Fluctuations, Histogram, Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum,
+    SubPhaseCounts, Summary, Transient,
 };
 pub use tally::{AuxiliaryObserver, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, Sums, Totals};

@@ -72,9 +72,19 @@ impl MotionFold {
     /// A path at x0 and x'(0).
     pub fn starting_at(model: &Model, timeline: &Timeline) -> Self {
         let x = model.initial_displacement;
-        let works = Works { stored: [stored(model, x, model.initial_velocity); 2], ..Works::default() };
+        let works = Works {
+            stored: [stored(model, x, model.initial_velocity); 2],
+            ..Works::default()
+        };
         let is_counted = timeline.after == 0.0;
-        MotionFold { start: x, is_counted, is_balanced: false, largest: [0.0; 2], works, travel: 0.0 }
+        MotionFold {
+            start: x,
+            is_counted,
+            is_balanced: false,
+            largest: [0.0; 2],
+            works,
+            travel: 0.0,
+        }
     }
 
     /// Add an event at this x.
@@ -99,7 +109,13 @@ impl MotionFold {
         let held = match segment.along {
             Along::Smooth { temperature, .. } => temperature,
             Along::Step { temperature } => {
-                let Segment { start, displacement, way, velocity: [v, _], .. } = *segment;
+                let Segment {
+                    start,
+                    displacement,
+                    way,
+                    velocity: [v, _],
+                    ..
+                } = *segment;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
@@ -108,7 +124,9 @@ impl MotionFold {
         };
         let mut more = Works::default();
         let is_followed = held.is_none() && !model.temperature.is_random();
-        for ((until, sign), [node, weight]) in integrals([from, to]).flat_map(|of| NODES.map(|node| (of, node))) {
+        for ((until, sign), [node, weight]) in
+            integrals([from, to]).flat_map(|of| NODES.map(|node| (of, node)))
+        {
             let part = until * node;
             let ([way, v, _], time) = (segment.at(part), segment.start + part * segment.length);
             let weight = sign * weight * until * segment.length * v;
@@ -117,7 +135,8 @@ impl MotionFold {
                 more.own_force += own(time, segment.displacement + way, v) * weight;
             }
             if is_followed {
-                more.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
+                more.temperature +=
+                    body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
         if let Some(temperature) = held {
@@ -140,14 +159,20 @@ impl MotionFold {
 
     /// Whether a piece of the motion is counted, whose counted part is this one.
     fn counts(&self, segment: &Segment, [from, to]: [f64; 2]) -> bool {
-        if let Along::Step { .. } = segment.along { self.is_counted } else { from < to }
+        if let Along::Step { .. } = segment.along {
+            self.is_counted
+        } else {
+            from < to
+        }
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
     /// without a load, and is told that with one.
     pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
-            Instant::Counting => (self.is_counted, self.works.stored[0]) = (true, stored(model, x, v)),
+            Instant::Counting => {
+                (self.is_counted, self.works.stored[0]) = (true, stored(model, x, v))
+            }
             Instant::End => {
                 self.event(x);
                 self.works.stored[1] = stored(model, x, v);
@@ -167,7 +192,13 @@ impl MotionFold {
 
     /// What is left of the balance.
     pub fn residual(&self) -> f64 {
-        let Works { temperature, own_force, damping, friction, .. } = self.works;
+        let Works {
+            temperature,
+            own_force,
+            damping,
+            friction,
+            ..
+        } = self.works;
         temperature + own_force - damping - friction - self.works.change()
     }
 }
@@ -176,12 +207,21 @@ impl MotionFold {
 /// `from` is taken off that until `to`, so that parts add up to the whole also where Gauss's rule is
 /// not exact.
 fn integrals([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
-    [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0)
+    [(to, 1.0), (from, -1.0)]
+        .into_iter()
+        .filter(|(until, _)| *until > 0.0)
 }
 
 /// The work of friction with a load on a part of a segment. All nodes are computed at once.
 fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
-    let Segment { start, length, displacement, way, velocity: [v, _], along } = *segment;
+    let Segment {
+        start,
+        length,
+        displacement,
+        way,
+        velocity: [v, _],
+        along,
+    } = *segment;
     let direction = Sign::of(way);
     if let Along::Step { .. } = along {
         return model.sliding_friction(direction, start, displacement, v) * way;
@@ -195,7 +235,12 @@ fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
             ways[i] = sign * weight * until * length * velocity;
         }
         let forces = model.sliding_frictions(direction, [&x, &v, &time]);
-        forces.iter().zip(ways).take(NODES.len()).map(|(force, way)| force * way).sum()
+        forces
+            .iter()
+            .zip(ways)
+            .take(NODES.len())
+            .map(|(force, way)| force * way)
+            .sum()
     };
     integrals(parts).map(until).sum()
 }
@@ -213,7 +258,11 @@ pub(super) fn counted_part(timeline: &Timeline, segment: &Segment) -> [f64; 2] {
         Along::Smooth { .. } => [part(timeline.after), part(timeline.end)],
         Along::Step { .. } => {
             let middle = segment.start + 0.5 * segment.length;
-            if middle > timeline.after && middle <= timeline.end { [0.0, 1.0] } else { [0.0; 2] }
+            if middle > timeline.after && middle <= timeline.end {
+                [0.0, 1.0]
+            } else {
+                [0.0; 2]
+            }
         }
     }
 }

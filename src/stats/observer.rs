@@ -36,7 +36,10 @@ pub struct BlockObserver {
 
 /// A path on the output grid of which nothing is known.
 fn unknown(path: u64, rows: usize) -> TrajectoryRows {
-    let mut table = TrajectoryRows { path: vec![path], ..TrajectoryRows::default() };
+    let mut table = TrajectoryRows {
+        path: vec![path],
+        ..TrajectoryRows::default()
+    };
     (0..rows).for_each(|_| table.push(TrajectoryRows::MISSING));
     table
 }
@@ -45,7 +48,13 @@ impl BlockObserver {
     /// An observer of these paths, whose numbers must ascend. Lane i is path `paths[i]`. Each path
     /// is at rest at x0, in its first static phase. The two paths of a pair must follow one another
     /// in the list.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64], unit: Replicate) -> Self {
+    pub fn new(
+        model: &Model,
+        timeline: &Timeline,
+        record: &Record,
+        paths: &[u64],
+        unit: Replicate,
+    ) -> Self {
         let (rows, x0) = (timeline.rows(), model.initial_displacement);
         let units: Vec<u64> = paths.iter().map(|number| unit.of(*number)).collect();
         let mut totals = Totals::empty(model, timeline, record);
@@ -56,7 +65,9 @@ impl BlockObserver {
             folds: PathFolds::new(model, timeline, record, paths.len()),
             totals,
             periods: PeriodFold::new(timeline, x0, paths.len(), unit),
-            density: record.density.then(|| DensityFold::new(timeline, x0, &units)),
+            density: record
+                .density
+                .then(|| DensityFold::new(timeline, x0, &units)),
             spectrum: spectrum.map(|sums| SpectrumFold::new(timeline, &units, *sums)),
             units,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
@@ -84,8 +95,16 @@ impl BlockObserver {
         self.totals.end(paths, &diverged, self.unit);
         // Every path of the block, in order, with its lane; none for a diverged path.
         let mut watched = (0..).zip(&self.path_numbers).peekable();
-        let lane = |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane));
-        let lanes: Vec<(u64, Option<usize>)> = (first_path..first_path + path_count).map(lane).collect();
+        let lane = |number| {
+            (
+                number,
+                watched
+                    .next_if(|(_, path)| **path == number)
+                    .map(|(lane, _)| lane),
+            )
+        };
+        let lanes: Vec<(u64, Option<usize>)> =
+            (first_path..first_path + path_count).map(lane).collect();
         let instants = self.totals.timeline.rows();
         let rows = BlockRows {
             first_path,
@@ -95,19 +114,27 @@ impl BlockObserver {
                 for (_, lane) in &lanes {
                     columns.push(match lane {
                         Some(lane) => path_row(&paths[*lane]),
-                        None => PathRow { diverged: 1, ..PathColumns::MISSING },
+                        None => PathRow {
+                            diverged: 1,
+                            ..PathColumns::MISSING
+                        },
                     });
                 }
                 columns
             }),
             events: self.events.map(|events| {
                 let mut columns = EventColumns::default();
-                lanes.iter().for_each(|(_, lane)| columns.push_path(lane.map_or(&[], |lane| &events[lane])));
+                lanes.iter().for_each(|(_, lane)| {
+                    columns.push_path(lane.map_or(&[], |lane| &events[lane]))
+                });
                 columns
             }),
             trajectories: (first_path < record.trajectories).then(|| {
                 let mut columns = TrajectoryRows::default();
-                for (number, lane) in lanes.iter().take_while(|(number, _)| *number < record.trajectories) {
+                for (number, lane) in lanes
+                    .iter()
+                    .take_while(|(number, _)| *number < record.trajectories)
+                {
                     match lane {
                         Some(lane) => columns.append(&self.trajectories[*lane]),
                         None => columns.append(&unknown(*number, instants)),
@@ -116,12 +143,21 @@ impl BlockObserver {
                 columns
             }),
         };
-        BlockResult { rows, diverged, totals: self.totals }
+        BlockResult {
+            rows,
+            diverged,
+            totals: self.totals,
+        }
     }
 
     /// The paths have reached t_end, in these phases.
     fn end(&mut self, snapshot: &Snapshot<'_>) {
-        let BlockObserver { folds, totals, units, .. } = self;
+        let BlockObserver {
+            folds,
+            totals,
+            units,
+            ..
+        } = self;
         let counts = &mut totals.counts;
         folds.at(Instant::End, snapshot, |lane, phase| match phase {
             Some(Censored::FirstStick) => counts.first_censored += 1,
@@ -130,10 +166,15 @@ impl BlockObserver {
             None => {}
         });
         for (path, unit) in folds.laws.iter().flatten().zip(&*units) {
-            path.end(snapshot.time, |law, so_far| counts.laws[law as usize].censored(*unit, so_far));
+            path.end(snapshot.time, |law, so_far| {
+                counts.laws[law as usize].censored(*unit, so_far)
+            });
         }
         if let (Some(motion), Some(extremes)) = (&folds.motion, &mut counts.extremes) {
-            motion.iter().zip(units).for_each(|(path, unit)| extremes.end(*unit, path));
+            motion
+                .iter()
+                .zip(units)
+                .for_each(|(path, unit)| extremes.end(*unit, path));
         }
     }
 
@@ -141,11 +182,19 @@ impl BlockObserver {
     fn keep(&mut self, row: usize, snapshot: &Snapshot<'_>) {
         let PathFolds { model, paths, .. } = &self.folds;
         for (lane, rows) in self.trajectories.iter_mut().enumerate() {
-            let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
+            let (x, v, t) = (
+                snapshot.displacement[lane],
+                snapshot.velocity[lane],
+                snapshot.temperature[lane],
+            );
             let b = model.total_force(snapshot.time, t, x, v);
             // At rest in a slip, at a turning point or at the end of a stick, the body is about to
             // follow b.
-            let direction = if v == 0.0 { Sign::of(b) } else { paths[lane].direction };
+            let direction = if v == 0.0 {
+                Sign::of(b)
+            } else {
+                paths[lane].direction
+            };
             let sliding = model.sliding_friction(direction, snapshot.time, x, v);
             let is_static = snapshot.is_static[lane];
             let seen = TrajectoryRow {
@@ -179,7 +228,9 @@ impl Observer for BlockObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         let (counts, unit) = (&mut self.totals.counts, self.units[lane]);
-        match self.folds.event(lane, &event, |law, value| counts.laws[law as usize].completed(unit, value)) {
+        match self.folds.event(lane, &event, |law, value| {
+            counts.laws[law as usize].completed(unit, value)
+        }) {
             Some(EndedPhase::FirstStick) => counts.first_completed += 1,
             Some(EndedPhase::Stick(duration)) => counts.laws[STICK].completed(unit, duration),
             Some(EndedPhase::Slip(sub_phases)) => counts.sub_phases.completed(unit, sub_phases),
@@ -208,7 +259,9 @@ impl Observer for BlockObserver {
         match instant {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot, self.unit);
-                if let (Some(motion), Some(extremes)) = (&self.folds.motion, &mut self.totals.counts.extremes) {
+                if let (Some(motion), Some(extremes)) =
+                    (&self.folds.motion, &mut self.totals.counts.extremes)
+                {
                     extremes.row(row, motion, snapshot.displacement);
                 }
                 if let Some(spectrum) = &mut self.spectrum {
@@ -250,18 +303,40 @@ mod tests {
 
     #[test]
     fn blocks_merged_in_order_are_the_ensemble_folded_at_once() {
-        let timeline = Timeline { end: 32.0, output_step: 16.0, period: Some(10.0), after: 0.0 };
+        let timeline = Timeline {
+            end: 32.0,
+            output_step: 16.0,
+            period: Some(10.0),
+            after: 0.0,
+        };
         let mut rng = Pcg64Dxsm::seed_from_u64(11);
         let paths: Vec<Path> = (0..600).map(|_| random_walk(&mut rng)).collect();
         let mut snapshots = |n: usize| -> Vec<Vec<f64>> {
             (0..n)
-                .map(|_| paths.iter().map(|p| p.end + Distribution::<f64>::sample(&StandardNormal, &mut rng)).collect())
+                .map(|_| {
+                    paths
+                        .iter()
+                        .map(|p| p.end + Distribution::<f64>::sample(&StandardNormal, &mut rng))
+                        .collect()
+                })
                 .collect()
         };
         let (rows, periods) = (snapshots(3), snapshots(3));
         let part = |from: usize, to: usize| {
-            let cut = |all: &[Vec<f64>]| all.iter().map(|row| row[from..to].to_vec()).collect::<Vec<_>>();
-            observe(&timeline, &Record::NOTHING, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
+            let cut = |all: &[Vec<f64>]| {
+                all.iter()
+                    .map(|row| row[from..to].to_vec())
+                    .collect::<Vec<_>>()
+            };
+            observe(
+                &timeline,
+                &Record::NOTHING,
+                from as u64,
+                &paths[from..to],
+                &cut(&rows),
+                &cut(&periods),
+            )
+            .totals
         };
         let whole = part(0, 600).summary();
         let mut merged = Totals::empty(&model(), &timeline, &Record::NOTHING);
@@ -271,7 +346,8 @@ mod tests {
         let merged = merged.summary();
         // Sums of 600 numbers near 10 have a rounding error below 1e-13. A ratio of small
         // differences of them loses a digit.
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
+        let close =
+            |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
         for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
             // The errors of spreads over periods are computed about block means, and the last path
@@ -279,7 +355,9 @@ mod tests {
             // the tails from which the interval of a standard deviation or a correlation comes.
             let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
             match a.statistic {
-                Statistic::DiffusionCoefficient => assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}"),
+                Statistic::DiffusionCoefficient => {
+                    assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}")
+                }
                 Statistic::PhaseDisplacementSd => {
                     assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}");
                     assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
@@ -297,20 +375,45 @@ mod tests {
                 }
             }
         }
-        assert_eq!(whole.stick_durations.survival_ends, merged.stick_durations.survival_ends);
-        assert_eq!(whole.stick_durations.quantile_ends, merged.stick_durations.quantile_ends);
-        assert_eq!(whole.stick_durations.histogram, merged.stick_durations.histogram);
+        assert_eq!(
+            whole.stick_durations.survival_ends,
+            merged.stick_durations.survival_ends
+        );
+        assert_eq!(
+            whole.stick_durations.quantile_ends,
+            merged.stick_durations.quantile_ends
+        );
+        assert_eq!(
+            whole.stick_durations.histogram,
+            merged.stick_durations.histogram
+        );
         assert_eq!(whole.sub_phases, merged.sub_phases);
-        assert_eq!(whole.bands.static_probability, merged.bands.static_probability);
+        assert_eq!(
+            whole.bands.static_probability,
+            merged.bands.static_probability
+        );
         for (a, b) in [
             (&whole.bands.displacement, &merged.bands.displacement),
             (&whole.bands.velocity, &merged.bands.velocity),
             (&whole.bands.temperature, &merged.bands.temperature),
         ] {
             assert_eq!(a.quantiles, b.quantiles);
-            assert!(a.mean.iter().zip(&b.mean).chain(a.sd.iter().zip(&b.sd)).all(|(a, b)| close(*a, *b)));
+            assert!(
+                a.mean
+                    .iter()
+                    .zip(&b.mean)
+                    .chain(a.sd.iter().zip(&b.sd))
+                    .all(|(a, b)| close(*a, *b))
+            );
         }
-        assert!(whole.periods.variance.iter().zip(&merged.periods.variance).all(|(a, b)| close(*a, *b)));
+        assert!(
+            whole
+                .periods
+                .variance
+                .iter()
+                .zip(&merged.periods.variance)
+                .all(|(a, b)| close(*a, *b))
+        );
     }
 
     /// A path whose waits and displacements have long tails.
@@ -336,20 +439,37 @@ mod tests {
     /// of blocks (1 %). With the tails of the first block alone it would be wider by 6 to 13 %.
     #[test]
     fn the_interval_of_a_standard_deviation_is_as_wide_from_many_blocks_as_from_one() {
-        let timeline = Timeline { end: 1e3, output_step: 1e3, period: Some(300.0), after: 0.0 };
+        let timeline = Timeline {
+            end: 1e3,
+            output_step: 1e3,
+            period: Some(300.0),
+            after: 0.0,
+        };
         let mut rng = Pcg64Dxsm::seed_from_u64(12);
         let paths: Vec<Path> = (0..600).map(|_| long_tailed_walk(&mut rng)).collect();
         let mut x = vec![6.0; 600];
         let periods: Vec<Vec<f64>> = (0..3)
             .map(|_| {
-                x.iter_mut().for_each(|x| *x += long_tailed_walk(&mut rng).end - 6.0);
+                x.iter_mut()
+                    .for_each(|x| *x += long_tailed_walk(&mut rng).end - 6.0);
                 x.clone()
             })
             .collect();
         let in_blocks_of = |size: usize| {
             let mut blocks = (0..600).step_by(size).map(|from| {
-                let cut: Vec<Vec<f64>> = periods.iter().map(|x| x[from..from + size].to_vec()).collect();
-                observe(&timeline, &Record::NOTHING, from as u64, &paths[from..from + size], &[], &cut).totals
+                let cut: Vec<Vec<f64>> = periods
+                    .iter()
+                    .map(|x| x[from..from + size].to_vec())
+                    .collect();
+                observe(
+                    &timeline,
+                    &Record::NOTHING,
+                    from as u64,
+                    &paths[from..from + size],
+                    &[],
+                    &cut,
+                )
+                .totals
             });
             let mut totals = blocks.next().expect("a block");
             blocks.for_each(|block| totals.merge(&block));
@@ -369,24 +489,54 @@ mod tests {
             };
             let (one, many) = (quantile(&one), quantile(&many));
             println!("{}: {one:.4} {many:.4}", statistic.name());
-            assert!(one > 2.0, "{}: the tails are not long, {one}", statistic.name());
-            assert!((many / one - 1.0).abs() < 0.02, "{}: {one} {many}", statistic.name());
+            assert!(
+                one > 2.0,
+                "{}: the tails are not long, {one}",
+                statistic.name()
+            );
+            assert!(
+                (many / one - 1.0).abs() < 0.02,
+                "{}: {one} {many}",
+                statistic.name()
+            );
         }
     }
 
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
-        let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
-        let record = Record { trajectories: 103, ..Record::everything() };
+        let timeline = Timeline {
+            end: 2.0,
+            output_step: 1.0,
+            period: None,
+            after: 0.0,
+        };
+        let record = Record {
+            trajectories: 103,
+            ..Record::everything()
+        };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
-        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103], Replicate::Path);
+        let mut observer = BlockObserver::new(
+            &model(),
+            &timeline,
+            &record,
+            &[100, 102, 103],
+            Replicate::Path,
+        );
         observer.event(1, slip(0.5, 6.0));
         observer.event(1, stick(1.5, 7.0));
         observer.event(2, slip(1.0, 6.0));
         let (v, is_static) = ([0.0, 0.25, 0.5], [true, false, false]);
-        for (row, x) in [[6.0, 6.0, 6.0], [6.0, 6.5, 6.0], [6.0, 7.0, 8.0]].iter().enumerate() {
-            let snapshot =
-                Snapshot { time: row as f64, displacement: x, velocity: &v, temperature: &v, is_static: &is_static };
+        for (row, x) in [[6.0, 6.0, 6.0], [6.0, 6.5, 6.0], [6.0, 7.0, 8.0]]
+            .iter()
+            .enumerate()
+        {
+            let snapshot = Snapshot {
+                time: row as f64,
+                displacement: x,
+                velocity: &v,
+                temperature: &v,
+                is_static: &is_static,
+            };
             observer.snapshot(Instant::Output(row), snapshot);
             if row == 2 {
                 observer.snapshot(Instant::End, snapshot);
@@ -407,15 +557,27 @@ mod tests {
                 .zip(expected)
                 .all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
         );
-        assert_eq!((columns.displacement_end[3], columns.max_displacement[3]), (8.0, 8.0));
+        assert_eq!(
+            (columns.displacement_end[3], columns.max_displacement[3]),
+            (8.0, 8.0)
+        );
         assert!(columns.first_stick_duration[0].is_nan());
-        assert_eq!((columns.first_stick_duration[2], columns.stick_time[2]), (0.5, 1.0));
+        assert_eq!(
+            (columns.first_stick_duration[2], columns.stick_time[2]),
+            (0.5, 1.0)
+        );
 
         let events = result.rows.events.expect("asked for");
         assert_eq!(events.count, [0, 0, 2, 1, 0]);
-        assert_eq!((events.time, events.kind, events.sign), (vec![0.5, 1.5, 1.0], vec![1, 0, 1], vec![1, 0, 1]));
+        assert_eq!(
+            (events.time, events.kind, events.sign),
+            (vec![0.5, 1.5, 1.0], vec![1, 0, 1], vec![1, 0, 1])
+        );
 
-        let trajectories = result.rows.trajectories.expect("paths 100 to 102 are among the first 103");
+        let trajectories = result
+            .rows
+            .trajectories
+            .expect("paths 100 to 102 are among the first 103");
         assert_eq!(trajectories.path, [100, 101, 102]);
         assert_eq!(trajectories.displacement[..3], [6.0, 6.0, 6.0]);
         assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
@@ -430,19 +592,37 @@ mod tests {
         assert_eq!(trajectories.is_static, [1, 1, 1, 0, 0, 0, 0, 0, 0]);
 
         let summary = result.totals.summary();
-        assert_eq!((summary.completed_paths, summary.diverged), (5, vec![101, 104]));
+        assert_eq!(
+            (summary.completed_paths, summary.diverged),
+            (5, vec![101, 104])
+        );
         assert_eq!(summary.bands.displacement.mean, [6.0, 18.5 / 3.0, 7.0]);
     }
 
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
-        let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
-        let record = Record { trajectories: 2, ..Record::everything() };
-        let result = BlockObserver::new(&model(), &timeline, &record, &[], Replicate::Path).finish(0, 2, vec![0, 1]);
+        let timeline = Timeline {
+            end: 2.0,
+            output_step: 1.0,
+            period: Some(1.0),
+            after: 0.0,
+        };
+        let record = Record {
+            trajectories: 2,
+            ..Record::everything()
+        };
+        let result = BlockObserver::new(&model(), &timeline, &record, &[], Replicate::Path).finish(
+            0,
+            2,
+            vec![0, 1],
+        );
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
         assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));
         let trajectories = result.rows.trajectories.expect("both are asked for");
-        assert_eq!((trajectories.displacement.len(), trajectories.is_static), (6, vec![0; 6]));
+        assert_eq!(
+            (trajectories.displacement.len(), trajectories.is_static),
+            (6, vec![0; 6])
+        );
     }
 }

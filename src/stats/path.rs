@@ -113,7 +113,14 @@ impl PathFold {
 
     /// The same path if it moves at t = 0, so that it has no first stick.
     pub fn moving(self, is_moving: bool) -> Self {
-        if is_moving { PathFold { now: Now::Slip, ..self } } else { self }
+        if is_moving {
+            PathFold {
+                now: Now::Slip,
+                ..self
+            }
+        } else {
+            self
+        }
     }
 
     /// The same path with a burn-in that ends at this time.
@@ -226,7 +233,12 @@ mod tests {
     use crate::model::Sign::{Negative, Positive};
 
     fn event(kind: EventKind, time: f64, displacement: f64) -> Event {
-        Event { kind, time, displacement, force: 0.0 }
+        Event {
+            kind,
+            time,
+            displacement,
+            force: 0.0,
+        }
     }
 
     #[test]
@@ -235,14 +247,40 @@ mod tests {
         // x = 6, turn at 6.425 with x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is
         // within that stick.
         let mut path = PathFold::starting_at(6.0);
-        let slip = path.event(&event(EventKind::SlipStarted(Negative), 1.287_002_217_586_568_8, 6.0));
-        let turn =
-            path.event(&event(EventKind::SubPhaseBoundary(Positive), 6.425_170_197_520_969, -9.743_812_675_160_928));
-        let stick = path.event(&event(EventKind::StickEntered, 12.276_691_944_097_36, 6.341_054_759_946_978));
+        let slip = path.event(&event(
+            EventKind::SlipStarted(Negative),
+            1.287_002_217_586_568_8,
+            6.0,
+        ));
+        let turn = path.event(&event(
+            EventKind::SubPhaseBoundary(Positive),
+            6.425_170_197_520_969,
+            -9.743_812_675_160_928,
+        ));
+        let stick = path.event(&event(
+            EventKind::StickEntered,
+            12.276_691_944_097_36,
+            6.341_054_759_946_978,
+        ));
         let end = path.end(13.0, 6.341_054_759_946_978);
-        assert_eq!((slip, turn, stick), (Some(EndedPhase::FirstStick), None, Some(EndedPhase::Slip(2))));
+        assert_eq!(
+            (slip, turn, stick),
+            (
+                Some(EndedPhase::FirstStick),
+                None,
+                Some(EndedPhase::Slip(2))
+            )
+        );
         assert_eq!(end, Some(Censored::Stick(13.0 - 12.276_691_944_097_36)));
-        assert_eq!((path.sticks.count, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
+        assert_eq!(
+            (
+                path.sticks.count,
+                path.slips,
+                path.sub_phases,
+                path.multiple
+            ),
+            (0, 1, 2, 1)
+        );
         assert_eq!(path.first_duration, Some(1.287_002_217_586_568_8));
         assert_eq!(path.max_displacement, 9.743_812_675_160_928);
         // The travel is 15.7438... + 16.0849..., with the rounding of two differences of numbers
@@ -258,7 +296,10 @@ mod tests {
         path.event(&event(EventKind::SlipStarted(Positive), 0.0, -2.0));
         assert_eq!(path.end(1.0, 3.0), Some(Censored::Slip));
         assert_eq!(path.first_duration, Some(0.0));
-        assert_eq!((path.travel, path.max_displacement, path.jump, path.slips), (5.0, 3.0, 0.0, 0));
+        assert_eq!(
+            (path.travel, path.max_displacement, path.jump, path.slips),
+            (5.0, 3.0, 0.0, 0)
+        );
         assert_eq!(path.stick_time, 0.0);
     }
 
@@ -283,7 +324,10 @@ mod tests {
     fn a_path_that_never_moves_sticks_all_the_time_and_ends_no_stick() {
         let mut path = PathFold::starting_at(6.0);
         assert_eq!(path.end(60.0, 6.0), Some(Censored::FirstStick));
-        assert_eq!((path.stick_time, path.first_duration, path.sticks.count), (60.0, None, 0));
+        assert_eq!(
+            (path.stick_time, path.first_duration, path.sticks.count),
+            (60.0, None, 0)
+        );
     }
 
     #[test]
@@ -295,7 +339,14 @@ mod tests {
         path.event(&event(EventKind::StickEntered, 14.0, -1.0));
         path.event(&event(EventKind::SlipStarted(Negative), 17.0, -1.0));
         assert_eq!(ended, Some(EndedPhase::Stick(2.0)));
-        assert_eq!(path.sticks, Folded { count: 2, sum: 5.0, squares: 13.0 });
+        assert_eq!(
+            path.sticks,
+            Folded {
+                count: 2,
+                sum: 5.0,
+                squares: 13.0
+            }
+        );
         assert_eq!((path.jump, path.jump_abs), (-1.0, 3.0));
     }
 
@@ -319,14 +370,41 @@ mod tests {
         ];
         // The slip from 4 to 6 began before the end of the burn-in. It is in no count and no jump,
         // but its distance from 1.5 on is in the travel.
-        let counted =
-            [None, Some(EndedPhase::Stick(3.0)), None, Some(EndedPhase::Slip(2)), Some(EndedPhase::Stick(1.0))];
+        let counted = [
+            None,
+            Some(EndedPhase::Stick(3.0)),
+            None,
+            Some(EndedPhase::Slip(2)),
+            Some(EndedPhase::Stick(1.0)),
+        ];
         assert_eq!(seen, counted);
         assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));
-        assert_eq!((path.first_duration, path.early_sticks, path.early_slips), (Some(1.0), 1, 2));
-        assert_eq!(path.sticks, Folded { count: 2, sum: 4.0, squares: 10.0 });
-        assert_eq!((path.slips, path.sub_phases, path.multiple, path.jump, path.jump_abs), (1, 2, 1, -1.0, 1.0));
-        assert_eq!((path.stick_time, path.travel, path.early_displacement), (4.0, 1.5 + 1.0 + 2.0 + 3.0, 1.5));
+        assert_eq!(
+            (path.first_duration, path.early_sticks, path.early_slips),
+            (Some(1.0), 1, 2)
+        );
+        assert_eq!(
+            path.sticks,
+            Folded {
+                count: 2,
+                sum: 4.0,
+                squares: 10.0
+            }
+        );
+        assert_eq!(
+            (
+                path.slips,
+                path.sub_phases,
+                path.multiple,
+                path.jump,
+                path.jump_abs
+            ),
+            (1, 2, 1, -1.0, 1.0)
+        );
+        assert_eq!(
+            (path.stick_time, path.travel, path.early_displacement),
+            (4.0, 1.5 + 1.0 + 2.0 + 3.0, 1.5)
+        );
         assert_eq!((path.max_displacement, path.displacement_end), (5.0, 5.0));
     }
 
@@ -341,22 +419,45 @@ mod tests {
             path
         };
         let mut ended = sticking();
-        assert_eq!(ended.event(&event(EventKind::SlipStarted(Negative), 8.0, 1.0)), None);
-        assert_eq!(ended.event(&event(EventKind::StickEntered, 9.0, 0.0)), Some(EndedPhase::Slip(1)));
+        assert_eq!(
+            ended.event(&event(EventKind::SlipStarted(Negative), 8.0, 1.0)),
+            None
+        );
+        assert_eq!(
+            ended.event(&event(EventKind::StickEntered, 9.0, 0.0)),
+            Some(EndedPhase::Slip(1))
+        );
         assert_eq!(ended.end(10.0, 0.0), Some(Censored::Stick(1.0)));
-        assert_eq!((ended.sticks.count, ended.early_sticks, ended.stick_time, ended.travel), (0, 1, 4.0, 1.0));
+        assert_eq!(
+            (
+                ended.sticks.count,
+                ended.early_sticks,
+                ended.stick_time,
+                ended.travel
+            ),
+            (0, 1, 4.0, 1.0)
+        );
         let mut cut = sticking();
         assert_eq!(cut.end(10.0, 1.0), None);
-        assert_eq!((cut.early_sticks, cut.stick_time, cut.travel), (0, 5.0, 0.0));
+        assert_eq!(
+            (cut.early_sticks, cut.stick_time, cut.travel),
+            (0, 5.0, 0.0)
+        );
         let mut first = PathFold::starting_at(0.0).counted_after(5.0);
         first.count_from_here(0.0);
-        assert_eq!((first.end(10.0, 0.0), first.stick_time), (Some(Censored::FirstStick), 5.0));
+        assert_eq!(
+            (first.end(10.0, 0.0), first.stick_time),
+            (Some(Censored::FirstStick), 5.0)
+        );
         // A phase that begins at the end of the burn-in is counted.
         let mut at_once = PathFold::starting_at(0.0).counted_after(5.0);
         at_once.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));
         at_once.event(&event(EventKind::StickEntered, 5.0, 2.0));
         at_once.count_from_here(2.0);
         let ended = at_once.event(&event(EventKind::SlipStarted(Positive), 7.0, 2.0));
-        assert_eq!((ended, at_once.stick_time, at_once.travel), (Some(EndedPhase::Stick(2.0)), 2.0, 0.0));
+        assert_eq!(
+            (ended, at_once.stick_time, at_once.travel),
+            (Some(EndedPhase::Stick(2.0)), 2.0, 0.0)
+        );
     }
 }

@@ -53,7 +53,11 @@ impl PeriodDisplacements {
 
     /// Mean of u_n.
     pub fn mean(&self) -> Measured {
-        if self.displacements == 0 { Measured::NOTHING } else { self.moved(Measured::mean_of(&self.paths, 0), FEWEST) }
+        if self.displacements == 0 {
+            Measured::NOTHING
+        } else {
+            self.moved(Measured::mean_of(&self.paths, 0), FEWEST)
+        }
     }
 
     /// Standard deviation of u_n. A value below 1e-8 of the root mean square is lost in rounding,
@@ -68,7 +72,12 @@ impl PeriodDisplacements {
             0.0 => Measured::smooth(0.0, &self.paths, [0.0; 5], self.paths.count),
             variance => {
                 let sd = variance.sqrt();
-                let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0, 0.0], self.paths.count);
+                let smooth = Measured::smooth(
+                    sd,
+                    &self.paths,
+                    [-a / sd, 0.5 / sd, 0.0, 0.0, 0.0],
+                    self.paths.count,
+                );
                 let error = smooth.measurement().standard_error;
                 let law = self.tails.error_law(self.paths.count);
                 let spread = Measured::spread(sd, error, law, self.paths.count);
@@ -89,7 +98,10 @@ impl PeriodDisplacements {
         // Rounding may carry the estimate out of the range of a correlation.
         let smooth = Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count);
         let law = self.correlation_tails.error_law(self.paths.count);
-        self.moved(smooth.with_law(law).about_mean_of(self.paths.count as f64), FEWEST_FOR_SPREAD)
+        self.moved(
+            smooth.with_law(law).about_mean_of(self.paths.count as f64),
+            FEWEST_FOR_SPREAD,
+        )
     }
 }
 
@@ -101,10 +113,19 @@ fn on_correlation(d: f64, r: f64) -> [f64; 5] {
 /// The variance of numbers with this mean square and this mean; zero where it is lost in rounding.
 fn variance(mean_square: f64, mean: f64) -> f64 {
     let variance = mean_square - mean * mean;
-    if variance <= 4.0 * f64::EPSILON * mean_square { 0.0 } else { variance }
+    if variance <= 4.0 * f64::EPSILON * mean_square {
+        0.0
+    } else {
+        variance
+    }
 }
 
-sums_of_fields!(PeriodDisplacements { paths, tails, correlation_tails, moving });
+sums_of_fields!(PeriodDisplacements {
+    paths,
+    tails,
+    correlation_tails,
+    moving
+});
 
 /// Folds one block of paths, period by period.
 pub(super) struct PeriodDisplacementsFold {
@@ -131,7 +152,11 @@ impl PeriodDisplacementsFold {
     pub fn new(timeline: &Timeline, paths: usize) -> Self {
         let empty = PeriodDisplacements::empty(timeline);
         let paths = if empty.displacements == 0 { 0 } else { paths };
-        PeriodDisplacementsFold { empty, seen: 0, paths: vec![PathDisplacements::default(); paths] }
+        PeriodDisplacementsFold {
+            empty,
+            seen: 0,
+            paths: vec![PathDisplacements::default(); paths],
+        }
     }
 
     /// Add the paths at the next instant of the same phase.
@@ -158,7 +183,10 @@ impl PeriodDisplacementsFold {
         if self.paths.is_empty() {
             return self.empty;
         }
-        let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
+        let (all, pairs) = (
+            self.empty.displacements as f64,
+            self.empty.displacements as f64 - 1.0,
+        );
         let column = |of: &dyn Fn(&PathDisplacements) -> f64| unit.column(&self.paths, of);
         let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
         let columns = [
@@ -166,18 +194,30 @@ impl PeriodDisplacementsFold {
             column(&|path| path.squares / all),
             column(&|path| of_pairs(path.products)),
             column(&|path| of_pairs(path.sum - 0.5 * (path.first + path.last))),
-            column(&|path| of_pairs(path.squares - 0.5 * (path.first * path.first + path.last * path.last))),
+            column(&|path| {
+                of_pairs(path.squares - 0.5 * (path.first * path.first + path.last * path.last))
+            }),
         ];
         let paths = JointMoments::of(columns.each_ref().map(Vec::as_slice));
         let [a, .., c, d, e] = paths.mean;
         let influences = |gradient: [f64; 5]| {
-            let along = |i: usize| (0..5).map(|j| gradient[j] * (columns[j][i] - paths.mean[j])).sum();
+            let along = |i: usize| {
+                (0..5)
+                    .map(|j| gradient[j] * (columns[j][i] - paths.mean[j]))
+                    .sum()
+            };
             Tails::of((0..columns[0].len()).map(along))
         };
         let tails = influences([-2.0 * a, 1.0, 0.0, 0.0, 0.0]);
         let correlation_tails = influences(on_correlation(d, (c - d * d) / variance(e, d)));
         let moving = unit.count(&self.paths, |path| path.squares > 0.0);
-        PeriodDisplacements { paths, tails, correlation_tails, moving, ..self.empty }
+        PeriodDisplacements {
+            paths,
+            tails,
+            correlation_tails,
+            moving,
+            ..self.empty
+        }
     }
 }
 
@@ -197,7 +237,12 @@ mod tests {
     /// 3))/(107/36). A constant added to every u changes the mean alone.
     #[test]
     fn the_errors_of_unequal_paths_are_those_computed_by_hand() {
-        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(1.0), after: 0.0 };
+        let timeline = Timeline {
+            end: 4.0,
+            output_step: 4.0,
+            period: Some(1.0),
+            after: 0.0,
+        };
         let u = [[1.0, 2.0, 0.0], [-1.0, 1.0, 3.0], [-2.0, -1.0, -3.0]];
         for constant in [0.0, 1.0, -7.0] {
             // The paths are in two blocks and start at different places.
@@ -206,7 +251,9 @@ mod tests {
                 let mut x: Vec<f64> = (0..paths.len()).map(|path| 5.0 - path as f64).collect();
                 fold.fold(&x);
                 for n in 0..3 {
-                    x.iter_mut().zip(paths).for_each(|(x, u)| *x += u[n] + constant);
+                    x.iter_mut()
+                        .zip(paths)
+                        .for_each(|(x, u)| *x += u[n] + constant);
                     fold.fold(&x);
                 }
                 fold.finish(Replicate::Path)
@@ -216,12 +263,15 @@ mod tests {
             let (sd, t) = ((10.0f64 / 3.0).sqrt(), 4.302_652_729_9);
             let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / sd;
             let r = 53.0 / 107.0;
-            let on_r = [[1.0, 1.25, 2.25], [1.0, 1.0, 3.0], [2.5, -1.75, 3.75]]
-                .map(|[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0));
+            let on_r = [[1.0, 1.25, 2.25], [1.0, 1.0, 3.0], [2.5, -1.75, 3.75]].map(
+                |[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0),
+            );
             let on_r = 2.0 * (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
-            for (measured, value, error) in
-                [(all.mean(), constant, 1.0), (all.sd(Replicate::Path), sd, on_sd), (all.correlation(), r, on_r)]
-            {
+            for (measured, value, error) in [
+                (all.mean(), constant, 1.0),
+                (all.sd(Replicate::Path), sd, on_sd),
+                (all.correlation(), r, on_r),
+            ] {
                 let e = measured.measurement();
                 // Three numbers about their mean always have two degrees of freedom.
                 let ends = match value {
@@ -229,10 +279,19 @@ mod tests {
                     _ if value == r => [e.low, e.high],
                     mean => [mean - t * error, mean + t * error],
                 };
-                let all = [(e.estimate, value), (e.standard_error, error), (e.low, ends[0])];
-                let is_right = all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9);
+                let all = [
+                    (e.estimate, value),
+                    (e.standard_error, error),
+                    (e.low, ends[0]),
+                ];
+                let is_right = all
+                    .iter()
+                    .all(|(got, expected)| (got - expected).abs() < 1e-9);
                 let is_high = e.high == ends[1] || (e.high - ends[1]).abs() < 1e-9;
-                assert!(is_right && is_high, "{constant}: {e:?}, expected {value} +- {error}");
+                assert!(
+                    is_right && is_high,
+                    "{constant}: {e:?}, expected {value} +- {error}"
+                );
             }
         }
     }
@@ -240,17 +299,29 @@ mod tests {
     #[test]
     fn displacements_that_do_not_vary_have_no_correlation_and_one_of_them_has_no_spread() {
         let of = |ends: f64, paths: usize| {
-            let timeline = Timeline { end: ends, output_step: ends, period: Some(1.0), after: 0.0 };
+            let timeline = Timeline {
+                end: ends,
+                output_step: ends,
+                period: Some(1.0),
+                after: 0.0,
+            };
             let mut fold = PeriodDisplacementsFold::new(&timeline, paths);
             (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
             let fold = fold.finish(Replicate::Path);
-            [fold.mean(), fold.sd(Replicate::Path), fold.correlation()].map(|measured| measured.estimate())
+            [fold.mean(), fold.sd(Replicate::Path), fold.correlation()]
+                .map(|measured| measured.estimate())
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(of(1.0, 3).iter().all(|e| e.is_nan()));
         let [mean, sd, correlation] = of(4.0, 3);
-        assert!(near(mean, 0.1) && sd == 0.0 && correlation.is_nan(), "{mean} {sd} {correlation}");
+        assert!(
+            near(mean, 0.1) && sd == 0.0 && correlation.is_nan(),
+            "{mean} {sd} {correlation}"
+        );
         let [mean, sd, correlation] = of(2.0, 1);
-        assert!(near(mean, 0.1) && sd.is_nan() && correlation.is_nan(), "{mean} {sd} {correlation}");
+        assert!(
+            near(mean, 0.1) && sd.is_nan() && correlation.is_nan(),
+            "{mean} {sd} {correlation}"
+        );
     }
 }

@@ -36,14 +36,23 @@ struct Slope {
 impl Slope {
     fn over(timeline: &Timeline) -> Self {
         let period = timeline.period.unwrap_or(0.0);
-        let time: Vec<f64> = (1..=timeline.periods()).map(|n| (n as f64 * period).min(timeline.end)).collect();
+        let time: Vec<f64> = (1..=timeline.periods())
+            .map(|n| (n as f64 * period).min(timeline.end))
+            .collect();
         let skipped = (timeline.first_period() - 1).min(time.len());
         let counted = &time[skipped..];
         let middle = counted.iter().sum::<f64>() / counted.len() as f64;
         let spread: f64 = counted.iter().map(|t| (t - middle) * (t - middle)).sum();
-        let weights =
-            if counted.len() < 2 { Vec::new() } else { counted.iter().map(|t| (t - middle) / spread).collect() };
-        Slope { time, skipped, weights }
+        let weights = if counted.len() < 2 {
+            Vec::new()
+        } else {
+            counted.iter().map(|t| (t - middle) / spread).collect()
+        };
+        Slope {
+            time,
+            skipped,
+            weights,
+        }
     }
 }
 
@@ -76,7 +85,11 @@ impl PeriodSums {
 
     /// V. Two instants are needed.
     pub fn drift_velocity(&self, timeline: &Timeline) -> Measured {
-        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean_of_four(&self.drift) }
+        if timeline.counted_periods() == 0 {
+            Measured::NOTHING
+        } else {
+            Measured::mean_of_four(&self.drift)
+        }
     }
 
     /// D. Two instants and two paths are needed.
@@ -92,8 +105,15 @@ impl PeriodSums {
         if slope.weights.is_empty() {
             return Measured::NOTHING;
         }
-        let variances = self.displacement[slope.skipped..].iter().map(|period| period.four.two.variance());
-        let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
+        let variances = self.displacement[slope.skipped..]
+            .iter()
+            .map(|period| period.four.two.variance());
+        let growth: f64 = slope
+            .weights
+            .iter()
+            .zip(variances)
+            .map(|(c, variance)| c * variance)
+            .sum();
         Measured::mean_of_four(&self.spreading)
             .about(growth)
             .divided_by(2.0)
@@ -109,27 +129,55 @@ impl PeriodSums {
         }
         let variances = counted.iter().map(|period| period.four.two.variance());
         let sd = (variances.sum::<f64>() / counted.len() as f64).sqrt();
-        let error = match Measured::mean_of_four(&self.spread).measurement().standard_error {
+        let error = match Measured::mean_of_four(&self.spread)
+            .measurement()
+            .standard_error
+        {
             0.0 => 0.0,
             error => error / (2.0 * sd),
         };
         Measured::spread(sd, error, self.spread.error_law(), self.spread.two.count)
     }
 
-    pub fn summary(&self, timeline: &Timeline, is_random: bool, drift_limit: Option<f64>) -> PeriodMoments {
+    pub fn summary(
+        &self,
+        timeline: &Timeline,
+        is_random: bool,
+        drift_limit: Option<f64>,
+    ) -> PeriodMoments {
         let chance = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
         let two = |period: &SpreadMoments| period.four.two;
-        let mean_ends = |p: &SpreadMoments| Measured::mean_of_four(&p.units).in_range(Range::ANY, chance(p)).interval();
-        let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
+        let mean_ends = |p: &SpreadMoments| {
+            Measured::mean_of_four(&p.units)
+                .in_range(Range::ANY, chance(p))
+                .interval()
+        };
+        let sd_ends = |p: &SpreadMoments| {
+            p.standard_deviation()
+                .in_range(Range::NOT_NEGATIVE, chance(p))
+                .interval()
+        };
         PeriodMoments {
             drift_limit,
             time: Slope::over(timeline).time,
-            mean: self.displacement.iter().map(|period| two(period).mean()).collect(),
+            mean: self
+                .displacement
+                .iter()
+                .map(|period| two(period).mean())
+                .collect(),
             mean_ends: self.displacement.iter().map(mean_ends).collect(),
-            variance: self.displacement.iter().map(|period| two(period).variance()).collect(),
+            variance: self
+                .displacement
+                .iter()
+                .map(|period| two(period).variance())
+                .collect(),
             // The ends of the interval of a variance are the squares of those of the standard
             // deviation.
-            variance_ends: self.displacement.iter().map(|p| sd_ends(p).map(|end| end * end)).collect::<Ends>(),
+            variance_ends: self
+                .displacement
+                .iter()
+                .map(|p| sd_ends(p).map(|end| end * end))
+                .collect::<Ends>(),
         }
     }
 }
@@ -172,28 +220,45 @@ impl PeriodFold {
     /// its instant nearest to t_n. From there to t_n the paths are continued at their present
     /// velocity.
     pub fn observe(&mut self, n: usize, snapshot: &Snapshot<'_>) {
-        let missing = self.slope.time.get(n - 1).map_or(0.0, |time| time - snapshot.time);
+        let missing = self
+            .slope
+            .time
+            .get(n - 1)
+            .map_or(0.0, |time| time - snapshot.time);
         let states = snapshot.displacement.iter().zip(snapshot.velocity);
-        self.fold(n, &states.map(|(x, v)| x + missing * v).collect::<Vec<f64>>());
+        self.fold(
+            n,
+            &states.map(|(x, v)| x + missing * v).collect::<Vec<f64>>(),
+        );
     }
 
     /// Add x of each path at the end of period `n` = 1, 2, ...
     pub fn fold(&mut self, n: usize, displacement: &[f64]) {
         self.displacement.clear();
-        self.displacement.extend(displacement.iter().map(|x| x - self.x0));
+        self.displacement
+            .extend(displacement.iter().map(|x| x - self.x0));
         let spread = SpreadMoments::of(&self.displacement, self.unit);
         let moments = spread.four.two;
         if let Some(slot) = self.sums.displacement.get_mut(n - 1) {
             *slot = spread;
         }
-        let Some(counted) = (n - 1).checked_sub(self.slope.skipped) else { return };
+        let Some(counted) = (n - 1).checked_sub(self.slope.skipped) else {
+            return;
+        };
         let share = 1.0 / (self.slope.time.len() - self.slope.skipped) as f64;
         for (spread, &u) in self.spread.iter_mut().zip(&self.displacement) {
             *spread += share * (u - moments.mean) * (u - moments.mean);
         }
         self.period_displacements.fold(&self.displacement);
-        let Some(&weight) = self.slope.weights.get(counted) else { return };
-        for ((drift, spreading), &u) in self.drift.iter_mut().zip(&mut self.spreading).zip(&self.displacement) {
+        let Some(&weight) = self.slope.weights.get(counted) else {
+            return;
+        };
+        for ((drift, spreading), &u) in self
+            .drift
+            .iter_mut()
+            .zip(&mut self.spreading)
+            .zip(&self.displacement)
+        {
             *drift += weight * u;
             *spreading += weight * (u - moments.mean) * (u - moments.mean);
         }
@@ -221,15 +286,23 @@ fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
 }
 
 impl Measure for PeriodSums {
-    fn measured(&self, statistic: Statistic, Sampled { timeline, unit }: &Sampled) -> Option<Measured> {
+    fn measured(
+        &self,
+        statistic: Statistic,
+        Sampled { timeline, unit }: &Sampled,
+    ) -> Option<Measured> {
         let moved = |measured, fewest| self.period_displacements.moved(measured, fewest);
         Some(match statistic {
             Statistic::DriftVelocity => moved(self.drift_velocity(timeline), FEWEST),
-            Statistic::DiffusionCoefficient => moved(self.diffusion_coefficient(timeline), FEWEST_FOR_SPREAD),
+            Statistic::DiffusionCoefficient => {
+                moved(self.diffusion_coefficient(timeline), FEWEST_FOR_SPREAD)
+            }
             Statistic::PeriodDisplacementMean => self.period_displacements.mean(),
             Statistic::PeriodDisplacementSd => self.period_displacements.sd(*unit),
             Statistic::PeriodDisplacementCorrelation => self.period_displacements.correlation(),
-            Statistic::PhaseDisplacementSd => moved(self.spread_at_phase(timeline), FEWEST_FOR_SPREAD),
+            Statistic::PhaseDisplacementSd => {
+                moved(self.spread_at_phase(timeline), FEWEST_FOR_SPREAD)
+            }
             _ => return None,
         })
     }
@@ -249,12 +322,20 @@ mod tests {
         // x(t) = x0 + V t + sqrt(2 D) W(t), observed at 2.5, 5, ..., 15, for 400 paths in blocks of
         // 200.
         let (drift, diffusion, x0) = (-0.3, 0.7, 6.0);
-        let timeline = Timeline { end: 16.0, output_step: 16.0, period: Some(2.5), after: 0.0 };
+        let timeline = Timeline {
+            end: 16.0,
+            output_step: 16.0,
+            period: Some(2.5),
+            after: 0.0,
+        };
         let mut rng = Pcg64Dxsm::seed_from_u64(1905);
         let (mut drift_held, mut diffusion_held) = (Coverage::default(), Coverage::default());
         let (mut mean_held, mut variance_held) = (Coverage::default(), Coverage::default());
-        let (mut step_held, mut sd_held, mut correlation_held) =
-            (Coverage::default(), Coverage::default(), Coverage::default());
+        let (mut step_held, mut sd_held, mut correlation_held) = (
+            Coverage::default(),
+            Coverage::default(),
+            Coverage::default(),
+        );
         let mut mean_estimate = 0.0;
         let ensembles = 2000;
         for _ in 0..ensembles {
@@ -273,7 +354,10 @@ mod tests {
             }
             let v = totals.drift_velocity(&timeline).measurement();
             let d = totals.diffusion_coefficient(&timeline).measurement();
-            let sd = totals.period_displacements.sd(Replicate::Path).measurement();
+            let sd = totals
+                .period_displacements
+                .sd(Replicate::Path)
+                .measurement();
             let r = totals.period_displacements.correlation().measurement();
             let step = totals.period_displacements.mean().measurement();
             step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
@@ -283,10 +367,15 @@ mod tests {
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
             // At the last period, at t = 15, the mean is V t and the variance is 2 D t.
-            let PeriodMoments { mean_ends, variance_ends, .. } = totals.summary(&timeline, true, None);
+            let PeriodMoments {
+                mean_ends,
+                variance_ends,
+                ..
+            } = totals.summary(&timeline, true, None);
             let (mean, variance) = (drift * 15.0, 2.0 * diffusion * 15.0);
             mean_held.count(mean_ends.low[5] <= mean && mean <= mean_ends.high[5]);
-            variance_held.count(variance_ends.low[5] <= variance && variance <= variance_ends.high[5]);
+            variance_held
+                .count(variance_ends.low[5] <= variance && variance <= variance_ends.high[5]);
             mean_estimate += d.estimate / f64::from(ensembles);
         }
         drift_held.assert_95_percent("drift velocity");
@@ -300,7 +389,10 @@ mod tests {
         // The estimate is unbiased. The slope of the variances of 400 paths has a relative sd of
         // about 1.3 sqrt(2/400) = 0.09. So the mean over the ensembles is within 4 sd = 4 * 0.09 /
         // sqrt(2000) = 0.8 %, with a false-alarm rate of 6e-5.
-        assert!((mean_estimate / diffusion - 1.0).abs() < 0.008, "{mean_estimate}");
+        assert!(
+            (mean_estimate / diffusion - 1.0).abs() < 0.008,
+            "{mean_estimate}"
+        );
     }
 
     /// Three paths over the periods 1, 2, 3 with the weights -1/2, 0, 1/2. x - x0 is 0, 1, 2 at the
@@ -312,7 +404,12 @@ mod tests {
     /// those of a mean of the contributions.
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
-        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
+        let timeline = Timeline {
+            end: 3.0,
+            output_step: 3.0,
+            period: Some(1.0),
+            after: 0.0,
+        };
         let mut fold = PeriodFold::new(&timeline, 6.0, 3, Replicate::Path);
         fold.fold(1, &[6.0, 7.0, 8.0]);
         fold.fold(2, &[-20.0, 30.0, 5.0]); // the middle period, where the weight is zero
@@ -325,12 +422,18 @@ mod tests {
             (mean.high - mean.estimate) / mean.standard_error
         };
         let [arm_of_d, arm_of_v] = [arm(&[6.0, 0.75, 2.25]), arm(&[2.0, -0.5, -1.5])];
-        for (e, value, error, arm) in
-            [(d, 1.5, (7.3125f64 / 3.0).sqrt(), arm_of_d), (v, 0.0, (3.25f64 / 3.0).sqrt(), arm_of_v)]
-        {
-            let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + arm * error)];
+        for (e, value, error, arm) in [
+            (d, 1.5, (7.3125f64 / 3.0).sqrt(), arm_of_d),
+            (v, 0.0, (3.25f64 / 3.0).sqrt(), arm_of_v),
+        ] {
+            let all = [
+                (e.estimate, value),
+                (e.standard_error, error),
+                (e.high, value + arm * error),
+            ];
             assert!(
-                all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9),
+                all.iter()
+                    .all(|(got, expected)| (got - expected).abs() < 1e-9),
                 "{e:?}, expected {value} +- {error}"
             );
         }
@@ -342,19 +445,33 @@ mod tests {
     #[test]
     fn x_is_told_at_the_end_of_a_period_that_the_grid_misses() {
         let period = 0.314_9;
-        let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period), after: 0.0 };
+        let timeline = Timeline {
+            end: 1.0,
+            output_step: 1.0,
+            period: Some(period),
+            after: 0.0,
+        };
         let mut fold = PeriodFold::new(&timeline, 0.3, 1, Replicate::Path);
         let x = |t: f64| 2.0 * t - 0.7 * t * t;
         for n in 1..=3 {
             let time = (n as f64 * period / 0.01).round() * 0.01;
             let (displacement, velocity) = ([0.3 + x(time)], [2.0 - 1.4 * time]);
             let (temperature, is_static) = (&[0.0], &[false]);
-            let snapshot = Snapshot { time, displacement: &displacement, velocity: &velocity, temperature, is_static };
+            let snapshot = Snapshot {
+                time,
+                displacement: &displacement,
+                velocity: &velocity,
+                temperature,
+                is_static,
+            };
             fold.observe(n, &snapshot);
         }
         for (n, mean) in (1..=3).zip(fold.finish().summary(&timeline, true, None).mean) {
             let exact = x(f64::from(n) * period);
-            assert!((mean - exact).abs() <= 0.7 * 0.005f64.powi(2) + 1e-12, "{n}: {mean}, not {exact}");
+            assert!(
+                (mean - exact).abs() <= 0.7 * 0.005f64.powi(2) + 1e-12,
+                "{n}: {mean}, not {exact}"
+            );
         }
     }
 
@@ -363,7 +480,12 @@ mod tests {
     /// instant before the end of the burn-in is in the moments of each period only.
     #[test]
     fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
-        let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 1.5 };
+        let timeline = Timeline {
+            end: 3.0,
+            output_step: 3.0,
+            period: Some(1.0),
+            after: 1.5,
+        };
         let mut fold = PeriodFold::new(&timeline, 6.0, 3, Replicate::Path);
         fold.fold(1, &[100.0, -20.0, 3.0]);
         fold.fold(2, &[6.0, 7.0, 11.0]);
@@ -374,8 +496,16 @@ mod tests {
         // Three numbers about their mean always have two degrees of freedom. 4.3 standard errors
         // are more than S, so that the upper end is infinite.
         let low = 5f64.sqrt() / (1.0 + 4.302_652_729_9 * error / 5f64.sqrt());
-        let all = [(e.estimate, 5f64.sqrt()), (e.standard_error, error), (e.low, low)];
-        assert!(all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9), "{e:?}");
+        let all = [
+            (e.estimate, 5f64.sqrt()),
+            (e.standard_error, error),
+            (e.low, low),
+        ];
+        assert!(
+            all.iter()
+                .all(|(got, expected)| (got - expected).abs() < 1e-9),
+            "{e:?}"
+        );
         assert_eq!(e.high, f64::INFINITY);
         assert_eq!(totals.drift_velocity(&timeline).measurement().estimate, 0.0);
         assert!((totals.period_displacements.mean().estimate()).abs() < 1e-12);
@@ -389,34 +519,75 @@ mod tests {
     #[test]
     fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
         let n = 40.0;
-        let x: Vec<f64> = (0..40).map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln()).collect();
-        let plain = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
+        let x: Vec<f64> = (0..40)
+            .map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln())
+            .collect();
+        let plain = SpreadMoments::of(&x, Replicate::Path)
+            .standard_deviation()
+            .measurement();
         let reported = |after: f64| {
-            let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
+            let timeline = Timeline {
+                end: 2.0,
+                output_step: 2.0,
+                period: Some(1.0),
+                after,
+            };
             let mut fold = PeriodFold::new(&timeline, 6.0, 40, Replicate::Path);
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
-            (sums.period_displacements.sd(Replicate::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
+            (
+                sums.period_displacements.sd(Replicate::Path).measurement(),
+                sums.spread_at_phase(&timeline).measurement(),
+            )
         };
         let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
         let wanted = relative_width(plain.low, plain.estimate);
         let students_t = 2.022_690_9; // Student's t with 39 degrees of freedom
-        assert!(relative_width(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
-        for (e, sd) in [(reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (reported(1.5).1, plain.estimate)] {
-            assert!((e.estimate / sd - 1.0).abs() < 1e-12, "{e:?}, expected {sd}");
-            assert!((relative_width(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9, "{e:?}, expected {wanted}");
+        assert!(
+            relative_width(plain.low, plain.estimate)
+                > 1.1 * students_t * plain.standard_error / plain.estimate
+        );
+        for (e, sd) in [
+            (reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()),
+            (reported(1.5).1, plain.estimate),
+        ] {
+            assert!(
+                (e.estimate / sd - 1.0).abs() < 1e-12,
+                "{e:?}, expected {sd}"
+            );
+            assert!(
+                (relative_width(e.low, e.estimate) / wanted - 1.0).abs() < 1e-9,
+                "{e:?}, expected {wanted}"
+            );
         }
     }
 
     #[test]
     fn a_slope_takes_two_periods() {
-        let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5), after: 0.0 };
+        let timeline = Timeline {
+            end: 4.0,
+            output_step: 4.0,
+            period: Some(2.5),
+            after: 0.0,
+        };
         let mut fold = PeriodFold::new(&timeline, 0.0, 3, Replicate::Path);
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
-        assert!(totals.drift_velocity(&timeline).measurement().estimate.is_nan());
-        assert!(totals.diffusion_coefficient(&timeline).measurement().estimate.is_nan());
+        assert!(
+            totals
+                .drift_velocity(&timeline)
+                .measurement()
+                .estimate
+                .is_nan()
+        );
+        assert!(
+            totals
+                .diffusion_coefficient(&timeline)
+                .measurement()
+                .estimate
+                .is_nan()
+        );
         let summary = totals.summary(&timeline, true, None);
         assert_eq!((summary.mean, summary.variance), (vec![3.0], vec![7.0]));
     }

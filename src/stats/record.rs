@@ -1,7 +1,9 @@
 //! What a run keeps of single paths, on request.
 
 use super::Totals;
-use super::column::{Column, ColumnView, Columns, Element, ElementType, Unit, Variable, columns, values_of, variable};
+use super::column::{
+    Column, ColumnView, Columns, Element, ElementType, Unit, Variable, columns, values_of, variable,
+};
 use crate::model::{Event, EventKind, Sign};
 
 columns! {
@@ -38,8 +40,13 @@ columns! {
 }
 
 /// The number of events of each path.
-pub const EVENT_COUNT: Variable = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
-    .with(&[("sample_dimension", "event")]);
+pub const EVENT_COUNT: Variable = variable(
+    "event_count",
+    &["path"],
+    Unit::ONE,
+    "number of events of the path",
+)
+.with(&[("sample_dimension", "event")]);
 
 columns! {
     /// Event tables of consecutive paths, one after the other (CF contiguous ragged arrays).
@@ -69,13 +76,25 @@ impl EventColumns {
     /// Append the events of the next path.
     pub fn push_path(&mut self, events: &[Event]) {
         self.count.push(events.len() as u32);
-        for &Event { time, displacement, force, kind } in events {
+        for &Event {
+            time,
+            displacement,
+            force,
+            kind,
+        } in events
+        {
             let (kind, sign) = match kind {
                 EventKind::StickEntered => (0, 0),
                 EventKind::SlipStarted(sign) => (1, number(sign)),
                 EventKind::SubPhaseBoundary(sign) => (2, number(sign)),
             };
-            self.push(EventRow { time, displacement, force, sign, kind });
+            self.push(EventRow {
+                time,
+                displacement,
+                force,
+                sign,
+                kind,
+            });
         }
     }
 }

@@ -39,7 +39,10 @@ impl PassageLevels {
     /// These levels, of which those beyond the largest number are left out.
     pub fn of(levels: &[f64]) -> Self {
         let mut all = PassageLevels::NONE;
-        all.0.iter_mut().zip(levels).for_each(|(slot, level)| *slot = Some(*level));
+        all.0
+            .iter_mut()
+            .zip(levels)
+            .for_each(|(slot, level)| *slot = Some(*level));
         all
     }
 
@@ -83,8 +86,13 @@ impl Record {
 
     /// What is asked for that is a curve and no statistic: its key. A sweep does not keep it.
     pub fn curve(&self) -> Option<&'static str> {
-        let curves = [(self.density, "record.density"), (self.spectrum, "record.spectrum")];
-        curves.into_iter().find_map(|(is_asked, key)| is_asked.then_some(key))
+        let curves = [
+            (self.density, "record.density"),
+            (self.spectrum, "record.spectrum"),
+        ];
+        curves
+            .into_iter()
+            .find_map(|(is_asked, key)| is_asked.then_some(key))
     }
 
     /// The same with what this statistic needs; none if that needs a value of its own, the levels
@@ -93,25 +101,38 @@ impl Record {
         match statistic.row().asked_by {
             None => Some(self),
             Some(Extra::Laws) => Some(Record { laws: true, ..self }),
-            Some(Extra::Energy) => Some(Record { energy: true, ..self }),
+            Some(Extra::Energy) => Some(Record {
+                energy: true,
+                ..self
+            }),
             Some(Extra::Levels) => Some(self).filter(|record| !record.levels.is_empty()),
         }
     }
 
     /// The same statistics, without anything of single paths or of the output grid.
     pub fn of_no_path(&self) -> Record {
-        Record { laws: self.laws, energy: self.energy, levels: self.levels, ..Record::NOTHING }
+        Record {
+            laws: self.laws,
+            energy: self.energy,
+            levels: self.levels,
+            ..Record::NOTHING
+        }
     }
 }
 
 impl Statistic {
     /// Whether a run that records this reports the statistic.
     pub fn is_asked_by(self, record: &Record) -> bool {
-        self.row().asked_by.is_none_or(|extra| record.asks_for(extra))
+        self.row()
+            .asked_by
+            .is_none_or(|extra| record.asks_for(extra))
     }
 
     /// The statistics that a run reports that records this, in the order of tables and files.
     pub fn asked_by(record: &Record) -> Vec<Statistic> {
-        Statistic::ALL.into_iter().filter(|statistic| statistic.is_asked_by(record)).collect()
+        Statistic::ALL
+            .into_iter()
+            .filter(|statistic| statistic.is_asked_by(record))
+            .collect()
     }
 }

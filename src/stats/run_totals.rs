@@ -114,20 +114,34 @@ impl<X: Merge + Clone> RunTotals<X> {
 
     /// The estimate of one statistic, from all paths that have been added.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        let phases: PhaseSums =
-            self.tree.total(|(sums, _)| &sums.phases).unwrap_or_else(|| self.empty.0.phases.clone());
-        Estimate::new(statistic, phases.measured(statistic, &self.timeline, &self.counts))
+        let phases: PhaseSums = self
+            .tree
+            .total(|(sums, _)| &sums.phases)
+            .unwrap_or_else(|| self.empty.0.phases.clone());
+        Estimate::new(
+            statistic,
+            phases.measured(statistic, &self.timeline, &self.counts),
+        )
     }
 
     /// The totals of all paths that have been added.
     pub fn totals(&self) -> Totals {
-        let sums = self.tree.total(|(sums, _)| sums).unwrap_or_else(|| self.empty.0.clone());
-        Totals { timeline: self.timeline, sums, counts: self.counts.clone() }
+        let sums = self
+            .tree
+            .total(|(sums, _)| sums)
+            .unwrap_or_else(|| self.empty.0.clone());
+        Totals {
+            timeline: self.timeline,
+            sums,
+            counts: self.counts.clone(),
+        }
     }
 
     /// The user's own sums over all paths that have been added.
     pub fn own(&self) -> X {
-        self.tree.total(|(_, own)| own).unwrap_or_else(|| self.empty.1.clone())
+        self.tree
+            .total(|(_, own)| own)
+            .unwrap_or_else(|| self.empty.1.clone())
     }
 
     /// The state as bytes, from which [`RunTotals::read`] restores the same bits. They do not
@@ -150,9 +164,23 @@ impl RunTotals {
         if from.take(MAGIC.len())? != MAGIC || from.value::<u64>()? != VERSION {
             return Err(Damaged);
         }
-        let RunTotals { timeline, empty, mut counts, .. } = self;
+        let RunTotals {
+            timeline,
+            empty,
+            mut counts,
+            ..
+        } = self;
         let tree = Tree::read(&mut from, &empty, |(sums, ())| sums)?;
         counts.read(&mut from)?;
-        if from.left() > 0 { Err(Damaged) } else { Ok(RunTotals { timeline, empty, tree, counts }) }
+        if from.left() > 0 {
+            Err(Damaged)
+        } else {
+            Ok(RunTotals {
+                timeline,
+                empty,
+                tree,
+                counts,
+            })
+        }
     }
 }

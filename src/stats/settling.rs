@@ -18,7 +18,12 @@ impl Summary {
     pub fn counted_periods(&self) -> usize {
         let after = self.transient.map_or(0.0, |transient| transient.end);
         let is_counted = |time: &&f64| **time >= after * (1.0 - 1e-9);
-        self.periods.time.iter().filter(is_counted).count().saturating_sub(1)
+        self.periods
+            .time
+            .iter()
+            .filter(is_counted)
+            .count()
+            .saturating_sub(1)
     }
 
     /// Which of `drift_velocity` and `diffusion_coefficient` differ from their limits by more than
@@ -28,11 +33,18 @@ impl Summary {
         let drift = self.periods.drift_limit?;
         let paths = self.completed_paths - self.diverged.len() as u64;
         let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
-        let limits = [(Statistic::DriftVelocity, drift), (Statistic::DiffusionCoefficient, 0.0)];
+        let limits = [
+            (Statistic::DriftVelocity, drift),
+            (Statistic::DiffusionCoefficient, 0.0),
+        ];
         let both = limits.map(|(statistic, limit)| (self.estimate(statistic), limit));
-        let is_testable =
-            both.iter().all(|(e, _)| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
-        let off = both.iter().filter(|(e, limit)| (e.estimate - limit).abs() > half_width * e.standard_error);
+        let is_testable = both
+            .iter()
+            .all(|(e, _)| e.estimate.is_finite() && e.standard_error > 0.0)
+            && half_width.is_finite();
+        let off = both
+            .iter()
+            .filter(|(e, limit)| (e.estimate - limit).abs() > half_width * e.standard_error);
         is_testable.then(|| off.map(|(e, _)| e.statistic).collect())
     }
 }
@@ -53,18 +65,31 @@ mod tests {
     /// position 6 by the factor 0.6, and noise keeps the standard deviation at 1.5. The body begins
     /// at 6 + `offset` and is offset * 0.6^n from 6 in the mean. There are two blocks of 100 paths.
     fn summary(rng: &mut Pcg64Dxsm, offset: f64, after: f64) -> Summary {
-        let timeline = Timeline { end: 9.0, output_step: 9.0, period: Some(1.0), after };
+        let timeline = Timeline {
+            end: 9.0,
+            output_step: 9.0,
+            period: Some(1.0),
+            after,
+        };
         let mut totals = Vec::new();
         for block in 0..2 {
             let mut normal = || Distribution::<f64>::sample(&StandardNormal, rng);
             let mut x: Vec<f64> = (0..100).map(|_| 6.0 + offset + 1.5 * normal()).collect();
             let mut ends = Vec::new();
             for _ in 0..9 {
-                x.iter_mut().for_each(|x| *x = 6.0 + 0.6 * (*x - 6.0) + 0.8 * 1.5 * normal());
+                x.iter_mut()
+                    .for_each(|x| *x = 6.0 + 0.6 * (*x - 6.0) + 0.8 * 1.5 * normal());
                 ends.push(x.clone());
             }
-            let paths: Vec<Path> = x.iter().map(|&end| Path { events: Vec::new(), end }).collect();
-            totals.push(observe(&timeline, &Record::NOTHING, 100 * block, &paths, &[], &ends).totals);
+            let paths: Vec<Path> = x
+                .iter()
+                .map(|&end| Path {
+                    events: Vec::new(),
+                    end,
+                })
+                .collect();
+            totals
+                .push(observe(&timeline, &Record::NOTHING, 100 * block, &paths, &[], &ends).totals);
         }
         let more = totals.pop().expect("two blocks");
         totals[0].merge(&more);
@@ -115,18 +140,38 @@ mod tests {
             let unsettled = summary(&mut rng, 40.0, 0.0).unsettled();
             assert!(unsettled.is_some_and(|names| names.contains(&Statistic::DriftVelocity)));
         }
-        let late = (0..1000).filter(|_| summary(&mut rng, 1.0, 6.0).unsettled() != Some(Vec::new())).count();
+        let late = (0..1000)
+            .filter(|_| summary(&mut rng, 1.0, 6.0).unsettled() != Some(Vec::new()))
+            .count();
         assert!(late <= 32, "{late} alarms of 1000");
         let summary = summary(&mut rng, 1.0, 6.0);
-        assert_eq!((summary.counted_periods(), summary.transient.map(|transient| transient.end)), (3, Some(6.0)));
+        assert_eq!(
+            (
+                summary.counted_periods(),
+                summary.transient.map(|transient| transient.end)
+            ),
+            (3, Some(6.0))
+        );
     }
 
     #[test]
     fn paths_without_spread_cannot_be_tested() {
-        let timeline = Timeline { end: 9.0, output_step: 9.0, period: Some(1.0), after: 0.0 };
-        let paths: Vec<Path> = (0..5).map(|_| Path { events: Vec::new(), end: 6.0 }).collect();
+        let timeline = Timeline {
+            end: 9.0,
+            output_step: 9.0,
+            period: Some(1.0),
+            after: 0.0,
+        };
+        let paths: Vec<Path> = (0..5)
+            .map(|_| Path {
+                events: Vec::new(),
+                end: 6.0,
+            })
+            .collect();
         let ends: Vec<Vec<f64>> = (0..9).map(|n| vec![f64::from(n); 5]).collect();
-        let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &ends).totals.summary();
+        let summary = observe(&timeline, &Record::NOTHING, 0, &paths, &[], &ends)
+            .totals
+            .summary();
         assert_eq!(summary.unsettled(), None);
     }
 }

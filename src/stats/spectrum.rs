@@ -57,12 +57,24 @@ impl Segments {
         let rows = timeline.rows().saturating_sub(first_row);
         // The fewest that overlap by half and reach from the first row to the last.
         let count = (2 * rows).div_ceil(LONGEST).saturating_sub(1).max(1);
-        Segments { first_row, length: if count == 1 { rows } else { 2 * (rows / (count + 1)) }, count }
+        Segments {
+            first_row,
+            length: if count == 1 {
+                rows
+            } else {
+                2 * (rows / (count + 1))
+            },
+            count,
+        }
     }
 
     /// The distance from one segment to the next.
     fn stride(self) -> usize {
-        if self.count == 1 { self.length } else { self.length / 2 }
+        if self.count == 1 {
+            self.length
+        } else {
+            self.length / 2
+        }
     }
 
     /// The number of lags.
@@ -73,7 +85,9 @@ impl Segments {
     /// Hann's taper.
     fn taper(self) -> Vec<f64> {
         let turn = std::f64::consts::TAU / self.length as f64;
-        (0..self.length).map(|n| 0.5 - 0.5 * libm::cos(turn * (n as f64 + 0.5))).collect()
+        (0..self.length)
+            .map(|n| 0.5 - 0.5 * libm::cos(turn * (n as f64 + 0.5)))
+            .collect()
     }
 
     /// N.
@@ -101,7 +115,11 @@ pub(super) struct SpectrumSums {
     forcing_period: f64,
 }
 
-sums_of_fields!(SpectrumSums { powers, weights, differing });
+sums_of_fields!(SpectrumSums {
+    powers,
+    weights,
+    differing
+});
 
 impl SpectrumSums {
     /// The sums of no paths.
@@ -117,10 +135,21 @@ impl SpectrumSums {
     /// The sums of a variable over all batches but one, divided by their weight.
     fn mean_power(&self, variable: usize, without: Option<usize>) -> Vec<f64> {
         let frequencies = self.powers.len() / (BATCHES * VARIABLES);
-        let sum = |of: &[f64]| -> f64 { (0..BATCHES).filter(|batch| Some(*batch) != without).map(|b| of[b]).sum() };
+        let sum = |of: &[f64]| -> f64 {
+            (0..BATCHES)
+                .filter(|batch| Some(*batch) != without)
+                .map(|b| of[b])
+                .sum()
+        };
         // Paths that do not differ have no spectrum.
-        let weight = if self.differing[variable] == 0 { f64::NAN } else { sum(&self.weights) };
-        let at = |k: usize| sum(&self.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES]) / weight;
+        let weight = if self.differing[variable] == 0 {
+            f64::NAN
+        } else {
+            sum(&self.weights)
+        };
+        let at = |k: usize| {
+            sum(&self.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES]) / weight
+        };
         (0..frequencies).map(at).collect()
     }
 
@@ -130,41 +159,84 @@ impl SpectrumSums {
         let segments = Segments::of(timeline);
         let spacing = timeline.output_step;
         let fourier = Fourier::new(segments.padded());
-        let batches: Vec<usize> = (0..BATCHES).filter(|batch| self.weights[*batch] > 0.0).collect();
-        let leave_outs: Vec<Option<usize>> = std::iter::once(None).chain(batches.into_iter().map(Some)).collect();
+        let batches: Vec<usize> = (0..BATCHES)
+            .filter(|batch| self.weights[*batch] > 0.0)
+            .collect();
+        let leave_outs: Vec<Option<usize>> = std::iter::once(None)
+            .chain(batches.into_iter().map(Some))
+            .collect();
         let taper = segments.taper();
-        let overlap = |l: usize| taper.iter().zip(&taper[l..]).map(|(a, b)| a * b).sum::<f64>();
+        let overlap = |l: usize| {
+            taper
+                .iter()
+                .zip(&taper[l..])
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+        };
         let overlaps: Vec<f64> = (0..segments.lags()).map(overlap).collect();
         let paths = self.weights.iter().sum::<f64>() / segments.count as f64 + 1.0;
-        let (energy, least) = (overlaps.first().copied().unwrap_or(f64::NAN), self.least_variance(segments));
+        let (energy, least) = (
+            overlaps.first().copied().unwrap_or(f64::NAN),
+            self.least_variance(segments),
+        );
         let [displacement, velocity] = std::array::from_fn(|variable| {
-            let powers: Vec<Vec<f64>> = leave_outs.iter().map(|w| self.mean_power(variable, *w)).collect();
+            let powers: Vec<Vec<f64>> = leave_outs
+                .iter()
+                .map(|w| self.mean_power(variable, *w))
+                .collect();
             let covariance = |products: Vec<f64>| -> Vec<f64> {
-                products.iter().zip(&overlaps).map(|(product, overlap)| product / overlap).collect()
+                products
+                    .iter()
+                    .zip(&overlaps)
+                    .map(|(product, overlap)| product / overlap)
+                    .collect()
             };
-            let covariances: Vec<Vec<f64>> = self.transformed(&fourier, &powers).into_iter().map(covariance).collect();
+            let covariances: Vec<Vec<f64>> = self
+                .transformed(&fourier, &powers)
+                .into_iter()
+                .map(covariance)
+                .collect();
             let scale = |power: f64| power * spacing / energy;
-            let spectra: Vec<Vec<f64>> =
-                powers.into_iter().map(|powers| powers.into_iter().map(scale).collect()).collect();
+            let spectra: Vec<Vec<f64>> = powers
+                .into_iter()
+                .map(|powers| powers.into_iter().map(scale).collect())
+                .collect();
             let last = segments.frequencies() - 1;
             Fluctuations {
-                autocovariance_ends: ends(&covariances, |_, value, without| match without.len() as u64 {
-                    0..FEWEST => [f64::NAN; 2],
-                    _ => Measured::jackknifed(value, without).about_mean_of(paths).interval(),
+                autocovariance_ends: ends(&covariances, |_, value, without| {
+                    match without.len() as u64 {
+                        0..FEWEST => [f64::NAN; 2],
+                        _ => Measured::jackknifed(value, without)
+                            .about_mean_of(paths)
+                            .interval(),
+                    }
                 }),
                 spectrum_ends: ends(&spectra, |k, value, without| {
                     let freedom = without.len().saturating_sub(1) as u64;
-                    let error = if freedom == 0 { 0.0 } else { standard_error(without) };
+                    let error = if freedom == 0 {
+                        0.0
+                    } else {
+                        standard_error(without)
+                    };
                     // The transform is real at both ends, and its square has half the freedom.
-                    let least = if k == 0 || k == last { 2.0 * least } else { least };
-                    let wider = if freedom == 0 { 0.0 } else { student(freedom) / NORMAL };
+                    let least = if k == 0 || k == last {
+                        2.0 * least
+                    } else {
+                        least
+                    };
+                    let wider = if freedom == 0 {
+                        0.0
+                    } else {
+                        student(freedom) / NORMAL
+                    };
                     chi_square(value, least.max((wider * error / value).powi(2)))
                 }),
                 autocovariance: covariances.into_iter().next().unwrap_or_default(),
                 spectrum: spectra.into_iter().next().unwrap_or_default(),
             }
         });
-        let frequency = |k: usize| std::f64::consts::TAU * k as f64 / (segments.padded() as f64 * spacing);
+        let frequency =
+            |k: usize| std::f64::consts::TAU * k as f64 / (segments.padded() as f64 * spacing);
         Spectrum {
             segments: segments.count as u64,
             lag: (0..segments.lags()).map(|l| l as f64 * spacing).collect(),
@@ -196,7 +268,11 @@ impl SpectrumSums {
                 }
             }
             fourier.transform(&mut real, &mut vec![[0.0; COLUMNS]; length]);
-            let column = |column: usize| (0..=half).map(|j| real[j][column] / length as f64).collect();
+            let column = |column: usize| {
+                (0..=half)
+                    .map(|j| real[j][column] / length as f64)
+                    .collect()
+            };
             out.extend((0..columns.len()).map(column));
         }
         out
@@ -210,7 +286,13 @@ const FEWEST: u64 = 5;
 /// the value there, and the values without each batch.
 fn ends(curves: &[Vec<f64>], interval: impl Fn(usize, f64, &[f64]) -> [f64; 2]) -> Ends {
     let (curve, without) = (&curves[0], &curves[1..]);
-    let at = |i: usize| interval(i, curve[i], &without.iter().map(|curve| curve[i]).collect::<Vec<f64>>());
+    let at = |i: usize| {
+        interval(
+            i,
+            curve[i],
+            &without.iter().map(|curve| curve[i]).collect::<Vec<f64>>(),
+        )
+    };
     (0..curve.len()).map(at).collect()
 }
 
@@ -224,7 +306,12 @@ fn chi_square(value: f64, relative_variance: f64) -> [f64; 2] {
 }
 
 /// The amplitudes of the mean motion at the harmonics of the forcing, by Hann's window.
-fn lines(period: f64, timeline: &Timeline, segments: Segments, mean_motion: [&[f64]; VARIABLES]) -> Vec<Line> {
+fn lines(
+    period: f64,
+    timeline: &Timeline,
+    segments: Segments,
+    mean_motion: [&[f64]; VARIABLES],
+) -> Vec<Line> {
     let rows = timeline.rows().saturating_sub(segments.first_row);
     let counted = rows as f64 * timeline.output_step;
     let turn = std::f64::consts::TAU;
@@ -236,7 +323,12 @@ fn lines(period: f64, timeline: &Timeline, segments: Segments, mean_motion: [&[f
     let amplitude = |motion: &[f64], frequency: f64| {
         let counted = motion.get(segments.first_row..).unwrap_or_default();
         let total: f64 = (0..counted.len()).map(window).sum();
-        let mean = counted.iter().enumerate().map(|(n, y)| window(n) * y).sum::<f64>() / total;
+        let mean = counted
+            .iter()
+            .enumerate()
+            .map(|(n, y)| window(n) * y)
+            .sum::<f64>()
+            / total;
         let (mut real, mut imaginary) = (0.0, 0.0);
         for (n, y) in counted.iter().enumerate() {
             let (sin, cos) = libm::sincos(frequency * n as f64 * timeline.output_step);
@@ -246,10 +338,16 @@ fn lines(period: f64, timeline: &Timeline, segments: Segments, mean_motion: [&[f
         2.0 * real.hypot(imaginary) / total
     };
     let highest = std::f64::consts::PI / timeline.output_step;
-    let frequencies = (1..=LINES).map(|n| n as f64 * turn / period).take_while(|frequency| *frequency < highest);
+    let frequencies = (1..=LINES)
+        .map(|n| n as f64 * turn / period)
+        .take_while(|frequency| *frequency < highest);
     let line = |frequency| {
         let [displacement, velocity] = mean_motion.map(|motion| amplitude(motion, frequency));
-        Line { frequency, displacement, velocity }
+        Line {
+            frequency,
+            displacement,
+            velocity,
+        }
     };
     frequencies.map(line).collect()
 }
@@ -284,25 +382,39 @@ impl SpectrumFold {
 
     /// Add a row of the output grid.
     pub fn row(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        let (Segments { first_row, length, .. }, paths) = (self.segments, self.batches.len());
+        let (
+            Segments {
+                first_row, length, ..
+            },
+            paths,
+        ) = (self.segments, self.batches.len());
         if length == 0 || row < first_row || paths < 2 {
             return;
         }
-        for (variable, values) in [snapshot.displacement, snapshot.velocity].into_iter().enumerate() {
+        for (variable, values) in [snapshot.displacement, snapshot.velocity]
+            .into_iter()
+            .enumerate()
+        {
             let mean = values.iter().sum::<f64>() / paths as f64;
             self.rows[variable].extend(values.iter().map(|y| y - mean));
             self.differ[variable] |= values.iter().any(|y| *y != values[0]);
         }
         if self.rows[0].len() == length * paths {
             self.transform();
-            self.rows.iter_mut().for_each(|rows| drop(rows.drain(..self.segments.stride() * paths)));
+            self.rows
+                .iter_mut()
+                .for_each(|rows| drop(rows.drain(..self.segments.stride() * paths)));
         }
     }
 
     /// Adds the powers of a segment.
     fn transform(&mut self) {
         let (paths, length) = (self.batches.len(), self.segments.length);
-        self.sums.differing.iter_mut().zip(self.differ).for_each(|(count, differ)| *count += u64::from(differ));
+        self.sums
+            .differing
+            .iter_mut()
+            .zip(self.differ)
+            .for_each(|(count, differ)| *count += u64::from(differ));
         let (padded, frequencies) = (self.segments.padded(), self.segments.frequencies());
         let [mut real, mut imaginary] = [const { Vec::<Numbers>::new() }; 2];
         for (chunk, batches) in self.batches.chunks(COLUMNS).enumerate() {
@@ -310,16 +422,27 @@ impl SpectrumFold {
             for (part, rows) in [&mut real, &mut imaginary].into_iter().zip(&self.rows) {
                 part.clear();
                 part.resize(padded, [0.0; COLUMNS]);
-                for ((numbers, row), taper) in part.iter_mut().zip(rows.chunks(paths)).zip(&self.taper).take(length) {
+                for ((numbers, row), taper) in part
+                    .iter_mut()
+                    .zip(rows.chunks(paths))
+                    .zip(&self.taper)
+                    .take(length)
+                {
                     let columns = &row[chunk * COLUMNS..][..batches.len()];
-                    numbers.iter_mut().zip(columns).for_each(|(number, y)| *number = taper * y);
+                    numbers
+                        .iter_mut()
+                        .zip(columns)
+                        .for_each(|(number, y)| *number = taper * y);
                 }
             }
             self.fourier.transform(&mut real, &mut imaginary);
             // Mostly the columns belong to successive batches.
             let first = batches[0];
-            let is_in_a_row =
-                batches.len() == COLUMNS && batches.iter().zip(first..).all(|(batch, next)| *batch == next);
+            let is_in_a_row = batches.len() == COLUMNS
+                && batches
+                    .iter()
+                    .zip(first..)
+                    .all(|(batch, next)| *batch == next);
             for k in 0..frequencies {
                 let mirrored = (padded - k) % padded;
                 let [a, b, c, d] = [real[k], real[mirrored], imaginary[k], imaginary[mirrored]];
@@ -330,17 +453,29 @@ impl SpectrumFold {
                         square(y, z)
                     })
                 };
-                let powers = [power(|[a, b, c, d]| [a + b, c - d]), power(|[a, b, c, d]| [c + d, a - b])];
+                let powers = [
+                    power(|[a, b, c, d]| [a + b, c - d]),
+                    power(|[a, b, c, d]| [c + d, a - b]),
+                ];
                 for (variable, powers) in powers.iter().enumerate() {
-                    let sums = &mut self.sums.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES];
+                    let sums =
+                        &mut self.sums.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES];
                     match sums.get_mut(first..first + COLUMNS).filter(|_| is_in_a_row) {
-                        Some(sums) => sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power),
-                        None => batches.iter().zip(powers).for_each(|(batch, power)| sums[*batch] += power),
+                        Some(sums) => sums
+                            .iter_mut()
+                            .zip(powers)
+                            .for_each(|(sum, power)| *sum += power),
+                        None => batches
+                            .iter()
+                            .zip(powers)
+                            .for_each(|(batch, power)| sums[*batch] += power),
                     }
                 }
             }
             let weight = (paths - 1) as f64 / paths as f64;
-            batches.iter().for_each(|batch| self.sums.weights[*batch] += weight);
+            batches
+                .iter()
+                .for_each(|batch| self.sums.weights[*batch] += weight);
         }
     }
 
@@ -361,16 +496,30 @@ mod tests {
 
     /// The spectrum of paths whose x is y_{n+1} = y_n/2 + a normal, and whose x' is `velocity`.
     fn spectrum(rng: &mut Pcg64Dxsm, paths: usize, rows: usize, velocity: f64) -> Spectrum {
-        let timeline = Timeline { end: (rows - 1) as f64, output_step: 1.0, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end: (rows - 1) as f64,
+            output_step: 1.0,
+            period: None,
+            after: 0.0,
+        };
         let numbers: Vec<u64> = (0..paths as u64).collect();
-        let mut fold = SpectrumFold::new(&timeline, &numbers, SpectrumSums::empty(&model(), &timeline));
+        let mut fold = SpectrumFold::new(
+            &timeline,
+            &numbers,
+            SpectrumSums::empty(&model(), &timeline),
+        );
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
         let mut x: Vec<f64> = (0..paths).map(|_| normal() / 0.75f64.sqrt()).collect();
         for row in 0..rows {
             x.iter_mut().for_each(|x| *x = 0.5 * *x + normal());
             let (v, is_static) = (vec![velocity; paths], vec![false; paths]);
-            let seen =
-                Snapshot { time: row as f64, displacement: &x, velocity: &v, temperature: &v, is_static: &is_static };
+            let seen = Snapshot {
+                time: row as f64,
+                displacement: &x,
+                velocity: &v,
+                temperature: &v,
+                is_static: &is_static,
+            };
             fold.row(row, &seen);
         }
         fold.finish().summary(&timeline, [&[], &[]])
@@ -383,7 +532,12 @@ mod tests {
     #[test]
     fn intervals_of_a_spectrum_hold_the_truth_from_two_paths_on() {
         let mut rng = Pcg64Dxsm::seed_from_u64(1967);
-        for (paths, rows, least) in [(2, 200, 0.93), (5, 200, 0.93), (40, 200, 0.93), (8, 2000, 0.93)] {
+        for (paths, rows, least) in [
+            (2, 200, 0.93),
+            (5, 200, 0.93),
+            (40, 200, 0.93),
+            (8, 2000, 0.93),
+        ] {
             let mut held = Coverage::default();
             for _ in 0..334 {
                 let found = spectrum(&mut rng, paths, rows, 0.0);
@@ -391,12 +545,19 @@ mod tests {
                     let k = (share * found.frequency.len() as f64) as usize;
                     let truth = 1.0 / (1.25 - libm::cos(found.frequency[k]));
                     let [low, high] = found.displacement.spectrum_ends.at(k);
-                    assert!(0.0 < low && low < high && high.is_finite(), "{paths}: {low} {high}");
+                    assert!(
+                        0.0 < low && low < high && high.is_finite(),
+                        "{paths}: {low} {high}"
+                    );
                     held.count(low <= truth && truth <= high);
                 }
             }
             println!("{paths} paths, {rows} rows: {}", held.share());
-            assert!((least..0.985).contains(&held.share()), "{paths} paths, {rows} rows: {}", held.share());
+            assert!(
+                (least..0.985).contains(&held.share()),
+                "{paths} paths, {rows} rows: {}",
+                held.share()
+            );
         }
     }
 
@@ -407,11 +568,26 @@ mod tests {
         let found = spectrum(&mut Pcg64Dxsm::seed_from_u64(2), 300, 1500, 0.25);
         let of = &found.displacement;
         let inside: f64 = of.spectrum[1..of.spectrum.len() - 1].iter().sum();
-        let integral = (of.spectrum[0] + of.spectrum[of.spectrum.len() - 1] + 2.0 * inside) * found.frequency[1]
+        let integral = (of.spectrum[0] + of.spectrum[of.spectrum.len() - 1] + 2.0 * inside)
+            * found.frequency[1]
             / std::f64::consts::TAU;
-        assert!((integral - of.autocovariance[0]).abs() < 1e-12 && (integral - 4.0 / 3.0).abs() < 0.03, "{integral}");
-        assert!((of.autocovariance[3] - integral / 8.0).abs() < 0.02, "{:?}", &of.autocovariance[..4]);
+        assert!(
+            (integral - of.autocovariance[0]).abs() < 1e-12 && (integral - 4.0 / 3.0).abs() < 0.03,
+            "{integral}"
+        );
+        assert!(
+            (of.autocovariance[3] - integral / 8.0).abs() < 0.02,
+            "{:?}",
+            &of.autocovariance[..4]
+        );
         assert!(of.spectrum.iter().all(|power| *power > 0.0) && found.segments == 2);
-        assert!(found.velocity.spectrum.iter().chain(&found.velocity.autocovariance).all(|value| value.is_nan()));
+        assert!(
+            found
+                .velocity
+                .spectrum
+                .iter()
+                .chain(&found.velocity.autocovariance)
+                .all(|value| value.is_nan())
+        );
     }
 }

@@ -20,7 +20,10 @@ sums! {
 
 impl Default for SubPhaseTotals {
     fn default() -> Self {
-        SubPhaseTotals { counts: vec![[0; BATCHES]; SUB_PHASE_CAP], censored: 0 }
+        SubPhaseTotals {
+            counts: vec![[0; BATCHES]; SUB_PHASE_CAP],
+            censored: 0,
+        }
     }
 }
 
@@ -39,15 +42,27 @@ impl SubPhaseTotals {
     /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
     /// these are random.
     pub fn summary(&self, chance: Option<u64>) -> SubPhaseCounts {
-        let counts: Vec<u64> = self.counts.iter().map(|batches| batches.iter().sum()).collect();
+        let counts: Vec<u64> = self
+            .counts
+            .iter()
+            .map(|batches| batches.iter().sum())
+            .collect();
         let all: u64 = counts.iter().sum();
         let sizes: [f64; BATCHES] =
             std::array::from_fn(|batch| self.counts.iter().map(|of| of[batch]).sum::<u64>() as f64);
         let share = |of: &[u64; BATCHES]| {
-            Share::of(of.iter().zip(sizes).map(|(count, size)| (*count as f64, size))).interval(chance)
+            Share::of(
+                of.iter()
+                    .zip(sizes)
+                    .map(|(count, size)| (*count as f64, size)),
+            )
+            .interval(chance)
         };
         SubPhaseCounts {
-            shares: counts.iter().map(|&count| count as f64 / all as f64).collect(),
+            shares: counts
+                .iter()
+                .map(|&count| count as f64 / all as f64)
+                .collect(),
             share_ends: self.counts.iter().map(share).collect(),
             counts,
             censored: self.censored,

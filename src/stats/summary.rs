@@ -43,8 +43,20 @@ pub struct Bias {
 impl Estimate {
     /// The estimate of this statistic.
     pub(super) fn new(statistic: Statistic, measured: Measured) -> Self {
-        let Measurement { estimate, standard_error, low, high } = measured.measurement();
-        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+        let Measurement {
+            estimate,
+            standard_error,
+            low,
+            high,
+        } = measured.measurement();
+        Estimate {
+            statistic,
+            estimate,
+            standard_error,
+            low,
+            high,
+            bias: None,
+        }
     }
 
     /// Half the width of the 95 % interval.
@@ -341,10 +353,22 @@ impl Summary {
     /// interval would not do, because the interval of a median of durations that are multiples of
     /// the step has almost no width.
     pub fn dominated_by_bias(&self) -> Vec<Estimate> {
-        let certainty = |e: &Estimate| e.bias.map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty);
-        let exceeds = |e: &&Estimate| e.bias.is_some_and(|bias| bias.estimate.abs() > e.half_width());
+        let certainty = |e: &Estimate| {
+            e.bias
+                .map_or(0.0, |bias| bias.estimate.abs() / bias.uncertainty)
+        };
+        let exceeds = |e: &&Estimate| {
+            e.bias
+                .is_some_and(|bias| bias.estimate.abs() > e.half_width())
+        };
         let is_certain = |e: &&Estimate| certainty(e) > 1.0;
-        let mut dominated: Vec<Estimate> = self.estimates.iter().filter(exceeds).filter(is_certain).copied().collect();
+        let mut dominated: Vec<Estimate> = self
+            .estimates
+            .iter()
+            .filter(exceeds)
+            .filter(is_certain)
+            .copied()
+            .collect();
         dominated.sort_by(|a, b| certainty(b).total_cmp(&certainty(a)));
         dominated
     }
@@ -352,7 +376,10 @@ impl Summary {
     /// Set the biases of the statistics. A statistic that does not exist has none.
     pub fn set_biases(&mut self, biases: &[(Statistic, Bias)]) {
         for e in self.estimates.iter_mut().filter(|e| e.estimate.is_finite()) {
-            e.bias = biases.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);
+            e.bias = biases
+                .iter()
+                .find(|(of, _)| *of == e.statistic)
+                .map(|(_, bias)| *bias);
         }
     }
 }

@@ -116,19 +116,28 @@ sums_of_fields!(PathMeans<N> { moments, contributing, beyond }, N);
 
 impl<const N: usize> Default for PathMeans<N> {
     fn default() -> Self {
-        PathMeans { moments: JointMoments::default(), contributing: [0; N], beyond: [[0; N]; N] }
+        PathMeans {
+            moments: JointMoments::default(),
+            contributing: [0; N],
+            beyond: [[0; N]; N],
+        }
     }
 }
 
 impl<const N: usize> PathMeans<N> {
     /// The means of the numbers of consecutive paths, without diverged ones.
     pub fn of(paths: &[[f64; N]], unit: Replicate) -> Self {
-        let columns: [Vec<f64>; N] = std::array::from_fn(|i| unit.column(paths, |numbers| numbers[i]));
-        let count = |is: &dyn Fn(&[f64; N]) -> bool| paths.iter().filter(|numbers| is(numbers)).count() as u64;
+        let columns: [Vec<f64>; N] =
+            std::array::from_fn(|i| unit.column(paths, |numbers| numbers[i]));
+        let count = |is: &dyn Fn(&[f64; N]) -> bool| {
+            paths.iter().filter(|numbers| is(numbers)).count() as u64
+        };
         PathMeans {
             moments: JointMoments::of(columns.each_ref().map(Vec::as_slice)),
             contributing: std::array::from_fn(|i| unit.count(paths, |numbers| numbers[i] != 0.0)),
-            beyond: std::array::from_fn(|i| std::array::from_fn(|j| count(&|of| !(0.0..=of[j]).contains(&of[i])))),
+            beyond: std::array::from_fn(|i| {
+                std::array::from_fn(|j| count(&|of| !(0.0..=of[j]).contains(&of[i])))
+            }),
         }
     }
 
@@ -148,8 +157,13 @@ impl<const N: usize> PathMeans<N> {
     /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information on it. Where
     /// `top` is a part of `bottom` in every path, the ratio is a share, and its interval ends at 0 and 1.
     pub fn ratio(&self, top: usize, bottom: usize) -> Measurement {
-        let found = Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement();
-        let range = if self.beyond[top][bottom] == 0 { Range::SHARE } else { Range::ANY };
+        let found =
+            Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement();
+        let range = if self.beyond[top][bottom] == 0 {
+            Range::SHARE
+        } else {
+            Range::ANY
+        };
         let [low, high] = range.clip([found.low, found.high]);
         Measurement { low, high, ..found }
     }
@@ -202,7 +216,11 @@ impl<'a, T: Tally<N>, const N: usize> AuxiliaryObserver for Tallied<'a, T, N> {
 
     fn observer(&self, paths: &[u64]) -> Self::Observer {
         let start = |&path| self.tally.start(AddressedDraws::beside(self.seed, path));
-        TallyObserver { tally: self.tally, paths: paths.iter().map(start).collect(), numbers: Vec::new() }
+        TallyObserver {
+            tally: self.tally,
+            paths: paths.iter().map(start).collect(),
+            numbers: Vec::new(),
+        }
     }
 
     fn finish(&self, observer: Self::Observer, unit: Replicate) -> PathMeans<N> {
@@ -248,13 +266,28 @@ mod tests {
     /// degrees of freedom. The mean of y is over all five paths.
     #[test]
     fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
-        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Replicate::Path);
+        let paths = PathMeans::of(
+            &[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]],
+            Replicate::Path,
+        );
         let ratio = paths.ratio(0, 1);
-        assert!((ratio.estimate - 2.0).abs() < 1e-15 && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
-        assert!((ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9, "{ratio:?}");
+        assert!(
+            (ratio.estimate - 2.0).abs() < 1e-15
+                && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15
+        );
+        assert!(
+            (ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9,
+            "{ratio:?}"
+        );
         // The squared deviations from 2.4 are 0.16, 5.76, 6.76, 5.76, 6.76.
         let mean = paths.mean(0);
-        assert!((mean.estimate - 2.4).abs() < 1e-15 && (mean.standard_error - (25.2f64 / 20.0).sqrt()).abs() < 1e-15);
-        assert!((mean.high - 2.4 - 2.776_445_105_2 * mean.standard_error).abs() < 1e-9, "{mean:?}");
+        assert!(
+            (mean.estimate - 2.4).abs() < 1e-15
+                && (mean.standard_error - (25.2f64 / 20.0).sqrt()).abs() < 1e-15
+        );
+        assert!(
+            (mean.high - 2.4 - 2.776_445_105_2 * mean.standard_error).abs() < 1e-9,
+            "{mean:?}"
+        );
     }
 }

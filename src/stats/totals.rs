@@ -122,7 +122,11 @@ impl Codec for Diverged {
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         self.0 = vec![0; from.clone().length()?];
         self.0.read(from)?;
-        if self.0.is_sorted_by(|a, b| a < b) { Ok(()) } else { Err(Damaged) }
+        if self.0.is_sorted_by(|a, b| a < b) {
+            Ok(())
+        } else {
+            Err(Damaged)
+        }
     }
 }
 
@@ -132,7 +136,9 @@ impl Sums {
         Sums {
             phases: PhaseSums::empty(timeline, record),
             bands: BandSums::empty(timeline.rows()),
-            spectrum: record.spectrum.then(|| Box::new(SpectrumSums::empty(model, timeline))),
+            spectrum: record
+                .spectrum
+                .then(|| Box::new(SpectrumSums::empty(model, timeline))),
         }
     }
 }
@@ -143,7 +149,11 @@ impl Counts {
         // The largest duration and length that are to be expected, roughly.
         let [time, length] = [timeline.end, model.length_scale(timeline.end)];
         let scale = |law: PhaseLaw| if law.is_of_time() { time } else { length };
-        let laws = if record.laws { &PhaseLaw::ALL[..] } else { &[PhaseLaw::Stick] };
+        let laws = if record.laws {
+            &PhaseLaw::ALL[..]
+        } else {
+            &[PhaseLaw::Stick]
+        };
         let (levels, rows) = (record.levels, timeline.rows());
         Counts {
             record: *record,
@@ -151,7 +161,10 @@ impl Counts {
             paths: 0,
             units: 0,
             diverged: Diverged::default(),
-            laws: laws.iter().map(|law| LawCounts::empty(scale(*law))).collect(),
+            laws: laws
+                .iter()
+                .map(|law| LawCounts::empty(scale(*law)))
+                .collect(),
             first_completed: 0,
             first_censored: 0,
             sub_phases: SubPhaseTotals::default(),
@@ -159,25 +172,34 @@ impl Counts {
             early_slips: 0,
             bands: BandCounts::empty(model, rows),
             density: record.density.then(Box::default),
-            extremes: (!levels.is_empty()).then(|| Box::new(ExtremeCounts::empty(levels, rows, [time, length]))),
+            extremes: (!levels.is_empty())
+                .then(|| Box::new(ExtremeCounts::empty(levels, rows, [time, length]))),
         }
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
     pub(super) fn set_step(&mut self, step: Option<f64>) {
-        let of_time = self.laws.iter_mut().zip(PhaseLaw::ALL).filter(|(_, law)| law.is_of_time());
+        let of_time = self
+            .laws
+            .iter_mut()
+            .zip(PhaseLaw::ALL)
+            .filter(|(_, law)| law.is_of_time());
         of_time.for_each(|(counts, _)| counts.set_step(step));
     }
 
     /// The median of a law without each batch; NaN where it was not asked for.
     pub(super) fn medians_without_each_batch(&self, law: PhaseLaw) -> [f64; BATCHES] {
-        self.laws.get(law as usize).map_or([f64::NAN; BATCHES], LawCounts::medians_without_each_batch)
+        self.laws
+            .get(law as usize)
+            .map_or([f64::NAN; BATCHES], LawCounts::medians_without_each_batch)
     }
 
     /// Counts what waits to be counted.
     pub(super) fn settle(&mut self) {
         self.laws.iter_mut().for_each(LawCounts::settle);
-        self.extremes.iter_mut().for_each(|extremes| extremes.settle());
+        self.extremes
+            .iter_mut()
+            .for_each(|extremes| extremes.settle());
         self.bands.settle();
     }
 
@@ -187,11 +209,19 @@ impl Counts {
     }
 
     fn sample(&self) -> Sample {
-        Sample { paths: self.paths, units: self.units, is_random: !self.certain.everything }
+        Sample {
+            paths: self.paths,
+            units: self.units,
+            is_random: !self.certain.everything,
+        }
     }
 
     fn unit(&self) -> Replicate {
-        if self.units < self.paths { Replicate::Pair } else { Replicate::Path }
+        if self.units < self.paths {
+            Replicate::Pair
+        } else {
+            Replicate::Path
+        }
     }
 }
 
@@ -222,43 +252,84 @@ impl Totals {
 
     /// The summary: estimates with intervals, bands, and histograms.
     pub fn summary(&self) -> Summary {
-        let Totals { timeline, sums, counts } = self;
+        let Totals {
+            timeline,
+            sums,
+            counts,
+        } = self;
         let ordered: Vec<OrderedLaw> = counts.laws.iter().map(LawCounts::ordered).collect();
-        let estimate = |statistic: Statistic| match statistic.row().median_of.and_then(|law| ordered.get(law as usize))
+        let estimate = |statistic: Statistic| match statistic
+            .row()
+            .median_of
+            .and_then(|law| ordered.get(law as usize))
         {
-            Some(law) => Estimate::new(statistic, sums.phases.in_its_range(statistic, law.median(), counts)),
+            Some(law) => Estimate::new(
+                statistic,
+                sums.phases.in_its_range(statistic, law.median(), counts),
+            ),
             None => self.estimate(statistic),
         };
         let distribution = |law: PhaseLaw| -> Option<Distribution> {
             let (of, ordered) = (counts.laws.get(law as usize)?, ordered.get(law as usize)?);
             Some(of.summary(ordered, counts.chance(sums.phases.law(law)?.contributing())))
         };
-        let bands = bands::summary(&sums.bands, &counts.bands, timeline, counts.certain, counts.unit());
-        let mean_motion = [bands.displacement.mean.as_slice(), bands.velocity.mean.as_slice()];
+        let bands = bands::summary(
+            &sums.bands,
+            &counts.bands,
+            timeline,
+            counts.certain,
+            counts.unit(),
+        );
+        let mean_motion = [
+            bands.displacement.mean.as_slice(),
+            bands.velocity.mean.as_slice(),
+        ];
         Summary {
-            spectrum: sums.spectrum.as_ref().map(|spectrum| spectrum.summary(timeline, mean_motion)),
+            spectrum: sums
+                .spectrum
+                .as_ref()
+                .map(|spectrum| spectrum.summary(timeline, mean_motion)),
             extremes: counts
                 .extremes
                 .as_ref()
                 .map(|extremes| extremes.summary(counts.chance(counts.units), counts.sample())),
             asked: Statistic::asked_by(&counts.record),
             cycle: None,
-            densities: counts.density.as_ref().map(|density| density.summary(counts.chance(counts.units))),
+            densities: counts
+                .density
+                .as_ref()
+                .map(|density| density.summary(counts.chance(counts.units))),
             completed_paths: counts.paths + counts.diverged.0.len() as u64,
             diverged: counts.diverged.0.clone(),
             estimates: Statistic::ALL.map(estimate),
             stick_durations: distribution(PhaseLaw::Stick).unwrap_or_default(),
-            first_sticks: FirstSticks { completed: counts.first_completed, censored: counts.first_censored },
-            laws: counts.record.laws.then(|| PhaseLaw::ASKED.map(|law| distribution(law).unwrap_or_default())),
-            sub_phases: counts.sub_phases.summary(counts.chance(sums.phases.cascade.contributing.slips)),
+            first_sticks: FirstSticks {
+                completed: counts.first_completed,
+                censored: counts.first_censored,
+            },
+            laws: counts
+                .record
+                .laws
+                .then(|| PhaseLaw::ASKED.map(|law| distribution(law).unwrap_or_default())),
+            sub_phases: counts
+                .sub_phases
+                .summary(counts.chance(sums.phases.cascade.contributing.slips)),
             transient: (timeline.after > 0.0).then(|| self.transient()),
-            periods: sums.phases.periods.summary(timeline, !counts.certain.everything, counts.certain.drift),
+            periods: sums.phases.periods.summary(
+                timeline,
+                !counts.certain.everything,
+                counts.certain.drift,
+            ),
             bands,
         }
     }
 
     fn transient(&self) -> Transient {
-        let Totals { timeline, sums, counts } = self;
+        let Totals {
+            timeline,
+            sums,
+            counts,
+        } = self;
         Transient {
             end: timeline.after,
             sticks: counts.early_sticks,
@@ -271,7 +342,12 @@ impl Totals {
 
     /// One statistic with its interval.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        Estimate::new(statistic, self.sums.phases.measured(statistic, &self.timeline, &self.counts))
+        Estimate::new(
+            statistic,
+            self.sums
+                .phases
+                .measured(statistic, &self.timeline, &self.counts),
+        )
     }
 
     /// The numbers of the diverged paths, in ascending order.
@@ -287,7 +363,9 @@ impl Totals {
     /// The values of the wanted statistics, in the order of `Statistic::ALL`, without errors and
     /// intervals; NaN in the place of the others.
     pub fn values(&self, is_wanted: impl Fn(Statistic) -> bool) -> [f64; Statistic::ALL.len()] {
-        self.sums.phases.values(&self.timeline, &self.counts, is_wanted)
+        self.sums
+            .phases
+            .values(&self.timeline, &self.counts, is_wanted)
     }
 }
 
@@ -321,7 +399,13 @@ impl PhaseSums {
 
     /// The measures: those of every run, and those that were asked for.
     fn measures(&self) -> impl Iterator<Item = &dyn Measure> {
-        let PhaseSums { cascade, periods, laws, energy, extremes } = self;
+        let PhaseSums {
+            cascade,
+            periods,
+            laws,
+            energy,
+            extremes,
+        } = self;
         let asked = [
             laws.as_deref().map(|laws| laws as &dyn Measure),
             energy.as_deref().map(|energy| energy as &dyn Measure),
@@ -339,12 +423,27 @@ impl PhaseSums {
         is_wanted: impl Fn(Statistic) -> bool,
     ) -> [f64; Statistic::ALL.len()] {
         let value = |statistic| self.measured(statistic, timeline, counts).estimate();
-        Statistic::ALL.map(|statistic| if is_wanted(statistic) { value(statistic) } else { f64::NAN })
+        Statistic::ALL.map(|statistic| {
+            if is_wanted(statistic) {
+                value(statistic)
+            } else {
+                f64::NAN
+            }
+        })
     }
 
     /// A statistic of the run that has these sums.
-    pub(super) fn measured(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
-        self.in_its_range(statistic, self.without_range(statistic, timeline, counts), counts)
+    pub(super) fn measured(
+        &self,
+        statistic: Statistic,
+        timeline: &Timeline,
+        counts: &Counts,
+    ) -> Measured {
+        self.in_its_range(
+            statistic,
+            self.without_range(statistic, timeline, counts),
+            counts,
+        )
     }
 
     /// A measured value of a statistic, with an interval that does not leave the range of the
@@ -355,22 +454,42 @@ impl PhaseSums {
             Over::Sticks => self.cascade.sticks.contributing(),
             Over::FirstSticks => contributing.first_sticks,
             Over::Slips => contributing.slips,
-            Over::Recurrences => self.law(PhaseLaw::Recurrence).map_or(0, LawSums::contributing),
+            Over::Recurrences => self
+                .law(PhaseLaw::Recurrence)
+                .map_or(0, LawSums::contributing),
             Over::CountsOfPaths | Over::Paths => counts.units,
         };
         let range = statistic.row().range;
-        measured.in_range(range, counts.chance(units).filter(|_| !statistic.is_decided_by(counts.certain)))
+        measured.in_range(
+            range,
+            counts
+                .chance(units)
+                .filter(|_| !statistic.is_decided_by(counts.certain)),
+        )
     }
 
-    fn without_range(&self, statistic: Statistic, timeline: &Timeline, counts: &Counts) -> Measured {
+    fn without_range(
+        &self,
+        statistic: Statistic,
+        timeline: &Timeline,
+        counts: &Counts,
+    ) -> Measured {
         if !statistic.is_asked_by(&counts.record) {
             return Measured::NOTHING;
         }
         if let Some(law) = statistic.row().median_of {
-            return counts.laws.get(law as usize).map_or(Measured::NOTHING, |law| law.ordered().median());
+            return counts
+                .laws
+                .get(law as usize)
+                .map_or(Measured::NOTHING, |law| law.ordered().median());
         }
-        let of = Sampled { timeline, unit: counts.unit() };
-        self.measures().find_map(|measure| measure.measured(statistic, &of)).unwrap_or(Measured::NOTHING)
+        let of = Sampled {
+            timeline,
+            unit: counts.unit(),
+        };
+        self.measures()
+            .find_map(|measure| measure.measured(statistic, &of))
+            .unwrap_or(Measured::NOTHING)
     }
 }
 

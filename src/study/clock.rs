@@ -32,7 +32,11 @@ pub(in crate::study) struct Stopwatch {
 impl Stopwatch {
     /// Start the clock for a measurement that uses so many threads.
     pub fn start(threads: usize) -> Self {
-        Stopwatch { threads: threads.max(1), cpu: seconds(ClockId::ProcessCPUTime), wall: Instant::now() }
+        Stopwatch {
+            threads: threads.max(1),
+            cpu: seconds(ClockId::ProcessCPUTime),
+            wall: Instant::now(),
+        }
     }
 
     /// CPU seconds that the process has used since the start, over all threads.

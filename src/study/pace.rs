@@ -19,7 +19,10 @@ pub struct TimeLimit {
 impl TimeLimit {
     /// Ends a simulation on this thread after so much of its CPU time.
     pub fn of(limit: Duration) -> Self {
-        TimeLimit { until: thread_seconds() + limit.as_secs_f64(), reached: 0.0 }
+        TimeLimit {
+            until: thread_seconds() + limit.as_secs_f64(),
+            reached: 0.0,
+        }
     }
 }
 
@@ -40,12 +43,23 @@ pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
     let begun = thread_seconds();
-    let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths, Replicate::Path);
+    let block = BlockObserver::new(
+        plan.model(),
+        plan.timeline(),
+        &plan.record,
+        &paths,
+        Replicate::Path,
+    );
     let mut watching = (block, TimeLimit::of(limit));
-    plan.simulation.simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
+    plan.simulation
+        .simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
     let spent = thread_seconds() - begun;
     let end = scenario.time.end;
-    let share = if watching.1.is_stopped() && end > 0.0 { watching.1.reached / end } else { 1.0 };
+    let share = if watching.1.is_stopped() && end > 0.0 {
+        watching.1.reached / end
+    } else {
+        1.0
+    };
     (share > 0.0).then(|| spent / (share * paths.len() as f64))
 }
 

@@ -35,12 +35,26 @@ impl Share {
     /// The share from two numbers per batch: the phases in question, and all phases.
     pub fn of(batches: impl Iterator<Item = (f64, f64)>) -> Self {
         let batches: Vec<(f64, f64)> = batches.filter(|batch| batch.1 > 0.0).collect();
-        let (some, all) = batches.iter().fold((0.0, 0.0), |sum, batch| (sum.0 + batch.0, sum.1 + batch.1));
+        let (some, all) = batches
+            .iter()
+            .fold((0.0, 0.0), |sum, batch| (sum.0 + batch.0, sum.1 + batch.1));
         let estimate = some / all;
         let (n, freedom) = (batches.len() as f64, batches.len().saturating_sub(1));
-        let spread: f64 = batches.iter().map(|batch| (batch.0 - estimate * batch.1).powi(2)).sum();
-        let error = if freedom == 0 { f64::NAN } else { (n / freedom as f64 * spread).sqrt() / all };
-        Share { estimate, error: if error < ROUNDING { 0.0 } else { error }, freedom: freedom as u64, all }
+        let spread: f64 = batches
+            .iter()
+            .map(|batch| (batch.0 - estimate * batch.1).powi(2))
+            .sum();
+        let error = if freedom == 0 {
+            f64::NAN
+        } else {
+            (n / freedom as f64 * spread).sqrt() / all
+        };
+        Share {
+            estimate,
+            error: if error < ROUNDING { 0.0 } else { error },
+            freedom: freedom as u64,
+            all,
+        }
     }
 
     /// Half the width of the 95 % interval by Student's t.
@@ -53,12 +67,21 @@ impl Share {
     /// question or all are, the interval is Wilson's for as many phases, as it is where one is, and
     /// without `chance` it is a single point.
     pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
-        let Share { estimate, error, freedom, all } = *self;
+        let Share {
+            estimate,
+            error,
+            freedom,
+            all,
+        } = *self;
         match chance {
             _ if error.is_nan() => [f64::NAN; 2],
             Some(paths) if error == 0.0 => wilson(estimate, all.max(paths as f64), NORMAL),
             _ if error == 0.0 => [estimate; 2],
-            _ => wilson(estimate, estimate * (1.0 - estimate) / (error * error), student(freedom)),
+            _ => wilson(
+                estimate,
+                estimate * (1.0 - estimate) / (error * error),
+                student(freedom),
+            ),
         }
     }
 }

@@ -67,8 +67,18 @@ impl Bins {
         let (smallest, largest) = extremes(values);
         let level = shape.lowest_level(smallest, largest);
         let ruler = Ruler::new(shape.centre, level);
-        let list = counted(values.iter().map(|&value| ruler.index(value) as i64).collect());
-        let mut bins = Bins { level, smallest, largest, ..Bins::default() };
+        let list = counted(
+            values
+                .iter()
+                .map(|&value| ruler.index(value) as i64)
+                .collect(),
+        );
+        let mut bins = Bins {
+            level,
+            smallest,
+            largest,
+            ..Bins::default()
+        };
         bins.lay_out(list, shape.bins);
         bins
     }
@@ -85,11 +95,14 @@ impl Bins {
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
         self.extend_to(smallest, largest, shape);
-        let is_scattered =
-            self.count_anywhere(&others, &Ruler::new(shape.centre, self.level)) > number / ONE_OUTSIDE_IN;
+        let is_scattered = self.count_anywhere(&others, &Ruler::new(shape.centre, self.level))
+            > number / ONE_OUTSIDE_IN;
         self.counted_since_check += number;
         if is_scattered || self.counted_since_check >= shape.values {
-            self.normalise(shape.bins, is_scattered && self.level > shape.lowest_level(self.smallest, self.largest));
+            self.normalise(
+                shape.bins,
+                is_scattered && self.level > shape.lowest_level(self.smallest, self.largest),
+            );
         }
     }
 
@@ -149,24 +162,43 @@ impl Bins {
         if self.listed.len() + self.slots.len() <= limit {
             return self.listed.len() + self.slots.len();
         }
-        self.listed.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
+        self.listed.len()
+            + self
+                .slots
+                .iter()
+                .map(|&count| u32::from(count > 0))
+                .sum::<u32>() as usize
     }
 
     /// Count the values that have a slot and are surely not new extremes. Returns the other values.
     fn count_inside(&mut self, parts: &[&[f64]], ruler: &Ruler) -> Vec<f64> {
         // The bin of an extreme may hold values beyond it. Only bin 0 cannot, because it holds a
         // single value.
-        let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
-        let (lowest, highest) = (lowest + i64::from(lowest != 0), highest - i64::from(highest != 0));
+        let [lowest, highest] =
+            [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
+        let (lowest, highest) = (
+            lowest + i64::from(lowest != 0),
+            highest - i64::from(highest != 0),
+        );
         let first = self.first.max(lowest);
-        let length = ((self.first + self.slots.len() as i64).min(highest + 1) - first).max(0) as usize;
+        let length =
+            ((self.first + self.slots.len() as i64).min(highest + 1) - first).max(0) as usize;
         let start = (first - self.first) as usize;
-        count_slots(parts, ruler, first, self.slots.get_mut(start..start + length).unwrap_or_default())
+        count_slots(
+            parts,
+            ruler,
+            first,
+            self.slots
+                .get_mut(start..start + length)
+                .unwrap_or_default(),
+        )
     }
 
     /// The slot of a bin, if it has one.
     fn slot(&mut self, index: i64) -> Option<&mut u32> {
-        usize::try_from(index.wrapping_sub(self.first)).ok().and_then(|place| self.slots.get_mut(place))
+        usize::try_from(index.wrapping_sub(self.first))
+            .ok()
+            .and_then(|place| self.slots.get_mut(place))
     }
 
     /// Count values, whether or not they have a slot. Returns how many of them have none.
@@ -190,7 +222,11 @@ impl Bins {
     /// the number of bins requires.
     fn lay_out(&mut self, list: List, limit: usize) {
         let levels = excess(&list, limit);
-        let list = if levels > 0 { coarsen(&list, levels) } else { list };
+        let list = if levels > 0 {
+            coarsen(&list, levels)
+        } else {
+            list
+        };
         self.level += levels as i32;
         self.listed.clear();
         let Cluster { first, length, .. } = fullest(&list, AFFORDED * limit as i64);
@@ -209,17 +245,23 @@ impl Bins {
 impl Shape {
     /// The finest level that is used for values between these extremes.
     fn lowest_level(&self, smallest: f64, largest: f64) -> i32 {
-        finest((smallest - self.centre).abs().max((largest - self.centre).abs()))
+        finest(
+            (smallest - self.centre)
+                .abs()
+                .max((largest - self.centre).abs()),
+        )
     }
 
     /// The place of a value on the scale, or its distance from the centre.
     pub fn place(&self, value: f64) -> f64 {
-        self.scale.map_or(value - self.centre, |scale| scale.place(value))
+        self.scale
+            .map_or(value - self.centre, |scale| scale.place(value))
     }
 
     /// The value at this place.
     pub fn value(&self, place: f64) -> f64 {
-        self.scale.map_or(self.centre + place, |scale| scale.number(place))
+        self.scale
+            .map_or(self.centre + place, |scale| scale.number(place))
     }
 }
 
@@ -239,12 +281,26 @@ fn fullest(list: &[(i64, u64)], most: i64) -> Cluster {
         let (mut fullest, mut last) = (Cluster::default(), Cluster::default());
         for &(index, count) in list {
             last = match last {
-                Cluster { first, length, count: before } if before > 0 && index - (first + length) <= gap => {
-                    Cluster { first, length: index - first + 1, count: before + count }
-                }
-                _ => Cluster { first: index, length: 1, count },
+                Cluster {
+                    first,
+                    length,
+                    count: before,
+                } if before > 0 && index - (first + length) <= gap => Cluster {
+                    first,
+                    length: index - first + 1,
+                    count: before + count,
+                },
+                _ => Cluster {
+                    first: index,
+                    length: 1,
+                    count,
+                },
             };
-            fullest = if last.count > fullest.count { last } else { fullest };
+            fullest = if last.count > fullest.count {
+                last
+            } else {
+                fullest
+            };
         }
         // If no gap is longer than one, there are fewer than two slots per occupied bin.
         if gap <= 1 || fullest.length <= most {
@@ -256,7 +312,13 @@ fn fullest(list: &[(i64, u64)], most: i64) -> Cluster {
 
 /// Count values in the slots of the bins from `first` on. Returns the values that have no slot.
 fn count_slots(parts: &[&[f64]], ruler: &Ruler, first: i64, slots: &mut [u32]) -> Vec<f64> {
-    let mut count = CountSlots { parts, ruler, first, slots, others: Vec::new() };
+    let mut count = CountSlots {
+        parts,
+        ruler,
+        first,
+        slots,
+        others: Vec::new(),
+    };
     InstructionSet::detect().run(&mut count);
     count.others
 }
@@ -273,7 +335,13 @@ struct CountSlots<'a> {
 impl LaneProgram for CountSlots<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let CountSlots { parts, ruler, first, slots, others } = self;
+        let CountSlots {
+            parts,
+            ruler,
+            first,
+            slots,
+            others,
+        } = self;
         // From 2^52 to 2^53 consecutive numbers differ by 1, and so do their bits. So the bits of
         // 2^52 + (index - first), less those of 2^52, are the distance from the first bin. If the
         // bin is before the first, or the index is NaN, the difference wraps round to a place far
@@ -283,7 +351,9 @@ impl LaneProgram for CountSlots<'_> {
         let mut places = [0_u64; CHUNK];
         for chunk in parts.iter().flat_map(|part| part.chunks(CHUNK)) {
             for (place, &value) in places.iter_mut().zip(chunk) {
-                *place = (ruler.index(value) + offset).to_bits().wrapping_sub(start.to_bits());
+                *place = (ruler.index(value) + offset)
+                    .to_bits()
+                    .wrapping_sub(start.to_bits());
             }
             for (&place, &value) in places.iter().zip(chunk) {
                 match slots.get_mut(place as usize) {
@@ -309,7 +379,9 @@ fn filled(first: i64, slots: &[u32]) -> List {
 /// Smallest and largest value. Both are 0 rather than -0, whichever of the two came first.
 fn extremes(values: &[f64]) -> (f64, f64) {
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values.iter().fold(ends, |(low, high), &v| (low.min(v), high.max(v)));
+    let (low, high) = values
+        .iter()
+        .fold(ends, |(low, high), &v| (low.min(v), high.max(v)));
     (low + 0.0, high + 0.0)
 }
 
@@ -360,14 +432,24 @@ impl Bins {
         }
         let ruler = Ruler::new(shape.centre, level);
         let ends = ends.map(|value| Some(ruler.index(value) as i64));
-        let is_sound = list.iter().all(|(index, count)| (-MAX_INDEX..=MAX_INDEX).contains(index) && *count > 0)
+        let is_sound = list
+            .iter()
+            .all(|(index, count)| (-MAX_INDEX..=MAX_INDEX).contains(index) && *count > 0)
             && list.is_sorted_by(|a, b| a.0 < b.0)
-            && list.iter().try_fold(0_u64, |all, bin| all.checked_add(bin.1)).is_some()
+            && list
+                .iter()
+                .try_fold(0_u64, |all, bin| all.checked_add(bin.1))
+                .is_some()
             && [list.first(), list.last()].map(|bin| bin.map(|bin| bin.0)) == ends;
         if !is_sound {
             return Err(Damaged);
         }
-        let mut bins = Bins { level, smallest, largest, ..Bins::default() };
+        let mut bins = Bins {
+            level,
+            smallest,
+            largest,
+            ..Bins::default()
+        };
         bins.lay_out(list, shape.bins);
         Ok(bins)
     }

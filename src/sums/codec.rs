@@ -42,7 +42,10 @@ impl<'a> Reader<'a> {
     /// The next count as the length of a list, or [`Damaged`] if it exceeds the number of remaining
     /// bytes, which no list can.
     pub fn length(&mut self) -> Result<usize, Damaged> {
-        usize::try_from(self.value::<u64>()?).ok().filter(|length| *length <= self.left()).ok_or(Damaged)
+        usize::try_from(self.value::<u64>()?)
+            .ok()
+            .filter(|length| *length <= self.left())
+            .ok_or(Damaged)
     }
 }
 
@@ -225,10 +228,17 @@ mod tests {
         let mut n = 0_u64;
         assert_eq!(n.read(&mut Reader::new(&[0xff; 10])), Err(Damaged));
         assert_eq!(
-            n.read(&mut Reader::new(&[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x02])),
+            n.read(&mut Reader::new(&[
+                0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x02
+            ])),
             Err(Damaged)
         );
-        assert_eq!(n.read(&mut Reader::new(&[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01])), Ok(()));
+        assert_eq!(
+            n.read(&mut Reader::new(&[
+                0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01
+            ])),
+            Ok(())
+        );
         assert_eq!(n, u64::MAX);
     }
 }

@@ -60,7 +60,11 @@ pub(crate) struct Ruler {
 impl Ruler {
     /// A ruler of this level, which must not be finer than [`finest`] of the values to come.
     pub fn new(centre: f64, level: i32) -> Self {
-        Ruler { centre, width: width(level), inverse: width(-level) }
+        Ruler {
+            centre,
+            width: width(level),
+            inverse: width(-level),
+        }
     }
 
     /// The bin of a value, as a whole number with a sign; -0 is 0. There is no branch, so that a
@@ -71,7 +75,11 @@ impl Ruler {
         let nearest = nearest(u.abs() * self.inverse);
         // The comparison is with u itself, because u/w may have vanished, and a number next to the
         // centre is not the centre.
-        let above = if nearest * self.width < u.abs() { 1.0 } else { 0.0 };
+        let above = if nearest * self.width < u.abs() {
+            1.0
+        } else {
+            0.0
+        };
         (nearest + above).copysign(u)
     }
 }
@@ -103,18 +111,24 @@ pub(crate) fn excess(bins: &[(i64, u64)], limit: usize) -> u32 {
     }
     // The bins that are left some levels up are one more than the pairs of neighbours that are
     // farther apart than so many levels.
-    let apart = bins.windows(2).map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));
+    let apart = bins
+        .windows(2)
+        .map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));
     // Mostly one level is enough.
     if apart.clone().filter(|levels| *levels > 1).count() < limit {
         return 1;
     }
-    *apart.collect::<Vec<u32>>().select_nth_unstable_by(limit - 1, |a, b| b.cmp(a)).1
+    *apart
+        .collect::<Vec<u32>>()
+        .select_nth_unstable_by(limit - 1, |a, b| b.cmp(a))
+        .1
 }
 
 /// The same counts, `levels` levels up.
 pub(crate) fn coarsen(bins: &[(i64, u64)], levels: u32) -> List {
     let mut coarse = List::with_capacity(bins.len());
-    bins.iter().for_each(|&(index, count)| append(&mut coarse, (coarsened(index, levels), count)));
+    bins.iter()
+        .for_each(|&(index, count)| append(&mut coarse, (coarsened(index, levels), count)));
     coarse
 }
 
@@ -137,7 +151,9 @@ pub(crate) fn union(a: &[(i64, u64)], b: &[(i64, u64)]) -> List {
 pub(crate) fn counted(mut indices: Vec<i64>) -> List {
     indices.sort_unstable();
     let mut list = List::new();
-    indices.into_iter().for_each(|index| append(&mut list, (index, 1)));
+    indices
+        .into_iter()
+        .for_each(|index| append(&mut list, (index, 1)));
     list
 }
 
@@ -228,7 +244,13 @@ mod tests {
     #[test]
     fn bins_pair_off_from_the_centre_outwards() {
         assert_eq!([1, 2, 3, 4, 5].map(|i| coarsened(i, 1)), [1, 1, 2, 2, 3]);
-        assert_eq!([-1, -2, -3, -4, -5].map(|i| coarsened(i, 1)), [-1, -1, -2, -2, -3]);
-        assert_eq!((coarsened(0, 7), coarsened(9, 2), coarsened(i64::MAX, 64)), (0, 3, 1));
+        assert_eq!(
+            [-1, -2, -3, -4, -5].map(|i| coarsened(i, 1)),
+            [-1, -1, -2, -2, -3]
+        );
+        assert_eq!(
+            (coarsened(0, 7), coarsened(9, 2), coarsened(i64::MAX, 64)),
+            (0, 3, 1)
+        );
     }
 }

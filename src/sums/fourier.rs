@@ -27,18 +27,27 @@ pub(crate) struct Fourier {
 impl Fourier {
     /// A transform of this length, which is a power of two, at least 2.
     pub fn new(length: usize) -> Self {
-        assert!(length.is_power_of_two() && length > 1, "{length} is no power of two");
+        assert!(
+            length.is_power_of_two() && length > 1,
+            "{length} is no power of two"
+        );
         let turn = |k: usize| {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / length as f64);
             [cos, -sin]
         };
-        Fourier { turns: (0..length / 2).map(turn).collect(), instructions: InstructionSet::detect() }
+        Fourier {
+            turns: (0..length / 2).map(turn).collect(),
+            instructions: InstructionSet::detect(),
+        }
     }
 
     /// Transforms columns of complex numbers, given by their real and imaginary parts, in place.
     pub fn transform(&self, real: &mut [Numbers], imaginary: &mut [Numbers]) {
         let length = 2 * self.turns.len();
-        assert!(real.len() == length && imaginary.len() == length, "columns of another length");
+        assert!(
+            real.len() == length && imaginary.len() == length,
+            "columns of another length"
+        );
         let shift = usize::BITS - length.trailing_zeros();
         for i in 0..length {
             let j = i.reverse_bits() >> shift;
@@ -47,7 +56,11 @@ impl Fourier {
                 imaginary.swap(i, j);
             }
         }
-        self.instructions.run(&mut Butterflies { turns: &self.turns, real, imaginary });
+        self.instructions.run(&mut Butterflies {
+            turns: &self.turns,
+            real,
+            imaginary,
+        });
     }
 }
 
@@ -101,19 +114,25 @@ mod tests {
         for length in [2, 8, 64] {
             let mut fourier = Fourier::new(length);
             let mut draw = || -> Vec<Numbers> {
-                (0..length).map(|_| std::array::from_fn(|_| StandardNormal.sample(&mut rng))).collect()
+                (0..length)
+                    .map(|_| std::array::from_fn(|_| StandardNormal.sample(&mut rng)))
+                    .collect()
             };
             let (re, im) = (draw(), draw());
-            let transforms = InstructionSet::ALL.into_iter().filter(|set| set.is_available()).map(|set| {
-                fourier.instructions = set;
-                let (mut real, mut imaginary) = (re.clone(), im.clone());
-                fourier.transform(&mut real, &mut imaginary);
-                (real, imaginary)
-            });
+            let transforms = InstructionSet::ALL
+                .into_iter()
+                .filter(|set| set.is_available())
+                .map(|set| {
+                    fourier.instructions = set;
+                    let (mut real, mut imaginary) = (re.clone(), im.clone());
+                    fourier.transform(&mut real, &mut imaginary);
+                    (real, imaginary)
+                });
             let transforms: Vec<_> = transforms.collect();
             assert!(transforms.windows(2).all(|pair| pair[0] == pair[1]));
             let (real, imaginary) = &transforms[0];
-            for (j, column) in (0..length).flat_map(|j| (0..COLUMNS).map(move |column| (j, column))) {
+            for (j, column) in (0..length).flat_map(|j| (0..COLUMNS).map(move |column| (j, column)))
+            {
                 let (mut x, mut y) = (0.0, 0.0);
                 for n in 0..length {
                     let angle = -std::f64::consts::TAU * (j * n % length) as f64 / length as f64;
@@ -121,7 +140,9 @@ mod tests {
                     x += re[n][column] * cos - im[n][column] * sin;
                     y += re[n][column] * sin + im[n][column] * cos;
                 }
-                assert!((real[j][column] - x).abs() < 1e-13 && (imaginary[j][column] - y).abs() < 1e-13);
+                assert!(
+                    (real[j][column] - x).abs() < 1e-13 && (imaginary[j][column] - y).abs() < 1e-13
+                );
             }
         }
     }

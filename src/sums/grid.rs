@@ -31,7 +31,11 @@ pub(crate) struct GridAxis {
 
 impl GridAxis {
     /// An axis without cells.
-    const NOTHING: GridAxis = GridAxis { level: LOWEST, first: 0, cells: 0 };
+    const NOTHING: GridAxis = GridAxis {
+        level: LOWEST,
+        first: 0,
+        cells: 0,
+    };
 
     /// The finest axis of no more than `most` cells that hold these numbers.
     fn over([least, greatest]: [f64; 2], most: usize) -> GridAxis {
@@ -41,7 +45,11 @@ impl GridAxis {
         loop {
             let [first, last] = [least, greatest].map(|number| cell(number, width(-level)));
             if (last - first) < most as i64 {
-                return GridAxis { level, first, cells: (last - first + 1) as usize };
+                return GridAxis {
+                    level,
+                    first,
+                    cells: (last - first + 1) as usize,
+                };
             }
             level += 1;
         }
@@ -58,7 +66,11 @@ impl GridAxis {
                     let [a, b] = [self, other].map(|axis| axis.coarsened(level));
                     let (first, end) = (a.first.min(b.first), a.end().max(b.end()));
                     if end - first <= most as i64 {
-                        return GridAxis { level, first, cells: (end - first) as usize };
+                        return GridAxis {
+                            level,
+                            first,
+                            cells: (end - first) as usize,
+                        };
                     }
                     level += 1;
                 }
@@ -70,7 +82,11 @@ impl GridAxis {
     fn coarsened(self, level: i32) -> GridAxis {
         let up = (level - self.level).min(63) as u32;
         let (first, last) = (self.first >> up, (self.end() - 1) >> up);
-        GridAxis { level, first, cells: (last - first + 1) as usize }
+        GridAxis {
+            level,
+            first,
+            cells: (last - first + 1) as usize,
+        }
     }
 
     fn end(self) -> i64 {
@@ -96,7 +112,13 @@ impl GridAxis {
     /// The edges of the cells, one more than there are cells.
     pub fn edges(&self) -> Vec<f64> {
         let width = width(self.level);
-        if self.cells == 0 { Vec::new() } else { (self.first..=self.end()).map(|i| i as f64 * width).collect() }
+        if self.cells == 0 {
+            Vec::new()
+        } else {
+            (self.first..=self.end())
+                .map(|i| i as f64 * width)
+                .collect()
+        }
     }
 }
 
@@ -122,7 +144,9 @@ pub(crate) struct Grid {
 
 impl Merge for Grid {
     fn merge(&mut self, other: &Self) {
-        self.rise_to(std::array::from_fn(|i| self.axes[i].with(other.axes[i], self.most[i])));
+        self.rise_to(std::array::from_fn(|i| {
+            self.axes[i].with(other.axes[i], self.most[i])
+        }));
         self.add(other.axes, &other.counts);
     }
 }
@@ -130,7 +154,12 @@ impl Merge for Grid {
 impl Grid {
     /// No pairs.
     pub fn empty(most: [usize; 2], batches: usize) -> Self {
-        Grid { most, batches, axes: [GridAxis::NOTHING; 2], counts: Vec::new() }
+        Grid {
+            most,
+            batches,
+            axes: [GridAxis::NOTHING; 2],
+            counts: Vec::new(),
+        }
     }
 
     /// The axes.
@@ -155,7 +184,11 @@ impl Grid {
         batch: usize,
         crossing: impl Fn(usize, f64) -> u64,
     ) {
-        if !from.iter().chain(&to).all(|number| number.abs() <= FARTHEST) {
+        if !from
+            .iter()
+            .chain(&to)
+            .all(|number| number.abs() <= FARTHEST)
+        {
             return;
         }
         // The cells of both ends along both axes.
@@ -164,7 +197,10 @@ impl Grid {
             [from, to].map(|pair| [cell(pair[0], inverse[0]), cell(pair[1], inverse[1])])
         };
         let mut ends = cells(self.axes);
-        if !ends.iter().all(|cells| self.axes[0].has(cells[0]) && self.axes[1].has(cells[1])) {
+        if !ends
+            .iter()
+            .all(|cells| self.axes[0].has(cells[0]) && self.axes[1].has(cells[1]))
+        {
             self.rise_to(std::array::from_fn(|i| {
                 let needed = GridAxis::over([from[i].min(to[i]), from[i].max(to[i])], self.most[i]);
                 self.axes[i].with(needed, self.most[i])
@@ -206,10 +242,12 @@ impl Grid {
     fn add(&mut self, axes: [GridAxis; 2], counts: &[u64]) {
         for (at, more) in counts.chunks(self.batches).enumerate() {
             let [row, column] = [at / axes[1].cells, at % axes[1].cells];
-            let place =
-                axes[0].place_in(self.axes[0], row) * self.axes[1].cells + axes[1].place_in(self.axes[1], column);
+            let place = axes[0].place_in(self.axes[0], row) * self.axes[1].cells
+                + axes[1].place_in(self.axes[1], column);
             let mine = &mut self.counts[place * self.batches..][..self.batches];
-            mine.iter_mut().zip(more).for_each(|(mine, more)| *mine += more);
+            mine.iter_mut()
+                .zip(more)
+                .for_each(|(mine, more)| *mine += more);
         }
     }
 }
@@ -223,11 +261,16 @@ impl Codec for GridAxis {
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         let [level, first, cells] = from.value::<[u64; 3]>()?;
         let (level, first) = (level.cast_signed(), first.cast_signed());
-        let is_sound = (i64::from(LOWEST)..=1024).contains(&level) && first.unsigned_abs() <= 1 << (INDEX_BITS + 2);
+        let is_sound = (i64::from(LOWEST)..=1024).contains(&level)
+            && first.unsigned_abs() <= 1 << (INDEX_BITS + 2);
         if !is_sound || cells > 1 << 16 {
             return Err(Damaged);
         }
-        *self = GridAxis { level: level as i32, first, cells: cells as usize };
+        *self = GridAxis {
+            level: level as i32,
+            first,
+            cells: cells as usize,
+        };
         Ok(())
     }
 }
@@ -241,7 +284,11 @@ impl Codec for Grid {
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         self.axes.read(from)?;
-        let are_few = self.axes.iter().zip(self.most).all(|(axis, most)| axis.cells <= most);
+        let are_few = self
+            .axes
+            .iter()
+            .zip(self.most)
+            .all(|(axis, most)| axis.cells <= most);
         let length = self.axes[0].cells * self.axes[1].cells * self.batches;
         if !are_few || from.clone().length()? != length {
             return Err(Damaged);
@@ -270,7 +317,8 @@ mod tests {
 
     fn grid<'x>(of: impl IntoIterator<Item = &'x f64>) -> Grid {
         let mut grid = Grid::empty([16, 4], 2);
-        of.into_iter().for_each(|x| grid.count([*x, -x], 1, usize::from(*x > 0.0)));
+        of.into_iter()
+            .for_each(|x| grid.count([*x, -x], 1, usize::from(*x > 0.0)));
         grid
     }
 
@@ -283,7 +331,12 @@ mod tests {
                 let edge = if axis == 0 { edge } else { -edge };
                 start + ((edge - a) / (b - a) * (1u64 << 40) as f64).round() as u64
             };
-            grid.pass([[a, -a], [b, -b]], [start, start + (1 << 40)], i % 2, crossing);
+            grid.pass(
+                [[a, -a], [b, -b]],
+                [start, start + (1 << 40)],
+                i % 2,
+                crossing,
+            );
         }
         grid
     }
@@ -326,7 +379,17 @@ mod tests {
     /// Such numbers are observed of paths that diverge, until their block is simulated without them.
     #[test]
     fn numbers_that_are_none_or_too_far_are_left_out_and_no_number_panics() {
-        let extreme = [0.0, -0.0, 5e-324, 1.0, FARTHEST, 1e300 * FARTHEST.sqrt(), f64::MAX, f64::INFINITY, f64::NAN];
+        let extreme = [
+            0.0,
+            -0.0,
+            5e-324,
+            1.0,
+            FARTHEST,
+            1e300 * FARTHEST.sqrt(),
+            f64::MAX,
+            f64::INFINITY,
+            f64::NAN,
+        ];
         let numbers: Vec<f64> = extreme.iter().flat_map(|x| [*x, -x]).collect();
         let sound = numbers.iter().filter(|x| x.abs() <= FARTHEST).count() as u64;
         let count = |grid: &Grid| grid.cells().flatten().sum::<u64>();
@@ -336,7 +399,11 @@ mod tests {
                 grid.count([*first, 1.0], 1, 0);
                 grid.count([*x, *first], 1, 1);
             }
-            let of_first = if first.abs() <= FARTHEST { sound + numbers.len() as u64 } else { 0 };
+            let of_first = if first.abs() <= FARTHEST {
+                sound + numbers.len() as u64
+            } else {
+                0
+            };
             assert_eq!(count(&grid), of_first, "{first}");
             let mut whole = Grid::empty([16, 4], 2);
             numbers.iter().for_each(|x| whole.count([*x, *x], 1, 0));
@@ -350,9 +417,16 @@ mod tests {
         let mut grid = Grid::empty([256, 1], 1);
         grid.count([0.0, 0.0], 2, 0);
         grid.count([0.0, 0.0], 1, 0);
-        assert_eq!((grid.axes()[0].cells(), grid.cells().next().unwrap()[0]), (1, 3));
+        assert_eq!(
+            (grid.axes()[0].cells(), grid.cells().next().unwrap()[0]),
+            (1, 3)
+        );
         (0..1000).for_each(|i| grid.count([f64::from(i) / 1000.0 - 0.3, 0.0], 1, 0));
-        assert!((128..=256).contains(&grid.axes()[0].cells()), "{:?}", grid.axes());
+        assert!(
+            (128..=256).contains(&grid.axes()[0].cells()),
+            "{:?}",
+            grid.axes()
+        );
         assert_eq!(grid.cells().map(|counts| counts[0]).sum::<u64>(), 1003);
     }
 }

@@ -74,7 +74,11 @@ pub(crate) fn student_quantile(p: f64, freedom: f64) -> f64 {
             (3.0 * z(7) + 19.0 * z(5) + 17.0 * z(3) - 15.0 * z(1)) / 384.0,
             (79.0 * z(9) + 776.0 * z(7) + 1482.0 * z(5) - 1920.0 * z(3) - 945.0 * z(1)) / 92_160.0,
         ];
-        normal + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom)
+        normal
+            + terms
+                .iter()
+                .rev()
+                .fold(0.0, |sum, term| (sum + term) / freedom)
     } else {
         StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(p))
     }
@@ -98,7 +102,11 @@ pub(crate) struct ErrorLaw {
 impl ErrorLaw {
     /// The law of which only the degrees of freedom are known.
     pub fn of_freedom(freedom: f64) -> Self {
-        ErrorLaw { freedom, skewness: 0.0, is_too_heavy: false }
+        ErrorLaw {
+            freedom,
+            skewness: 0.0,
+            is_too_heavy: false,
+        }
     }
 
     /// The law that the sums of the second, third and fourth powers of the influences of this many
@@ -110,9 +118,17 @@ impl ErrorLaw {
         let unbiased = (most / units as f64).sqrt() * units as f64 / (most - 1.0);
         let skewness = unbiased * cubes / squares / squares.sqrt();
         // The scatter of the sum of squares is that of a chi square with so many degrees of freedom.
-        let freedom = if scatter * most > 1.0 && scatter.is_finite() { 1.0 / scatter } else { most };
+        let freedom = if scatter * most > 1.0 && scatter.is_finite() {
+            1.0 / scatter
+        } else {
+            most
+        };
         let is_too_heavy = freedom < FEWEST_FREEDOM.min(most);
-        ErrorLaw { freedom, skewness: if skewness.is_finite() { skewness } else { 0.0 }, is_too_heavy }
+        ErrorLaw {
+            freedom,
+            skewness: if skewness.is_finite() { skewness } else { 0.0 },
+            is_too_heavy,
+        }
     }
 
     /// The same law with this many degrees of freedom.
@@ -127,7 +143,11 @@ impl ErrorLaw {
             return y;
         }
         let skewed = 3.0 / a * (libm::cbrt(1.0 + a * (y - a / 6.0)) - 1.0);
-        if skewed.abs() < y.abs() { (skewed + y) / 2.0 } else { skewed }
+        if skewed.abs() < y.abs() {
+            (skewed + y) / 2.0
+        } else {
+            skewed
+        }
     }
 }
 
@@ -172,7 +192,11 @@ impl Measured {
     pub const NOTHING: Measured = Measured {
         estimate: f64::NAN,
         standard_error: f64::NAN,
-        interval: Interval::Student(ErrorLaw { freedom: 0.0, skewness: 0.0, is_too_heavy: false }),
+        interval: Interval::Student(ErrorLaw {
+            freedom: 0.0,
+            skewness: 0.0,
+            is_too_heavy: false,
+        }),
         range: Range::ANY,
         chance: None,
     };
@@ -180,21 +204,41 @@ impl Measured {
     /// An estimate with the interval of Student's t.
     fn new(estimate: f64, standard_error: f64, freedom: u64) -> Self {
         let interval = Interval::Student(ErrorLaw::of_freedom(freedom as f64));
-        Measured { estimate, standard_error, interval, ..Measured::NOTHING }
+        Measured {
+            estimate,
+            standard_error,
+            interval,
+            ..Measured::NOTHING
+        }
     }
 
     /// An estimate whose interval was found by other means.
     pub fn within(estimate: f64, standard_error: f64, low: f64, high: f64) -> Self {
-        Measured { estimate, standard_error, interval: Interval::Ends(low, high), ..Measured::NOTHING }
+        Measured {
+            estimate,
+            standard_error,
+            interval: Interval::Ends(low, high),
+            ..Measured::NOTHING
+        }
     }
 
     /// A standard deviation over this many units, whose error, to first order, has this law.
     ///
     /// The error is that about a mean ([`Measured::about_mean_of`]).
     pub fn spread(estimate: f64, error: f64, law: ErrorLaw, units: u64) -> Self {
-        let standard_error = if error < ROUNDING * estimate { 0.0 } else { error };
+        let standard_error = if error < ROUNDING * estimate {
+            0.0
+        } else {
+            error
+        };
         let interval = Interval::Reciprocal(law.freedom);
-        Measured { estimate, standard_error, interval, ..Measured::NOTHING }.about_mean_of(units as f64)
+        Measured {
+            estimate,
+            standard_error,
+            interval,
+            ..Measured::NOTHING
+        }
+        .about_mean_of(units as f64)
     }
 
     /// The same number, of deviations from a mean over this many units. The mean follows the units,
@@ -202,13 +246,23 @@ impl Measured {
     /// out after the other, counts that: for independent numbers its error is larger by
     /// (n - 1)/(n - 2).
     pub fn about_mean_of(self, units: f64) -> Self {
-        let factor = if units > 2.0 { (units - 1.0) / (units - 2.0) } else { 1.0 };
-        Measured { standard_error: factor * self.standard_error, ..self }
+        let factor = if units > 2.0 {
+            (units - 1.0) / (units - 2.0)
+        } else {
+            1.0
+        };
+        Measured {
+            standard_error: factor * self.standard_error,
+            ..self
+        }
     }
 
     /// The same number, whose error has this law.
     pub fn with_law(self, law: ErrorLaw) -> Self {
-        Measured { interval: Interval::Student(law), ..self }
+        Measured {
+            interval: Interval::Student(law),
+            ..self
+        }
     }
 
     /// The same number, whose error is known with no more than this many degrees of freedom.
@@ -221,7 +275,10 @@ impl Measured {
 
     /// The same number without an interval.
     pub fn without_interval(self) -> Self {
-        Measured { interval: Interval::Missing, ..self }
+        Measured {
+            interval: Interval::Missing,
+            ..self
+        }
     }
 
     /// A number that only events move, where these of all units have any. Where they are rare, the
@@ -240,7 +297,11 @@ impl Measured {
     /// The same number, which cannot leave this range. `chance` is the number of paths that
     /// contribute; it is none where nothing is random, so that all paths must agree.
     pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
-        Measured { range, chance, ..self }
+        Measured {
+            range,
+            chance,
+            ..self
+        }
     }
 
     /// A function g of the means of `paths`, with its gradient at the means. `contributing` is the
@@ -254,13 +315,22 @@ impl Measured {
         let n = paths.count as f64;
         let freedom = contributing.saturating_sub(1);
         let correction = contributing as f64 / freedom as f64;
-        let error = if freedom == 0 { f64::NAN } else { (correction * paths.spread_along(gradient)).sqrt() / n };
+        let error = if freedom == 0 {
+            f64::NAN
+        } else {
+            (correction * paths.spread_along(gradient)).sqrt() / n
+        };
         Measured::new(estimate, error, freedom)
     }
 
     /// Mean of entry `top` divided by the mean of entry `bottom`. It does not exist where the
     /// latter is zero.
-    pub fn ratio<const N: usize>(paths: &JointMoments<N>, top: usize, bottom: usize, contributing: u64) -> Self {
+    pub fn ratio<const N: usize>(
+        paths: &JointMoments<N>,
+        top: usize,
+        bottom: usize,
+        contributing: u64,
+    ) -> Self {
         let denominator = paths.mean[bottom];
         if denominator == 0.0 {
             return Measured::NOTHING;
@@ -285,7 +355,12 @@ impl Measured {
     /// Mean over paths, whose error has this law.
     pub fn mean(paths: &Moments, law: ErrorLaw) -> Self {
         let error = (paths.variance() / paths.count as f64).sqrt();
-        Measured { estimate: paths.mean(), standard_error: error, ..Measured::NOTHING }.with_law(law)
+        Measured {
+            estimate: paths.mean(),
+            standard_error: error,
+            ..Measured::NOTHING
+        }
+        .with_law(law)
     }
 
     /// A number from all groups of paths, and from all but each of them.
@@ -294,7 +369,12 @@ impl Measured {
         let influences: Vec<f64> = without.iter().map(|value| -value).collect();
         let standard_error = standard_error(without);
         let law = FourMoments::of(&influences).error_law();
-        Measured { estimate, standard_error, ..Measured::NOTHING }.with_law(law)
+        Measured {
+            estimate,
+            standard_error,
+            ..Measured::NOTHING
+        }
+        .with_law(law)
     }
 
     /// Mean over paths.
@@ -317,7 +397,12 @@ impl Measured {
             Interval::Ends(low, high) => Interval::Ends(of(low), of(high)),
             of_a_law => of_a_law,
         };
-        Measured { estimate: of(self.estimate), standard_error: of(self.standard_error), interval, ..self }
+        Measured {
+            estimate: of(self.estimate),
+            standard_error: of(self.standard_error),
+            interval,
+            ..self
+        }
     }
 
     /// The same error with another estimate.
@@ -327,7 +412,11 @@ impl Measured {
 
     /// The degrees of freedom with which the error is known; NaN where they play no part.
     pub fn freedom(self) -> f64 {
-        if let Interval::Student(law) = self.interval { law.freedom } else { f64::NAN }
+        if let Interval::Student(law) = self.interval {
+            law.freedom
+        } else {
+            f64::NAN
+        }
     }
 
     /// The estimate alone.
@@ -338,7 +427,12 @@ impl Measured {
     /// The estimate with its standard error and the ends of its interval.
     pub fn measurement(self) -> Measurement {
         let [low, high] = self.interval();
-        Measurement { estimate: self.estimate, standard_error: self.standard_error, low, high }
+        Measurement {
+            estimate: self.estimate,
+            standard_error: self.standard_error,
+            low,
+            high,
+        }
     }
 
     /// The ends of the 95 % interval, within the range.
@@ -348,25 +442,42 @@ impl Measured {
 
     /// The ends of the 95 % interval, which may lie outside the range.
     fn ends(self) -> [f64; 2] {
-        let Measured { estimate, standard_error, interval, range, chance } = self;
-        let agreeing = chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
+        let Measured {
+            estimate,
+            standard_error,
+            interval,
+            range,
+            chance,
+        } = self;
+        let agreeing =
+            chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
         match (interval, agreeing) {
             // A median is where at least half of the paths agree.
             (Interval::Ends(low, high), Some(paths)) => {
                 let is_median_among_agreeing = wilson(0.0, paths as f64, NORMAL)[1] < 0.5;
-                if is_median_among_agreeing { [low, high] } else { [range.low, range.high] }
+                if is_median_among_agreeing {
+                    [low, high]
+                } else {
+                    [range.low, range.high]
+                }
             }
             (Interval::Missing, _) => [f64::NAN; 2],
             (_, Some(paths)) => range.interval_where_all_agree(estimate, paths),
             (Interval::Ends(low, high), None) => [low, high],
             (Interval::Student(law), None) if law.is_too_heavy => [f64::NAN; 2],
-            (Interval::Student(ErrorLaw { freedom, skewness: 0.0, .. }), None)
-                if range.has_inside(estimate) && standard_error > 0.0 =>
-            {
+            (
+                Interval::Student(ErrorLaw {
+                    freedom,
+                    skewness: 0.0,
+                    ..
+                }),
+                None,
+            ) if range.has_inside(estimate) && standard_error > 0.0 => {
                 let scale = range.high - range.low;
                 let (share, error) = ((estimate - range.low) / scale, standard_error / scale);
                 let paths = share * (1.0 - share) / (error * error);
-                wilson(share, paths, student_quantile(UPPER, freedom)).map(|end| range.low + scale * end)
+                wilson(share, paths, student_quantile(UPPER, freedom))
+                    .map(|end| range.low + scale * end)
             }
             (Interval::Student(law), None) => {
                 let t = student_quantile(UPPER, law.freedom);
@@ -375,8 +486,19 @@ impl Measured {
             (Interval::Reciprocal(_), None) if standard_error == 0.0 => [estimate; 2],
             (Interval::Reciprocal(freedom), None) => {
                 let half_width = student_quantile(UPPER, freedom) * standard_error / estimate;
-                let high = if half_width < 1.0 { estimate / (1.0 - half_width) } else { f64::INFINITY };
-                [estimate / (1.0 + half_width), if half_width.is_nan() { half_width } else { high }]
+                let high = if half_width < 1.0 {
+                    estimate / (1.0 - half_width)
+                } else {
+                    f64::INFINITY
+                };
+                [
+                    estimate / (1.0 + half_width),
+                    if half_width.is_nan() {
+                        half_width
+                    } else {
+                        high
+                    },
+                ]
             }
         }
     }
@@ -393,14 +515,34 @@ mod tests {
     #[test]
     fn student_quantiles_are_those_of_the_printed_tables() {
         // Abramowitz and Stegun, table 26.10: three decimals.
-        for (freedom, table) in [(1, 12.706), (2, 4.303), (9, 2.262), (30, 2.042), (120, 1.980), (u64::MAX, 1.960)] {
-            assert!((student(freedom) - table).abs() < 0.0005 + 1e-12, "{freedom}: {}", student(freedom));
+        for (freedom, table) in [
+            (1, 12.706),
+            (2, 4.303),
+            (9, 2.262),
+            (30, 2.042),
+            (120, 1.980),
+            (u64::MAX, 1.960),
+        ] {
+            assert!(
+                (student(freedom) - table).abs() < 0.0005 + 1e-12,
+                "{freedom}: {}",
+                student(freedom)
+            );
         }
         // Where the expansion takes over, it is as good as the inversion that it replaces. With
         // 1000 degrees of freedom the quantile is 1.962339, to six places.
-        let from = StudentsT::new(0.0, 1.0, LARGE_FREEDOM).map(|law| law.inverse_cdf(UPPER)).expect("a law");
-        assert!((student(LARGE_FREEDOM as u64) - from).abs() < 1e-8, "{from}");
-        assert!((student(1000) - 1.962_339).abs() < 1e-6, "{}", student(1000));
+        let from = StudentsT::new(0.0, 1.0, LARGE_FREEDOM)
+            .map(|law| law.inverse_cdf(UPPER))
+            .expect("a law");
+        assert!(
+            (student(LARGE_FREEDOM as u64) - from).abs() < 1e-8,
+            "{from}"
+        );
+        assert!(
+            (student(1000) - 1.962_339).abs() < 1e-6,
+            "{}",
+            student(1000)
+        );
         assert!(student(0).is_nan());
     }
 
@@ -418,9 +560,18 @@ mod tests {
 
     #[test]
     fn paths_that_do_not_contribute_leave_the_interval_of_a_ratio_alone() {
-        let few = Measured::ratio(&JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]), 0, 1, 3);
-        let many =
-            Measured::ratio(&JointMoments::of([&[2.0, 0.0, 5.0, 0.0, 5.0], &[1.0, 0.0, 2.0, 0.0, 3.0]]), 0, 1, 3);
+        let few = Measured::ratio(
+            &JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]),
+            0,
+            1,
+            3,
+        );
+        let many = Measured::ratio(
+            &JointMoments::of([&[2.0, 0.0, 5.0, 0.0, 5.0], &[1.0, 0.0, 2.0, 0.0, 3.0]]),
+            0,
+            1,
+            3,
+        );
         assert!((few.estimate - many.estimate).abs() < 1e-15);
         assert!((few.standard_error - many.standard_error).abs() < 1e-15);
     }
@@ -433,7 +584,11 @@ mod tests {
         assert!(one.standard_error.is_nan() && one.low.is_nan() && one.high.is_nan());
         let none = Measured::mean_of(&JointMoments::<1>::default(), 0);
         assert!(none.estimate.is_nan());
-        assert!(Measured::ratio(&JointMoments::of([&[0.0, 0.0], &[0.0, 0.0]]), 0, 1, 0).estimate.is_nan());
+        assert!(
+            Measured::ratio(&JointMoments::of([&[0.0, 0.0], &[0.0, 0.0]]), 0, 1, 0)
+                .estimate
+                .is_nan()
+        );
     }
 
     /// Hall's transformation of the longer arm is the quantile of Student's t, and the shorter arm is in
@@ -441,7 +596,10 @@ mod tests {
     #[test]
     fn the_longer_arm_is_on_the_side_of_the_skewness() {
         for a in [-0.8, -0.1, 0.3, 1.2] {
-            let law = ErrorLaw { skewness: a, ..ErrorLaw::of_freedom(9.0) };
+            let law = ErrorLaw {
+                skewness: a,
+                ..ErrorLaw::of_freedom(9.0)
+            };
             for y in [-2.3, 2.3] {
                 let w = law.quantile(y);
                 let is_longer = a * y < 0.0;
@@ -452,18 +610,34 @@ mod tests {
             }
         }
         // A chi square is skewed to large values, so that its mean is rather underestimated.
-        let mean = Measured::mean_of_four(&FourMoments::of(&[0.1, 0.4, 1.2, 0.2, 3.0, 0.9])).measurement();
-        assert!(mean.high - mean.estimate > 1.5 * (mean.estimate - mean.low), "{mean:?}");
+        let mean =
+            Measured::mean_of_four(&FourMoments::of(&[0.1, 0.4, 1.2, 0.2, 3.0, 0.9])).measurement();
+        assert!(
+            mean.high - mean.estimate > 1.5 * (mean.estimate - mean.low),
+            "{mean:?}"
+        );
         let groups = Measured::jackknifed(1.0, &[0.98, 1.0, 1.0, 0.8, 1.0, 0.95]).measurement();
-        assert!(groups.high - groups.estimate > 1.5 * (groups.estimate - groups.low), "{groups:?}");
+        assert!(
+            groups.high - groups.estimate > 1.5 * (groups.estimate - groups.low),
+            "{groups:?}"
+        );
     }
 
     #[test]
     fn a_number_that_two_units_decide_has_no_interval() {
         let mean = |values: &[f64]| Measured::mean_of_four(&FourMoments::of(values)).measurement();
-        let (two, most) = (mean(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0]), mean(&[1.0, 2.0, 4.0]));
-        assert!(two.standard_error > 0.0 && two.low.is_nan() && two.high.is_nan(), "{two:?}");
-        assert!(most.low < most.estimate && most.estimate < most.high, "{most:?}");
+        let (two, most) = (
+            mean(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0]),
+            mean(&[1.0, 2.0, 4.0]),
+        );
+        assert!(
+            two.standard_error > 0.0 && two.low.is_nan() && two.high.is_nan(),
+            "{two:?}"
+        );
+        assert!(
+            most.low < most.estimate && most.estimate < most.high,
+            "{most:?}"
+        );
     }
 
     /// Null: the interval of a mean holds it in 95 % of 4000 ensembles of so many numbers, of a normal
@@ -475,14 +649,22 @@ mod tests {
         let mut rng = Pcg64Dxsm::seed_from_u64(1992);
         let normal = |rng: &mut Pcg64Dxsm| -> f64 { StandardNormal.sample(rng) };
         let exponential = |rng: &mut Pcg64Dxsm| -> f64 { Exp1.sample(rng) };
-        let some = move |rng: &mut Pcg64Dxsm| if exponential(rng) < 0.7 { normal(rng).powi(2) } else { 0.0 };
+        let some = move |rng: &mut Pcg64Dxsm| {
+            if exponential(rng) < 0.7 {
+                normal(rng).powi(2)
+            } else {
+                0.0
+            }
+        };
         type Law<'a> = (&'a str, usize, f64, &'a dyn Fn(&mut Pcg64Dxsm) -> f64);
         let laws: [Law<'_>; 7] = [
             ("ten normal", 10, 0.0, &normal),
             ("ten chi squares", 10, 1.0, &|rng| normal(rng).powi(2)),
             ("forty chi squares", 40, 1.0, &|rng| normal(rng).powi(2)),
             ("twenty exponential", 20, 1.0, &exponential),
-            ("twenty exponential to the left", 20, -1.0, &|rng| -exponential(rng)),
+            ("twenty exponential to the left", 20, -1.0, &|rng| {
+                -exponential(rng)
+            }),
             ("200 exponential", 200, 1.0, &exponential),
             ("ten differences", 10, 0.0, &|rng| some(rng) - some(rng)),
         ];
@@ -499,7 +681,11 @@ mod tests {
                 straight.count((mean.estimate - truth).abs() <= half_width);
             }
             held.assert_95_percent(name);
-            assert!(name != "ten chi squares" || straight.share() < 0.88, "{}", straight.share());
+            assert!(
+                name != "ten chi squares" || straight.share() < 0.88,
+                "{}",
+                straight.share()
+            );
         }
     }
 }

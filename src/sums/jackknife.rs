@@ -28,7 +28,11 @@ pub(crate) fn standard_error(without: &[f64]) -> f64 {
 
 /// The value of `of` for all groups together, merged from the last to the first, and for all groups
 /// but each of them in turn. `empty` is a group of no paths.
-pub(crate) fn leaving_one_out<S: Merge + Clone, T>(empty: &S, groups: &[S], of: impl Fn(&S) -> T) -> (T, Vec<T>) {
+pub(crate) fn leaving_one_out<S: Merge + Clone, T>(
+    empty: &S,
+    groups: &[S],
+    of: impl Fn(&S) -> T,
+) -> (T, Vec<T>) {
     // after[i] is the sum of the last i groups.
     let mut after = vec![empty.clone()];
     for group in groups.iter().rev() {
@@ -38,12 +42,15 @@ pub(crate) fn leaving_one_out<S: Merge + Clone, T>(empty: &S, groups: &[S], of: 
     }
     let all = of(&after[groups.len()]);
     let mut before = empty.clone();
-    let without = groups.iter().zip(after.iter().rev().skip(1)).map(|(group, after)| {
-        let mut rest = before.clone();
-        rest.merge(after);
-        before.merge(group);
-        of(&rest)
-    });
+    let without = groups
+        .iter()
+        .zip(after.iter().rev().skip(1))
+        .map(|(group, after)| {
+            let mut rest = before.clone();
+            rest.merge(after);
+            before.merge(group);
+            of(&rest)
+        });
     (all, without.collect())
 }
 

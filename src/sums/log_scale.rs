@@ -26,9 +26,16 @@ impl LogScale {
     pub fn new(even_below: f64) -> Self {
         // The number stays far from both ends of the number range.
         let (smallest, largest) = (2f64.powi(-800), 2f64.powi(800));
-        let even_below = if even_below > 0.0 { even_below.clamp(smallest, largest) } else { 1.0 };
+        let even_below = if even_below > 0.0 {
+            even_below.clamp(smallest, largest)
+        } else {
+            1.0
+        };
         let even_below = f64::from_bits(even_below.to_bits() & (0x7ff << 52));
-        LogScale { even_below, limit: f64::from_bits(even_below.to_bits() + (OCTAVES << 52)) }
+        LogScale {
+            even_below,
+            limit: f64::from_bits(even_below.to_bits() + (OCTAVES << 52)),
+        }
     }
 
     /// The place of a number; it rises with the number. What is not positive has the place zero,
@@ -74,8 +81,19 @@ mod tests {
     fn absurd_numbers_have_places_within_the_scale() {
         for of in [0.0, f64::NAN, 1e-320, 1e308] {
             let scale = LogScale::new(of);
-            assert_eq!((scale.place(0.0), scale.place(-1.0), scale.place(scale.even_below)), (0.0, 0.0, 1.0), "{of}");
-            assert!(scale.place(f64::MAX) <= OCTAVES as f64 && scale.number(OCTAVES as f64).is_finite(), "{of}");
+            assert_eq!(
+                (
+                    scale.place(0.0),
+                    scale.place(-1.0),
+                    scale.place(scale.even_below)
+                ),
+                (0.0, 0.0, 1.0),
+                "{of}"
+            );
+            assert!(
+                scale.place(f64::MAX) <= OCTAVES as f64 && scale.number(OCTAVES as f64).is_finite(),
+                "{of}"
+            );
         }
         assert!(LogScale::new(1.0).place(f64::INFINITY).is_nan());
     }

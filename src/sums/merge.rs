@@ -22,20 +22,26 @@ impl Merge for f64 {
 
 impl<T: Merge, const N: usize> Merge for [T; N] {
     fn merge(&mut self, other: &Self) {
-        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
+        self.iter_mut()
+            .zip(other)
+            .for_each(|(mine, more)| mine.merge(more));
     }
 }
 
 /// A list whose length is fixed by the scenario.
 impl<T: Merge> Merge for Vec<T> {
     fn merge(&mut self, other: &Self) {
-        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
+        self.iter_mut()
+            .zip(other)
+            .for_each(|(mine, more)| mine.merge(more));
     }
 }
 
 /// A part that the scenario asks for, or not.
 impl<T: Merge> Merge for Option<Box<T>> {
     fn merge(&mut self, other: &Self) {
-        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
+        self.iter_mut()
+            .zip(other)
+            .for_each(|(mine, more)| mine.merge(more));
     }
 }

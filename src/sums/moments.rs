@@ -44,7 +44,11 @@ fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
 
 /// The sum of (a - mean of a)(b - mean of b), in the same order.
 fn sum_of_products(a: &[f64], mean_a: f64, b: &[f64], mean_b: f64) -> f64 {
-    let products: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).collect();
+    let products: Vec<f64> = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (a - mean_a) * (b - mean_b))
+        .collect();
     sum(&products, |product| product)
 }
 
@@ -102,7 +106,11 @@ impl Moments {
 
     /// Unbiased variance; NaN for fewer than two values.
     pub fn variance(&self) -> f64 {
-        if self.count < 2 { f64::NAN } else { self.m2 / (self.count - 1) as f64 }
+        if self.count < 2 {
+            f64::NAN
+        } else {
+            self.m2 / (self.count - 1) as f64
+        }
     }
 }
 
@@ -113,7 +121,11 @@ impl LaneProgram for MomentsOf<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let (values, mean) = (self.0, mean(self.0));
-        self.1 = Moments { count: values.len() as u64, mean, m2: sum(values, |v| (v - mean) * (v - mean)) };
+        self.1 = Moments {
+            count: values.len() as u64,
+            mean,
+            m2: sum(values, |v| (v - mean) * (v - mean)),
+        };
     }
 }
 
@@ -130,7 +142,11 @@ pub(crate) struct JointMoments<const N: usize> {
 
 impl<const N: usize> Default for JointMoments<N> {
     fn default() -> Self {
-        JointMoments { count: 0, mean: [0.0; N], comoment: [[0.0; N]; N] }
+        JointMoments {
+            count: 0,
+            mean: [0.0; N],
+            comoment: [[0.0; N]; N],
+        }
     }
 }
 
@@ -168,7 +184,11 @@ impl<const N: usize> JointMoments<N> {
                 comoment[i][j] = sum_of_products(columns[i], mean[i], columns[j], mean[j]);
             }
         }
-        JointMoments { count: columns.first().map_or(0, |c| c.len() as u64), mean, comoment }
+        JointMoments {
+            count: columns.first().map_or(0, |c| c.len() as u64),
+            mean,
+            comoment,
+        }
     }
 
     /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination of the N numbers
@@ -235,7 +255,9 @@ impl FourMoments {
         let two = Moments::of(values);
         let (m3, m4) = (
             sum(values, |v| (v - two.mean) * (v - two.mean) * (v - two.mean)),
-            sum(values, |v| ((v - two.mean) * (v - two.mean)) * ((v - two.mean) * (v - two.mean))),
+            sum(values, |v| {
+                ((v - two.mean) * (v - two.mean)) * ((v - two.mean) * (v - two.mean))
+            }),
         );
         FourMoments { two, m3, m4 }
     }
@@ -308,10 +330,16 @@ mod tests {
     fn a_ratio_that_all_paths_share_has_no_spread() {
         let mut merged = JointMoments::<2>::default();
         for block in 0..30 {
-            let number: Vec<f64> = (0..256).map(|i| f64::from((i * 37 + block * 11) % 23 + 1)).collect();
+            let number: Vec<f64> = (0..256)
+                .map(|i| f64::from((i * 37 + block * 11) % 23 + 1))
+                .collect();
             let size: Vec<f64> = number.iter().map(|n| 0.4 * n).collect();
             merged.merge(&JointMoments::of([&size, &number]));
-            assert_eq!(merged.spread_along([1.0, -merged.mean[0] / merged.mean[1]]), 0.0, "{block}");
+            assert_eq!(
+                merged.spread_along([1.0, -merged.mean[0] / merged.mean[1]]),
+                0.0,
+                "{block}"
+            );
         }
     }
 
@@ -329,9 +357,13 @@ mod tests {
     fn a_spread_of_one_on_a_mean_of_1e12_is_kept() {
         // There are 600 values 1e12 +- 1 in blocks of 100. The variance is 600/599; sums of squares
         // would be off by 1e8.
-        let values: Vec<f64> = (0..600).map(|i| 1e12 + if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let values: Vec<f64> = (0..600)
+            .map(|i| 1e12 + if i % 2 == 0 { 1.0 } else { -1.0 })
+            .collect();
         let mut merged = Moments::default();
-        values.chunks(100).for_each(|block| merged.merge(&Moments::of(block)));
+        values
+            .chunks(100)
+            .for_each(|block| merged.merge(&Moments::of(block)));
         assert_eq!(merged.mean, 1e12);
         assert_eq!(merged.variance(), 600.0 / 599.0);
     }
@@ -344,6 +376,9 @@ mod tests {
         for n in [256, 3, 77] {
             merged.merge(&FourMoments::of(&vec![0.1; n]));
         }
-        assert_eq!((merged.two.mean, merged.two.m2, merged.spread_of_squares()), (0.1, 0.0, 0.0));
+        assert_eq!(
+            (merged.two.mean, merged.two.m2, merged.spread_of_squares()),
+            (0.1, 0.0, 0.0)
+        );
     }
 }

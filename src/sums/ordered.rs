@@ -75,9 +75,12 @@ impl Ordered {
         match (self, some) {
             (Ordered::Kept(all), Ordered::Kept(some)) => {
                 let mut some = some.ascending().peekable();
-                let others: Vec<f64> =
-                    all.ascending().filter(|value| some.next_if(|gone| gone == value).is_none()).collect();
-                let [below, above] = ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
+                let others: Vec<f64> = all
+                    .ascending()
+                    .filter(|value| some.next_if(|gone| gone == value).is_none())
+                    .collect();
+                let [below, above] =
+                    ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
                 below + (above - below) * 0.5
             }
             // There are so many values that the median is taken as the place where the distribution
@@ -87,7 +90,11 @@ impl Ordered {
                 for _ in 0..BISECTIONS {
                     let middle = low + (high - low) / 2.0;
                     let is_below = self.up_to(middle) - some.up_to(middle) < 0.5 * left as f64;
-                    (low, high) = if is_below { (middle, high) } else { (low, middle) };
+                    (low, high) = if is_below {
+                        (middle, high)
+                    } else {
+                        (low, middle)
+                    };
                 }
                 low + (high - low) / 2.0
             }
@@ -97,7 +104,9 @@ impl Ordered {
     /// The value of rank `rank`, 0 <= `rank` < n.
     fn of_rank(&self, rank: u64) -> f64 {
         match self {
-            Ordered::Kept(kept) => kept.place(rank).map_or(kept.centre, |place| kept.values[place]),
+            Ordered::Kept(kept) => kept
+                .place(rank)
+                .map_or(kept.centre, |place| kept.values[place]),
             Ordered::Binned(binned) => binned.of_rank(rank),
         }
     }
@@ -106,13 +115,28 @@ impl Ordered {
     /// ([`super::spread`]). Values in a bin are taken to lie in its middle.
     pub fn error_of_spread(&self) -> (f64, ErrorLaw) {
         let (n, values) = (self.count(), self.weighted());
-        let mean = values.iter().map(|(value, number)| number * value).sum::<f64>() / n as f64;
-        let squares: Vec<(f64, f64)> =
-            values.iter().map(|(value, number)| ((value - mean) * (value - mean), *number)).collect();
-        let variance = squares.iter().map(|(square, number)| number * square).sum::<f64>() / n as f64;
+        let mean = values
+            .iter()
+            .map(|(value, number)| number * value)
+            .sum::<f64>()
+            / n as f64;
+        let squares: Vec<(f64, f64)> = values
+            .iter()
+            .map(|(value, number)| ((value - mean) * (value - mean), *number))
+            .collect();
+        let variance = squares
+            .iter()
+            .map(|(square, number)| number * square)
+            .sum::<f64>()
+            / n as f64;
         let mut tails = Tails::default();
-        squares.iter().for_each(|(square, number)| tails.add(square / variance - 1.0, *number));
-        (tails.squares().sqrt() / (2.0 * n as f64), tails.error_law(n))
+        squares
+            .iter()
+            .for_each(|(square, number)| tails.add(square / variance - 1.0, *number));
+        (
+            tails.squares().sqrt() / (2.0 * n as f64),
+            tails.error_law(n),
+        )
     }
 
     /// The values in ascending order, and how many there are of each.
@@ -128,7 +152,12 @@ impl Ordered {
         match self {
             Ordered::Kept(kept) => {
                 let others = kept.values.partition_point(|v| *v <= value) as u64;
-                (others + if kept.centre <= value { kept.at_centre } else { 0 }) as f64
+                (others
+                    + if kept.centre <= value {
+                        kept.at_centre
+                    } else {
+                        0
+                    }) as f64
             }
             Ordered::Binned(binned) => binned.up_to(value),
         }
@@ -146,20 +175,31 @@ impl Kept {
     pub fn of(mut values: Vec<f64>, centre: f64, at_centre: u64) -> Self {
         values.sort_unstable_by(f64::total_cmp);
         let below = values.partition_point(|value| *value < centre);
-        Kept { centre, at_centre, below, values }
+        Kept {
+            centre,
+            at_centre,
+            below,
+            values,
+        }
     }
 
     /// All values in ascending order with their numbers, where those at the centre are one entry.
     fn runs(&self) -> impl Iterator<Item = (f64, f64)> {
         let (below, above) = self.values.split_at(self.below);
         let one = |value: &f64| (*value, 1.0);
-        below.iter().map(one).chain([(self.centre, self.at_centre as f64)]).chain(above.iter().map(one))
+        below
+            .iter()
+            .map(one)
+            .chain([(self.centre, self.at_centre as f64)])
+            .chain(above.iter().map(one))
     }
 
     /// All values in ascending order.
     pub fn ascending(&self) -> impl Iterator<Item = f64> {
-        (0..self.values.len() as u64 + self.at_centre)
-            .map(|rank| self.place(rank).map_or(self.centre, |place| self.values[place]))
+        (0..self.values.len() as u64 + self.at_centre).map(|rank| {
+            self.place(rank)
+                .map_or(self.centre, |place| self.values[place])
+        })
     }
 
     /// The index in `values` of the value of this rank; none if that value is the centre.
@@ -182,8 +222,16 @@ impl Binned {
             *count = all;
         }
         let ends = [bins.smallest, bins.largest];
-        let [smallest, largest] = shape.scale.map_or(ends, |scale| ends.map(|place| scale.number(place)));
-        Binned { shape, level: bins.level, smallest, largest, up_to }
+        let [smallest, largest] = shape
+            .scale
+            .map_or(ends, |scale| ends.map(|place| scale.number(place)));
+        Binned {
+            shape,
+            level: bins.level,
+            smallest,
+            largest,
+            up_to,
+        }
     }
 
     /// The middles of the bins, and how many values are in each bin.
@@ -219,16 +267,29 @@ impl Binned {
     /// linearly.
     fn up_to(&self, value: f64) -> f64 {
         let (place, before) = self.bin(|bin| self.edges(bin.0).1 <= value);
-        let Some(&(index, end)) = self.up_to.get(place) else { return before as f64 };
+        let Some(&(index, end)) = self.up_to.get(place) else {
+            return before as f64;
+        };
         let (low, high) = self.edges(index);
-        let share = if value > low { (value - low) / (high - low) } else { 0.0 };
+        let share = if value > low {
+            (value - low) / (high - low)
+        } else {
+            0.0
+        };
         before as f64 + share * (end - before) as f64
     }
 
     /// The first bin that is not passed, and how many values lie before it.
     fn bin(&self, is_passed: impl Fn(&(i64, u64)) -> bool) -> (usize, u64) {
         let place = self.up_to.partition_point(is_passed);
-        (place, if place == 0 { 0 } else { self.up_to[place - 1].1 })
+        (
+            place,
+            if place == 0 {
+                0
+            } else {
+                self.up_to[place - 1].1
+            },
+        )
     }
 
     /// The bin of a value.
@@ -239,7 +300,14 @@ impl Binned {
     /// The interval in which the values of a bin may lie.
     pub fn edges(&self, index: i64) -> (f64, f64) {
         let width = width(self.level);
-        let edge = |index: i64| self.shape.value(index as f64 * width).clamp(self.smallest, self.largest);
-        (edge(index - i64::from(index > 0)), edge(index + i64::from(index < 0)))
+        let edge = |index: i64| {
+            self.shape
+                .value(index as f64 * width)
+                .clamp(self.smallest, self.largest)
+        };
+        (
+            edge(index - i64::from(index > 0)),
+            edge(index + i64::from(index < 0)),
+        )
     }
 }

@@ -21,14 +21,31 @@ pub(crate) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
         return Measured::NOTHING;
     }
     let quantile = pooled.quantile(p);
-    let share = Share::of(batches.iter().map(|batch| (batch.up_to(quantile), batch.count() as f64)));
+    let share = Share::of(
+        batches
+            .iter()
+            .map(|batch| (batch.up_to(quantile), batch.count() as f64)),
+    );
     let half_width = share.half_width();
     if !half_width.is_finite() {
         return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
     }
-    let low = if half_width < p { pooled.quantile(p - half_width) } else { 0.0 };
-    let high = if p + half_width < 1.0 { pooled.quantile(p + half_width) } else { f64::INFINITY };
-    Measured::within(quantile, (high - low) / (2.0 * student(share.freedom)), low, high)
+    let low = if half_width < p {
+        pooled.quantile(p - half_width)
+    } else {
+        0.0
+    };
+    let high = if p + half_width < 1.0 {
+        pooled.quantile(p + half_width)
+    } else {
+        f64::INFINITY
+    };
+    Measured::within(
+        quantile,
+        (high - low) / (2.0 * student(share.freedom)),
+        low,
+        high,
+    )
 }
 
 /// The quantile of order p of durations that are whole numbers of steps, in steps: the smallest m
@@ -47,7 +64,13 @@ pub(crate) fn of_steps(batches: &[Steps], steps: &Steps, p: f64) -> Measured {
     if steps.count() == 0 {
         return Measured::NOTHING;
     }
-    let share = |number: f64| Share::of(batches.iter().map(|batch| (batch.up_to(number), batch.count() as f64)));
+    let share = |number: f64| {
+        Share::of(
+            batches
+                .iter()
+                .map(|batch| (batch.up_to(number), batch.count() as f64)),
+        )
+    };
     let (place, quantile) = steps.at_least(p);
     let at_quantile = share(quantile);
     let half_width = at_quantile.half_width();
@@ -65,9 +88,24 @@ pub(crate) fn of_steps(batches: &[Steps], steps: &Steps, p: f64) -> Measured {
         share.estimate - share.half_width() >= p
     };
     let (lower, upper) = (&steps.cells()[..=place], &steps.cells()[place..]);
-    let low = lower.iter().rev().take_while(|cell| !is_too_low(cell)).last().map_or(quantile, |cell| cell.first);
-    let high = upper.iter().find(is_high_enough).map_or(f64::INFINITY, |cell| cell.last);
+    let low = lower
+        .iter()
+        .rev()
+        .take_while(|cell| !is_too_low(cell))
+        .last()
+        .map_or(quantile, |cell| cell.first);
+    let high = upper
+        .iter()
+        .find(is_high_enough)
+        .map_or(f64::INFINITY, |cell| cell.last);
     // The data give no bound under the same condition as with a continuous law.
-    let (low, high) = (if half_width < p { low } else { 0.0 }, if p + half_width < 1.0 { high } else { f64::INFINITY });
+    let (low, high) = (
+        if half_width < p { low } else { 0.0 },
+        if p + half_width < 1.0 {
+            high
+        } else {
+            f64::INFINITY
+        },
+    );
     Measured::within(quantile, error, low, high)
 }

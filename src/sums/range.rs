@@ -28,15 +28,30 @@ pub(crate) struct Range {
 
 impl Range {
     /// Any number.
-    pub const ANY: Range = Range { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    pub const ANY: Range = Range {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
     /// A duration, a count, a standard deviation, or work.
-    pub const NOT_NEGATIVE: Range = Range { low: 0.0, high: f64::INFINITY };
+    pub const NOT_NEGATIVE: Range = Range {
+        low: 0.0,
+        high: f64::INFINITY,
+    };
     /// A number of things of which there is at least one.
-    pub const FROM_ONE: Range = Range { low: 1.0, high: f64::INFINITY };
+    pub const FROM_ONE: Range = Range {
+        low: 1.0,
+        high: f64::INFINITY,
+    };
     /// A correlation.
-    pub const CORRELATION: Range = Range { low: -1.0, high: 1.0 };
+    pub const CORRELATION: Range = Range {
+        low: -1.0,
+        high: 1.0,
+    };
     /// A share.
-    pub const SHARE: Range = Range { low: 0.0, high: 1.0 };
+    pub const SHARE: Range = Range {
+        low: 0.0,
+        high: 1.0,
+    };
 
     /// Whether the range has two ends and the number lies between them, so that it is a share of
     /// the way from one end to the other.
@@ -46,7 +61,13 @@ impl Range {
 
     /// The part of an interval that lies within the range. An end that is NaN stays NaN.
     pub fn clip(self, [low, high]: [f64; 2]) -> [f64; 2] {
-        let inside = |x: f64| if x.is_nan() { x } else { x.max(self.low).min(self.high) };
+        let inside = |x: f64| {
+            if x.is_nan() {
+                x
+            } else {
+                x.max(self.low).min(self.high)
+            }
+        };
         [inside(low), inside(high)]
     }
 
@@ -56,7 +77,13 @@ impl Range {
     /// the range does not bound is infinite.
     pub fn interval_where_all_agree(self, number: f64, paths: u64) -> [f64; 2] {
         let [_, share_bound] = wilson(0.0, paths as f64, NORMAL);
-        let towards = |end: f64| if end.is_finite() { number + share_bound * (end - number) } else { end };
+        let towards = |end: f64| {
+            if end.is_finite() {
+                number + share_bound * (end - number)
+            } else {
+                end
+            }
+        };
         [towards(self.low), towards(self.high)]
     }
 }
@@ -67,8 +94,16 @@ pub(crate) fn wilson(p: f64, n: f64, t: f64) -> [f64; 2] {
     let half_width = t * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
     let end = |offset: f64| ((p + square / 2.0 + offset) / (1.0 + square)).clamp(0.0, 1.0);
     // At 0 and 1 the nearer end is the share itself, except for rounding.
-    let low = if p <= 0.0 { 0.0 } else { end(-half_width).min(p) };
-    let high = if p >= 1.0 { 1.0 } else { end(half_width).max(p) };
+    let low = if p <= 0.0 {
+        0.0
+    } else {
+        end(-half_width).min(p)
+    };
+    let high = if p >= 1.0 {
+        1.0
+    } else {
+        end(half_width).max(p)
+    };
     [low, high]
 }
 
@@ -101,7 +136,11 @@ mod tests {
 
     /// Paths each of which is an independent unit.
     fn independent(paths: u64, is_random: bool) -> Sample {
-        Sample { paths, units: paths, is_random }
+        Sample {
+            paths,
+            units: paths,
+            is_random,
+        }
     }
 
     proptest! {
@@ -125,9 +164,18 @@ mod tests {
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);
         assert_eq!(wilson(1.0, 12.0, 2.0), [0.75, 1.0]);
         let share_bound = independent(4, true).share(0)[1];
-        assert_eq!(Range::SHARE.interval_where_all_agree(0.0, 4), [0.0, share_bound]);
-        assert_eq!(Range::NOT_NEGATIVE.interval_where_all_agree(5.0, 4), [5.0 - share_bound * 5.0, f64::INFINITY]);
-        assert_eq!(Range::ANY.interval_where_all_agree(5.0, 4), [f64::NEG_INFINITY, f64::INFINITY]);
+        assert_eq!(
+            Range::SHARE.interval_where_all_agree(0.0, 4),
+            [0.0, share_bound]
+        );
+        assert_eq!(
+            Range::NOT_NEGATIVE.interval_where_all_agree(5.0, 4),
+            [5.0 - share_bound * 5.0, f64::INFINITY]
+        );
+        assert_eq!(
+            Range::ANY.interval_where_all_agree(5.0, 4),
+            [f64::NEG_INFINITY, f64::INFINITY]
+        );
         assert_eq!(independent(4, false).share(0), [0.0, 0.0]);
         assert!(independent(1, true).share(1)[0].is_nan());
     }
@@ -144,7 +192,11 @@ mod tests {
             let mut covered = 0.0;
             for k in 0..=n {
                 let [low, high] = independent(n, true).share(k);
-                covered += if low <= p && p <= high { probability } else { 0.0 };
+                covered += if low <= p && p <= high {
+                    probability
+                } else {
+                    0.0
+                };
                 probability *= (n - k) as f64 / (k + 1) as f64 * (p / (1.0 - p));
             }
             assert!((covered - 0.95).abs() < within, "{p}: {covered}");

@@ -59,9 +59,17 @@ impl Powers {
         for (a, b) in top.iter().zip(bottom) {
             let [aa, ab, bb] = [a * a, a * b, b * b];
             let thirds = [aa * a, aa * b, a * bb, bb * b];
-            powers.thirds.iter_mut().zip(thirds).for_each(|(sum, term)| *sum += term);
+            powers
+                .thirds
+                .iter_mut()
+                .zip(thirds)
+                .for_each(|(sum, term)| *sum += term);
             let fourths = [aa * aa, aa * ab, aa * bb, ab * bb, bb * bb];
-            powers.fourths.iter_mut().zip(fourths).for_each(|(sum, term)| *sum += term);
+            powers
+                .fourths
+                .iter_mut()
+                .zip(fourths)
+                .for_each(|(sum, term)| *sum += term);
         }
         powers
     }
@@ -78,15 +86,28 @@ impl Powers {
         let [aaa, aab, abb, bbb] = self.thirds;
         let [aaaa, aaab, aabb, abbb, bbbb] = self.fourths;
         let thirds = [aaa, 3.0 * r * aab, 3.0 * r * r * abb, r * r * r * bbb];
-        let fourths = [aaaa, 4.0 * r * aaab, 6.0 * r * r * aabb, 4.0 * r * r * r * abbb, r * r * r * r * bbbb];
+        let fourths = [
+            aaaa,
+            4.0 * r * aaab,
+            6.0 * r * r * aabb,
+            4.0 * r * r * r * abbb,
+            r * r * r * r * bbbb,
+        ];
         ErrorLaw::of([squares, unrounded(&thirds), unrounded(&fourths)], units)
     }
 }
 
 /// The sum of these terms; zero where it is lost in rounding.
 fn unrounded(terms: &[f64]) -> f64 {
-    let (sum, size): (f64, f64) = (terms.iter().sum(), terms.iter().map(|term| term.abs()).sum());
-    if sum.abs() > ROUNDING * size { sum } else { 0.0 }
+    let (sum, size): (f64, f64) = (
+        terms.iter().sum(),
+        terms.iter().map(|term| term.abs()).sum(),
+    );
+    if sum.abs() > ROUNDING * size {
+        sum
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -106,7 +127,10 @@ mod tests {
         let mut more = Powers::of_mean(&[0.0, 10.0, 0.0]);
         more.merge(&Powers::of_mean(&[0.0; 7]));
         let law = more.error_law(1.0, 90.0, 10);
-        assert!((law.freedom * (6570.0 / 8100.0 - 0.1) / 2.0 - 1.0).abs() < 1e-9, "{law:?}");
+        assert!(
+            (law.freedom * (6570.0 / 8100.0 - 0.1) / 2.0 - 1.0).abs() < 1e-9,
+            "{law:?}"
+        );
         // 720/90^(3/2) times sqrt(90)/8, which is the most that one of ten units can show.
         assert!((law.skewness - 1.0).abs() < 1e-9, "{law:?}");
     }
@@ -115,7 +139,10 @@ mod tests {
     fn rounding_takes_no_freedom_from_equal_units() {
         let equal = Powers::of(&[0.1; 50], &[0.3; 50]);
         for squares in [1e-33, 0.0] {
-            assert_eq!(equal.error_law(0.1 / 0.3, squares, 50), ErrorLaw::of_freedom(49.0));
+            assert_eq!(
+                equal.error_law(0.1 / 0.3, squares, 50),
+                ErrorLaw::of_freedom(49.0)
+            );
         }
     }
 

@@ -40,20 +40,31 @@ impl Replicate {
     pub fn means(self, values: &[f64]) -> Cow<'_, [f64]> {
         match self {
             Replicate::Path => Cow::Borrowed(values),
-            Replicate::Pair => values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a + b)).collect(),
+            Replicate::Pair => values
+                .as_chunks()
+                .0
+                .iter()
+                .map(|[a, b]| 0.5 * (a + b))
+                .collect(),
         }
     }
 
     /// One number for each unit: the mean of a number of its paths.
     pub fn column<T>(self, paths: &[T], of: impl Fn(&T) -> f64) -> Vec<f64> {
-        self.means(&paths.iter().map(of).collect::<Vec<f64>>()).into_owned()
+        self.means(&paths.iter().map(of).collect::<Vec<f64>>())
+            .into_owned()
     }
 
     /// Number of units in which at least one path satisfies `is`.
     pub fn count<T>(self, paths: &[T], is: impl Fn(&T) -> bool) -> u64 {
         match self {
             Replicate::Path => paths.iter().filter(|path| is(path)).count() as u64,
-            Replicate::Pair => paths.as_chunks().0.iter().filter(|[a, b]| is(a) || is(b)).count() as u64,
+            Replicate::Pair => paths
+                .as_chunks()
+                .0
+                .iter()
+                .filter(|[a, b]| is(a) || is(b))
+                .count() as u64,
         }
     }
 }

@@ -31,7 +31,12 @@ const WORTHWHILE: usize = 16;
 impl Sketch {
     /// A sketch of no values.
     pub fn empty(shape: Shape) -> Self {
-        Sketch { shape, at_centre: 0, pending: Vec::new(), bins: None }
+        Sketch {
+            shape,
+            at_centre: 0,
+            pending: Vec::new(),
+            bins: None,
+        }
     }
 
     /// Add one value. A value that is not finite is left out.
@@ -52,14 +57,19 @@ impl Sketch {
     pub fn extend_by_parts(&mut self, parts: &[&[f64]]) {
         let number: usize = parts.iter().map(|part| part.len()).sum();
         match &mut self.bins {
-            Some(bins) if WORTHWHILE * number >= self.shape.bins => return count(bins, parts, &self.shape),
-            Some(_) => parts.iter().for_each(|part| self.pending.extend_from_slice(part)),
+            Some(bins) if WORTHWHILE * number >= self.shape.bins => {
+                return count(bins, parts, &self.shape);
+            }
+            Some(_) => parts
+                .iter()
+                .for_each(|part| self.pending.extend_from_slice(part)),
             None => {
                 let (before, centre) = (self.pending.len(), self.shape.centre);
                 for part in parts {
                     // Mostly no value is at the centre, and then the part is copied as a whole.
                     if part.contains(&centre) {
-                        self.pending.extend(part.iter().filter(|value| **value != centre));
+                        self.pending
+                            .extend(part.iter().filter(|value| **value != centre));
                     } else {
                         self.pending.extend_from_slice(part);
                     }
@@ -77,7 +87,12 @@ impl Sketch {
         let normalised = self.normalised();
         match &normalised.bins {
             None => {
-                let Sketch { shape, at_centre, pending, .. } = normalised.into_owned();
+                let Sketch {
+                    shape,
+                    at_centre,
+                    pending,
+                    ..
+                } = normalised.into_owned();
                 Ordered::Kept(Kept::of(pending, shape.centre, at_centre))
             }
             Some(bins) => Ordered::Binned(Binned::of(bins, self.shape)),
@@ -86,20 +101,35 @@ impl Sketch {
 
     /// The finest level at which the values can be counted.
     pub fn finest_level(&self) -> i32 {
-        self.normalised().bins.as_ref().map_or(i32::MIN, |bins| bins.level)
+        self.normalised()
+            .bins
+            .as_ref()
+            .map_or(i32::MIN, |bins| bins.level)
     }
 
     /// The counts at a level that is not finer than [`Sketch::finest_level`].
     pub fn counts(&self, level: i32) -> List {
-        let Sketch { shape, at_centre, pending, bins } = &*self.normalised();
+        let Sketch {
+            shape,
+            at_centre,
+            pending,
+            bins,
+        } = &*self.normalised();
         if let Some(bins) = bins {
             return coarsen(&bins.list(), level.saturating_sub(bins.level).max(0) as u32);
         }
         let ruler = Ruler::new(shape.centre, level);
         let values = placed(&[pending], shape);
-        let indices = values.as_ref().unwrap_or(pending).iter().map(|value| ruler.index(*value) as i64);
+        let indices = values
+            .as_ref()
+            .unwrap_or(pending)
+            .iter()
+            .map(|value| ruler.index(*value) as i64);
         let centre = [(0, *at_centre)];
-        union(&centre[..usize::from(*at_centre > 0)], &counted(indices.collect()))
+        union(
+            &centre[..usize::from(*at_centre > 0)],
+            &counted(indices.collect()),
+        )
     }
 
     /// The same values in their only form, except for the order of those that are kept one by one.
@@ -138,7 +168,10 @@ impl Sketch {
         pending.retain(|value| (value - self.shape.centre).is_finite());
         if pending.len() > self.shape.values {
             let places = placed(&[&pending], &self.shape);
-            self.bins = Some(Box::new(Bins::of(places.as_deref().unwrap_or(&pending), &self.shape)));
+            self.bins = Some(Box::new(Bins::of(
+                places.as_deref().unwrap_or(&pending),
+                &self.shape,
+            )));
         } else {
             self.pending = pending;
         }
@@ -147,7 +180,14 @@ impl Sketch {
 
 /// The places of values, if they are counted on a scale.
 fn placed(parts: &[&[f64]], shape: &Shape) -> Option<Vec<f64>> {
-    shape.scale.map(|scale| parts.iter().copied().flatten().map(|value| scale.place(*value)).collect())
+    shape.scale.map(|scale| {
+        parts
+            .iter()
+            .copied()
+            .flatten()
+            .map(|value| scale.place(*value))
+            .collect()
+    })
 }
 
 /// Count values in bins.
@@ -185,7 +225,11 @@ impl Codec for Sketch {
         u64::from(normalised.bins.is_some()).write(out);
         match &normalised.bins {
             None => {
-                let Sketch { mut pending, at_centre, .. } = normalised.into_owned();
+                let Sketch {
+                    mut pending,
+                    at_centre,
+                    ..
+                } = normalised.into_owned();
                 pending.sort_unstable_by(f64::total_cmp);
                 at_centre.write(out);
                 pending.write(out);
@@ -205,8 +249,14 @@ impl Codec for Sketch {
                 }
                 self.pending = vec![0.0; length];
                 self.pending.read(from)?;
-                let is_valid = |value: &f64| *value != self.shape.centre && (value - self.shape.centre).is_finite();
-                if self.pending.iter().all(is_valid) && self.pending.is_sorted() { Ok(()) } else { Err(Damaged) }
+                let is_valid = |value: &f64| {
+                    *value != self.shape.centre && (value - self.shape.centre).is_finite()
+                };
+                if self.pending.iter().all(is_valid) && self.pending.is_sorted() {
+                    Ok(())
+                } else {
+                    Err(Damaged)
+                }
             }
             1 => {
                 self.bins = Some(Box::new(Bins::read(from, &self.shape)?));
@@ -226,7 +276,12 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::{Rng, SeedableRng};
 
-    const SHAPE: Shape = Shape { centre: 0.0, scale: None, values: 2048, bins: 1024 };
+    const SHAPE: Shape = Shape {
+        centre: 0.0,
+        scale: None,
+        values: 2048,
+        bins: 1024,
+    };
 
     fn of(values: &[f64], shape: Shape) -> Sketch {
         let mut sketch = Sketch::empty(shape);
@@ -246,26 +301,39 @@ mod tests {
     /// What a sketch of these values holds, by the definition at the head of the module: without
     /// arrays, without order, in integers.
     fn by_definition(values: &[f64], shape: &Shape) -> Ordered {
-        let mut finite: Vec<f64> = values.iter().map(|v| v + 0.0).filter(|v| (v - shape.centre).is_finite()).collect();
+        let mut finite: Vec<f64> = values
+            .iter()
+            .map(|v| v + 0.0)
+            .filter(|v| (v - shape.centre).is_finite())
+            .collect();
         finite.sort_by(f64::total_cmp);
-        let others: Vec<f64> = finite.iter().copied().filter(|value| *value != shape.centre).collect();
+        let others: Vec<f64> = finite
+            .iter()
+            .copied()
+            .filter(|value| *value != shape.centre)
+            .collect();
         if others.len() <= shape.values {
             let at_centre = (finite.len() - others.len()) as u64;
             return Ordered::Kept(Kept::of(others, shape.centre, at_centre));
         }
         let places: Vec<f64> = finite.iter().map(|value| shape.place(*value)).collect();
-        let farthest = places.iter().fold(0.0_f64, |farthest, u| farthest.max(u.abs()));
-        let [smallest, largest] = [finite[0], finite[finite.len() - 1]].map(|end| match shape.scale {
-            Some(_) => shape.value(shape.place(end)),
-            None => end,
-        });
+        let farthest = places
+            .iter()
+            .fold(0.0_f64, |farthest, u| farthest.max(u.abs()));
+        let [smallest, largest] =
+            [finite[0], finite[finite.len() - 1]].map(|end| match shape.scale {
+                Some(_) => shape.value(shape.place(end)),
+                None => end,
+            });
         let mut level = crate::sums::dyadic::finest(farthest);
         loop {
             let width = crate::sums::dyadic::width(level);
             let mut bins = std::collections::BTreeMap::<i64, u64>::new();
             for &u in &places {
                 let magnitude = ((u.abs() / width).ceil() as i64).max(i64::from(u != 0.0));
-                *bins.entry(if u < 0.0 { -magnitude } else { magnitude }).or_default() += 1;
+                *bins
+                    .entry(if u < 0.0 { -magnitude } else { magnitude })
+                    .or_default() += 1;
             }
             if bins.len() <= shape.bins {
                 let all = bins.values().scan(0, |all, count| {
@@ -273,7 +341,13 @@ mod tests {
                     Some(*all)
                 });
                 let up_to = bins.keys().copied().zip(all).collect();
-                return Ordered::Binned(Binned { shape: *shape, level, smallest, largest, up_to });
+                return Ordered::Binned(Binned {
+                    shape: *shape,
+                    level,
+                    smallest,
+                    largest,
+                    up_to,
+                });
             }
             level += 1;
         }
@@ -292,7 +366,11 @@ mod tests {
             1 => prop_oneof![Just(0.0), Just(-0.0), Just(f64::NAN), Just(f64::INFINITY), Just(1e300), Just(5e-324)],
         ];
         let mixed = prop::collection::vec(value, 0..400);
-        prop_oneof![mixed, prop::collection::vec(-1.0..3.0f64, 0..400), prop::collection::vec(5.99..6.01f64, 0..400)]
+        prop_oneof![
+            mixed,
+            prop::collection::vec(-1.0..3.0f64, 0..400),
+            prop::collection::vec(5.99..6.01f64, 0..400)
+        ]
     }
 
     proptest! {
@@ -359,7 +437,9 @@ mod tests {
     /// The largest error of any percentile, in standard deviations of the sample.
     fn worst(values: &[f64], shape: Shape) -> f64 {
         let mut sketch = Sketch::empty(shape);
-        values.chunks(256).for_each(|block| sketch.merge(&of(block, shape)));
+        values
+            .chunks(256)
+            .for_each(|block| sketch.merge(&of(block, shape)));
         let ordered = sketch.ordered();
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -367,7 +447,9 @@ mod tests {
         let mean = values.iter().sum::<f64>() / n;
         let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
         let error = |p: f64| (ordered.quantile(p) - exact(&sorted, p)).abs() / sd;
-        (0..=100).map(|percent| error(f64::from(percent) / 100.0)).fold(0.0, f64::max)
+        (0..=100)
+            .map(|percent| error(f64::from(percent) / 100.0))
+            .fold(0.0, f64::max)
     }
 
     /// Draws a value.
@@ -379,27 +461,54 @@ mod tests {
         let uniform = |rng: &mut Pcg64Dxsm| -> f64 { Uniform::new(0.0, 1.0).unwrap().sample(rng) };
         vec![
             ("standard normal", Box::new(normal)),
-            ("normal, its mean 1e6 sd from the centre", Box::new(move |rng| 1e3 + 1e-3 * normal(rng))),
-            ("normal, its mean 1e11 sd from the centre", Box::new(move |rng| -1e3 + 1e-8 * normal(rng))),
+            (
+                "normal, its mean 1e6 sd from the centre",
+                Box::new(move |rng| 1e3 + 1e-3 * normal(rng)),
+            ),
+            (
+                "normal, its mean 1e11 sd from the centre",
+                Box::new(move |rng| -1e3 + 1e-8 * normal(rng)),
+            ),
             (
                 "two narrow clusters",
-                Box::new(move |rng| (if uniform(rng) < 0.3 { -6.0 } else { 6.0 }) + 1e-6 * normal(rng)),
+                Box::new(move |rng| {
+                    (if uniform(rng) < 0.3 { -6.0 } else { 6.0 }) + 1e-6 * normal(rng)
+                }),
             ),
             (
                 "an atom at the centre and a density about it",
                 Box::new(move |rng| if uniform(rng) < 0.4 { 0.0 } else { normal(rng) }),
             ),
-            ("atoms on a lattice", Box::new(move |rng| 0.1 * (uniform(rng) * 60.0).floor())),
-            ("a fine lattice", Box::new(move |rng| (4000.0 * normal(rng)).round() / 4000.0)),
+            (
+                "atoms on a lattice",
+                Box::new(move |rng| 0.1 * (uniform(rng) * 60.0).floor()),
+            ),
+            (
+                "a fine lattice",
+                Box::new(move |rng| (4000.0 * normal(rng)).round() / 4000.0),
+            ),
             (
                 "half atoms, half density",
-                Box::new(
-                    move |rng| if uniform(rng) < 0.5 { (uniform(rng) * 9.0).floor() / 3.0 } else { 3.0 * uniform(rng) },
-                ),
+                Box::new(move |rng| {
+                    if uniform(rng) < 0.5 {
+                        (uniform(rng) * 9.0).floor() / 3.0
+                    } else {
+                        3.0 * uniform(rng)
+                    }
+                }),
             ),
-            ("outliers at 1e3 sd", Box::new(move |rng| normal(rng) * if uniform(rng) < 1e-5 { 1e3 } else { 1.0 })),
-            ("Student's t with 2 degrees of freedom", Box::new(|rng| StudentT::new(2.0).unwrap().sample(rng))),
-            ("lognormal over eight decades", Box::new(|rng| LogNormal::new(0.0, 2.0).unwrap().sample(rng))),
+            (
+                "outliers at 1e3 sd",
+                Box::new(move |rng| normal(rng) * if uniform(rng) < 1e-5 { 1e3 } else { 1.0 }),
+            ),
+            (
+                "Student's t with 2 degrees of freedom",
+                Box::new(|rng| StudentT::new(2.0).unwrap().sample(rng)),
+            ),
+            (
+                "lognormal over eight decades",
+                Box::new(|rng| LogNormal::new(0.0, 2.0).unwrap().sample(rng)),
+            ),
             ("one value", Box::new(|_| 0.1)),
         ]
     }
@@ -410,11 +519,20 @@ mod tests {
         // values are not binned.
         let mut rng = Pcg64Dxsm::seed_from_u64(7);
         for (name, mut law) in laws() {
-            for (n, bound) in [(100, 0.0), (2048, 0.0), (3000, 0.02), (30_000, 0.02), (1_000_000, 0.02)] {
+            for (n, bound) in [
+                (100, 0.0),
+                (2048, 0.0),
+                (3000, 0.02),
+                (30_000, 0.02),
+                (1_000_000, 0.02),
+            ] {
                 let values: Vec<f64> = (0..n).map(|_| law(&mut rng)).collect();
                 let error = worst(&values, SHAPE);
                 println!("{name}: {n} values, {error:.5} sd");
-                assert!(error <= bound || name == "one value", "{name}: {n} values, {error} sd");
+                assert!(
+                    error <= bound || name == "one value",
+                    "{name}: {n} values, {error} sd"
+                );
             }
         }
     }
@@ -422,7 +540,9 @@ mod tests {
     /// A bin may hold more values than its slot can count, all of which come at once.
     #[test]
     fn many_values_at_once_are_the_same_as_a_few_at_a_time() {
-        let values: Vec<f64> = (0..300_000).map(|i| if i % 3 == 0 { f64::from(i) } else { 7.0 }).collect();
+        let values: Vec<f64> = (0..300_000)
+            .map(|i| if i % 3 == 0 { f64::from(i) } else { 7.0 })
+            .collect();
         let (mut paths, mut parts) = (Sketch::empty(SHAPE), Sketch::empty(SHAPE));
         values.iter().for_each(|&value| paths.push(value));
         parts.extend_by_parts(&[&values[..1], &values[1..200_001], &[], &values[200_001..]]);
@@ -437,15 +557,27 @@ mod tests {
         // wide. Where the density is smooth, placing values by rank within a bin is off by w^2
         // |f'|/(8 f) = 0.002 sd.
         let mut rng = Pcg64Dxsm::seed_from_u64(8);
-        let values: Vec<f64> = (0..200_000).map(|_| Normal::new(5.0, 0.1).unwrap().sample(&mut rng)).collect();
-        let error = worst(&values, Shape { values: 256, bins: 256, ..SHAPE });
+        let values: Vec<f64> = (0..200_000)
+            .map(|_| Normal::new(5.0, 0.1).unwrap().sample(&mut rng))
+            .collect();
+        let error = worst(
+            &values,
+            Shape {
+                values: 256,
+                bins: 256,
+                ..SHAPE
+            },
+        );
         assert!(error <= 0.02, "{error}");
     }
 
     #[test]
     fn an_atom_at_the_centre_is_exact_in_any_number_of_values() {
         let mut rng = Pcg64Dxsm::seed_from_u64(9);
-        let shape = Shape { centre: 6.0, ..SHAPE };
+        let shape = Shape {
+            centre: 6.0,
+            ..SHAPE
+        };
         let mut sketch = Sketch::empty(shape);
         for i in 0..100_000 {
             let off: f64 = StandardNormal.sample(&mut rng);

@@ -74,9 +74,20 @@ impl SpreadMoments {
     pub fn of(values: &[f64], unit: Replicate) -> Self {
         let four = FourMoments::of(values);
         let (mean, square) = (four.two.mean, four.two.m2 / values.len() as f64);
-        let units = if unit == Replicate::Path { four } else { FourMoments::of(&unit.means(values)) };
-        let influences: Vec<f64> = values.iter().map(|v| (v - mean) * (v - mean) - square).collect();
-        SpreadMoments { four, units, tails: Tails::of(unit.means(&influences).iter().copied()) }
+        let units = if unit == Replicate::Path {
+            four
+        } else {
+            FourMoments::of(&unit.means(values))
+        };
+        let influences: Vec<f64> = values
+            .iter()
+            .map(|v| (v - mean) * (v - mean) - square)
+            .collect();
+        SpreadMoments {
+            four,
+            units,
+            tails: Tails::of(unit.means(&influences).iter().copied()),
+        }
     }
 
     /// The standard deviation over paths, with e_i = ((x_i - mean)^2 - M_2/n) n/(n - 1) / (2 sd). The
@@ -85,13 +96,20 @@ impl SpreadMoments {
         let n = self.units.two.count;
         let sd = self.four.two.variance().sqrt();
         let is_of_paths = n == self.four.two.count;
-        let spread = if is_of_paths { self.four.spread_of_squares() } else { self.tails.squares() };
+        let spread = if is_of_paths {
+            self.four.spread_of_squares()
+        } else {
+            self.tails.squares()
+        };
         let freedom = n.saturating_sub(1);
         // This case is explicit because the bits of 0/0 differ between processors.
         let error = match freedom {
             0 => f64::NAN,
             _ if sd == 0.0 => 0.0,
-            _ => (spread / (n as f64 * freedom as f64)).sqrt() * n as f64 / (freedom as f64 * 2.0 * sd),
+            _ => {
+                (spread / (n as f64 * freedom as f64)).sqrt() * n as f64
+                    / (freedom as f64 * 2.0 * sd)
+            }
         };
         Measured::spread(sd, error, self.tails.error_law(n), n)
     }
@@ -121,11 +139,17 @@ mod tests {
         let sd = moments.standard_deviation().measurement();
         let expected = 3.0 / 200_000f64.sqrt();
         assert!((sd.estimate - 3.0).abs() < 4.0 * expected);
-        assert!((sd.standard_error / expected - 1.0).abs() < 0.032, "{sd:?} {expected}");
+        assert!(
+            (sd.standard_error / expected - 1.0).abs() < 0.032,
+            "{sd:?} {expected}"
+        );
         // (x^2 - 1) has the kurtosis 15 for a normal x, which gives 2 n/14 degrees of freedom. By
         // the eighth moment they are known to 4 %.
         let freedom = moments.tails.error_law(100_000).freedom;
-        assert!((freedom / (100_000.0 / 7.0) - 1.0).abs() < 0.16, "{freedom}");
+        assert!(
+            (freedom / (100_000.0 / 7.0) - 1.0).abs() < 0.16,
+            "{freedom}"
+        );
     }
 
     /// The error of a variance s^2 by leaving out one number after the other, divided by twice the
@@ -137,19 +161,37 @@ mod tests {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (x.len() as f64 - 1.0)
         };
-        let without: Vec<f64> = (0..x.len()).map(|i| variance(&[&x[..i], &x[i + 1..]].concat())).collect();
-        let expected = crate::sums::jackknife::standard_error(&without) / (2.0 * variance(&x).sqrt());
-        let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
-        assert!((sd.standard_error / expected - 1.0).abs() < 1e-12, "{sd:?} {expected}");
+        let without: Vec<f64> = (0..x.len())
+            .map(|i| variance(&[&x[..i], &x[i + 1..]].concat()))
+            .collect();
+        let expected =
+            crate::sums::jackknife::standard_error(&without) / (2.0 * variance(&x).sqrt());
+        let sd = SpreadMoments::of(&x, Replicate::Path)
+            .standard_deviation()
+            .measurement();
+        assert!(
+            (sd.standard_error / expected - 1.0).abs() < 1e-12,
+            "{sd:?} {expected}"
+        );
     }
 
     #[test]
     fn one_value_has_no_spread_and_equal_ones_have_the_freedom_of_their_number() {
         // The file must hold the same bytes on every processor, whichever sign 0/0 has there.
-        let one = SpreadMoments::of(&[3.0], Replicate::Path).standard_deviation().measurement();
+        let one = SpreadMoments::of(&[3.0], Replicate::Path)
+            .standard_deviation()
+            .measurement();
         let numbers = [one.estimate, one.standard_error, one.low, one.high];
-        assert!(numbers.iter().all(|x| x.to_bits() == f64::NAN.to_bits()), "{one:?}");
-        assert_eq!(SpreadMoments::of(&[2.0; 7], Replicate::Path).tails.error_law(7), ErrorLaw::of_freedom(6.0));
+        assert!(
+            numbers.iter().all(|x| x.to_bits() == f64::NAN.to_bits()),
+            "{one:?}"
+        );
+        assert_eq!(
+            SpreadMoments::of(&[2.0; 7], Replicate::Path)
+                .tails
+                .error_law(7),
+            ErrorLaw::of_freedom(6.0)
+        );
     }
 
     /// Null: the interval of a standard deviation covers the truth in 95 % of all ensembles, both
@@ -158,14 +200,21 @@ mod tests {
     #[test]
     fn intervals_of_standard_deviations_cover_where_tails_are_long() {
         let mut rng = Pcg64Dxsm::seed_from_u64(1908);
-        let (mut normal, mut exponential, mut straight) =
-            (Coverage::default(), Coverage::default(), Coverage::default());
+        let (mut normal, mut exponential, mut straight) = (
+            Coverage::default(),
+            Coverage::default(),
+            Coverage::default(),
+        );
         for _ in 0..4000 {
             let x: Vec<f64> = (0..50).map(|_| StandardNormal.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Replicate::Path)
+                .standard_deviation()
+                .measurement();
             normal.count(sd.low <= 1.0 && 1.0 <= sd.high);
             let x: Vec<f64> = (0..200).map(|_| Exp1.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Replicate::Path)
+                .standard_deviation()
+                .measurement();
             exponential.count(sd.low <= 1.0 && 1.0 <= sd.high);
             straight.count((sd.estimate - 1.0).abs() <= 1.96 * sd.standard_error);
         }

@@ -21,7 +21,9 @@ impl Steps {
     /// The cells of durations that are whole numbers of this step.
     pub fn of(durations: &Ordered, step: f64) -> Self {
         match durations {
-            Ordered::Kept(kept) => Steps::of_values(kept.ascending().map(|duration| nearest(duration / step))),
+            Ordered::Kept(kept) => {
+                Steps::of_values(kept.ascending().map(|duration| nearest(duration / step)))
+            }
             Ordered::Binned(binned) => {
                 let cell = |&(index, up_to): &(i64, u64)| {
                     let [first, last] = numbers_in(binned, index, step);
@@ -37,7 +39,11 @@ impl Steps {
         for (value, up_to) in ascending.zip(1..) {
             match cells.last_mut() {
                 Some(cell) if cell.last == value => cell.up_to = up_to,
-                _ => cells.push(StepsInBin { first: value, last: value, up_to }),
+                _ => cells.push(StepsInBin {
+                    first: value,
+                    last: value,
+                    up_to,
+                }),
             }
         }
         Steps(cells)
@@ -52,7 +58,11 @@ impl Steps {
     /// spread evenly over its numbers.
     pub fn up_to(&self, number: f64) -> f64 {
         let place = self.0.partition_point(|cell| cell.last <= number);
-        let before = if place == 0 { 0 } else { self.0[place - 1].up_to } as f64;
+        let before = if place == 0 {
+            0
+        } else {
+            self.0[place - 1].up_to
+        } as f64;
         match self.0.get(place) {
             Some(cell) if cell.first <= number => {
                 let share = (number - cell.first + 1.0) / (cell.last - cell.first + 1.0);
@@ -74,7 +84,9 @@ impl Steps {
         // Rounding may put p n just above a whole number.
         let rank = (p * n * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
         let place = self.place(rank);
-        let Some(cell) = self.0.get(place) else { return (0, f64::NAN) };
+        let Some(cell) = self.0.get(place) else {
+            return (0, f64::NAN);
+        };
         let (share, numbers) = (self.share(place, rank - 0.5), cell.last - cell.first + 1.0);
         (place, cell.first - 1.0 + (numbers * share).ceil())
     }
@@ -84,7 +96,9 @@ impl Steps {
         let n = self.count() as f64;
         let rank = p.clamp(0.0, 1.0) * n;
         let place = self.place(rank);
-        let Some(cell) = self.0.get(place) else { return f64::NAN };
+        let Some(cell) = self.0.get(place) else {
+            return f64::NAN;
+        };
         cell.first - 0.5 + (cell.last - cell.first + 1.0) * self.share(place, rank)
     }
 
@@ -95,7 +109,11 @@ impl Steps {
 
     /// The share of the durations of a cell that have ranks up to `rank`.
     fn share(&self, place: usize, rank: f64) -> f64 {
-        let before = if place == 0 { 0 } else { self.0[place - 1].up_to };
+        let before = if place == 0 {
+            0
+        } else {
+            self.0[place - 1].up_to
+        };
         (rank - before as f64) / (self.0[place].up_to - before) as f64
     }
 }
@@ -106,7 +124,16 @@ fn numbers_in(binned: &Binned, index: i64, step: f64) -> [f64; 2] {
     let (low, high) = binned.edges(index);
     let is_in = |number: &f64| binned.index(number * step) == index;
     let [first, last] = [steps(low), steps(high)];
-    let first = [first - 1.0, first, first + 1.0].into_iter().find(is_in).unwrap_or(last);
-    let last = [last + 1.0, last, last - 1.0].into_iter().find(is_in).unwrap_or(first);
-    [first.max(steps(binned.smallest)), last.min(steps(binned.largest))]
+    let first = [first - 1.0, first, first + 1.0]
+        .into_iter()
+        .find(is_in)
+        .unwrap_or(last);
+    let last = [last + 1.0, last, last - 1.0]
+        .into_iter()
+        .find(is_in)
+        .unwrap_or(first);
+    [
+        first.max(steps(binned.smallest)),
+        last.min(steps(binned.largest)),
+    ]
 }

@@ -37,7 +37,9 @@ struct Subtree<S> {
 
 impl<S> Default for Tree<S> {
     fn default() -> Self {
-        Tree { nodes: BTreeMap::new() }
+        Tree {
+            nodes: BTreeMap::new(),
+        }
     }
 }
 
@@ -51,10 +53,16 @@ impl<S: Merge> Tree<S> {
     /// remains unchanged.
     pub fn merge(&mut self, other: Tree<S>) -> Result<(), Overlap> {
         // This is checked first, so that after an error this part is as it was before.
-        let there = other.nodes.iter().find_map(|(first, node)| self.first_in(*first, size(node.level)));
+        let there = other
+            .nodes
+            .iter()
+            .find_map(|(first, node)| self.first_in(*first, size(node.level)));
         match there {
             Some(block) => Err(Overlap { block }),
-            None => other.nodes.into_iter().try_for_each(|(first, node)| self.insert(first, node)),
+            None => other
+                .nodes
+                .into_iter()
+                .try_for_each(|(first, node)| self.insert(first, node)),
         }
     }
 
@@ -64,13 +72,29 @@ impl<S: Merge> Tree<S> {
         }
         loop {
             let sibling = first ^ size(node.level);
-            if self.nodes.get(&sibling).is_none_or(|other| other.level != node.level) {
+            if self
+                .nodes
+                .get(&sibling)
+                .is_none_or(|other| other.level != node.level)
+            {
                 break;
             }
-            let Some(other) = self.nodes.remove(&sibling) else { break };
-            let (mut left, right) = if sibling < first { (other, node) } else { (node, other) };
+            let Some(other) = self.nodes.remove(&sibling) else {
+                break;
+            };
+            let (mut left, right) = if sibling < first {
+                (other, node)
+            } else {
+                (node, other)
+            };
             left.sums.merge(&right.sums);
-            (first, node) = (first.min(sibling), Subtree { level: left.level + 1, sums: left.sums });
+            (first, node) = (
+                first.min(sibling),
+                Subtree {
+                    level: left.level + 1,
+                    sums: left.sums,
+                },
+            );
         }
         self.nodes.insert(first, node);
         Ok(())
@@ -79,8 +103,15 @@ impl<S: Merge> Tree<S> {
     /// The first block of `first .. first + blocks` that has already been added.
     fn first_in(&self, first: u64, blocks: u64) -> Option<u64> {
         let before = self.nodes.range(..first).next_back();
-        let reaches = before.filter(|(start, node)| *start + size(node.level) > first).map(|_| first);
-        reaches.or_else(|| self.nodes.range(first..first + blocks).next().map(|(start, _)| *start))
+        let reaches = before
+            .filter(|(start, node)| *start + size(node.level) > first)
+            .map(|_| first);
+        reaches.or_else(|| {
+            self.nodes
+                .range(first..first + blocks)
+                .next()
+                .map(|(start, _)| *start)
+        })
     }
 
     /// The blocks that have been added, as ranges without gaps, in ascending order.
@@ -101,7 +132,11 @@ impl<S: Merge> Tree<S> {
     /// The order of merging is that of the whole sums, so that the result is the same part of their
     /// total.
     pub fn total<P: Merge + Clone>(&self, part: impl Fn(&S) -> &P) -> Option<P> {
-        let nodes: Vec<(u64, &P)> = self.nodes.iter().map(|(first, node)| (*first, part(&node.sums))).collect();
+        let nodes: Vec<(u64, &P)> = self
+            .nodes
+            .iter()
+            .map(|(first, node)| (*first, part(&node.sums)))
+            .collect();
         root(&nodes, u64::BITS)
     }
 }
@@ -146,20 +181,32 @@ impl<S> Tree<S> {
 impl<S: Merge + Clone> Tree<S> {
     /// Read the nodes back, each into `part` of a copy of `empty`. The bytes are damaged if nodes
     /// overlap, if a node is at a wrong place, or if two nodes should be one.
-    pub fn read<P: Codec>(from: &mut Reader<'_>, empty: &S, part: impl Fn(&mut S) -> &mut P) -> Result<Self, Damaged> {
+    pub fn read<P: Codec>(
+        from: &mut Reader<'_>,
+        empty: &S,
+        part: impl Fn(&mut S) -> &mut P,
+    ) -> Result<Self, Damaged> {
         let mut tree = Tree::default();
         let count = from.length()?;
         for _ in 0..count {
             let [level, first]: [u64; 2] = from.value()?;
             let mut sums = empty.clone();
             part(&mut sums).read(from)?;
-            let level = u32::try_from(level).ok().filter(|level| *level < u64::BITS - 1).ok_or(Damaged)?;
+            let level = u32::try_from(level)
+                .ok()
+                .filter(|level| *level < u64::BITS - 1)
+                .ok_or(Damaged)?;
             if first % size(level) != 0 || first > u64::MAX / 2 {
                 return Err(Damaged);
             }
-            tree.insert(first, Subtree { level, sums }).map_err(|_| Damaged)?;
+            tree.insert(first, Subtree { level, sums })
+                .map_err(|_| Damaged)?;
         }
-        if tree.nodes.len() == count { Ok(tree) } else { Err(Damaged) }
+        if tree.nodes.len() == count {
+            Ok(tree)
+        } else {
+            Err(Damaged)
+        }
     }
 }
 
@@ -174,12 +221,16 @@ mod tests {
     fn blocks(n: u64, seed: u64) -> Vec<Moments> {
         let mut rng = Pcg64Dxsm::seed_from_u64(seed);
         let mut value = || (rng.next_u64() >> 11) as f64 * 2f64.powi(-53);
-        (0..n).map(|_| Moments::of(&[value(), 10.0 * value(), -3.0 * value()])).collect()
+        (0..n)
+            .map(|_| Moments::of(&[value(), 10.0 * value(), -3.0 * value()]))
+            .collect()
     }
 
     fn whole(blocks: &[Moments]) -> Moments {
         let mut tree = Tree::default();
-        (0..).zip(blocks).for_each(|(k, block)| tree.push(k, *block).expect("each block once"));
+        (0..)
+            .zip(blocks)
+            .for_each(|(k, block)| tree.push(k, *block).expect("each block once"));
         tree.total(|sums| sums).expect("there are blocks")
     }
 
@@ -245,10 +296,16 @@ mod tests {
     #[test]
     fn a_block_that_is_there_already_is_refused_whole_or_within_a_node() {
         let mut tree = Tree::default();
-        (4..8).for_each(|k| tree.push(k, Moments::of(&[k as f64])).expect("each block once"));
+        (4..8).for_each(|k| {
+            tree.push(k, Moments::of(&[k as f64]))
+                .expect("each block once")
+        });
         assert_eq!(tree.nodes.len(), 1);
         for k in 4..8 {
-            assert_eq!(tree.clone().push(k, Moments::default()), Err(Overlap { block: k }));
+            assert_eq!(
+                tree.clone().push(k, Moments::default()),
+                Err(Overlap { block: k })
+            );
         }
         let mut other = Tree::default();
         (0..5).for_each(|k| other.push(k, Moments::default()).expect("each block once"));
@@ -269,9 +326,16 @@ mod tests {
             }
             bytes
         };
-        let read = |bytes: &[u8]| Tree::read(&mut Reader::new(bytes), &Moments::default(), |sums| sums);
+        let read =
+            |bytes: &[u8]| Tree::read(&mut Reader::new(bytes), &Moments::default(), |sums| sums);
         assert!(read(&bytes_of(&[(2, 4), (0, 8)])).is_ok());
-        for nodes in [&[(2, 5)][..], &[(2, 4), (0, 6)], &[(0, 4), (0, 5)], &[(63, 0)], &[(0, u64::MAX)]] {
+        for nodes in [
+            &[(2, 5)][..],
+            &[(2, 4), (0, 6)],
+            &[(0, 4), (0, 5)],
+            &[(63, 0)],
+            &[(0, u64::MAX)],
+        ] {
             assert_eq!(read(&bytes_of(nodes)), Err(Damaged), "{nodes:?}");
         }
         let bytes = bytes_of(&[(2, 4), (0, 8)]);
@@ -290,7 +354,11 @@ mod tests {
         let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
         for term in blocks.iter().map(|block| block.mean) {
             let next = sum + term;
-            lost += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
+            lost += if sum.abs() >= term.abs() {
+                (sum - next) + term
+            } else {
+                (term - next) + sum
+            };
             sum = next;
         }
         let exact = (sum + lost) / blocks.len() as f64;

@@ -7,13 +7,17 @@ use stickslip::config::shipped;
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::model::*;
 use stickslip::scenario::Scenario;
-use stickslip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
+use stickslip::scheme::{
+    EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline,
+};
 use stickslip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 use stickslip::sums::{Merge as _, Replicate};
 
 /// The model of a shipped scenario.
 pub fn shipped_model(name: &str) -> Model {
-    Scenario::parse(name, shipped(name).expect("shipped").text, &[]).expect("sound").model
+    Scenario::parse(name, shipped(name).expect("shipped").text, &[])
+        .expect("sound")
+        .model
 }
 
 /// The model of the paper with forcing frequency `w` and noise of intensity `rho`; without noise if
@@ -28,7 +32,12 @@ pub fn paper(w: f64, rho: f64) -> Model {
 
 /// A timeline with an output grid and no periods.
 pub fn timeline(end: f64, output_step: f64) -> Timeline {
-    Timeline { end, output_step, period: None, after: 0.0 }
+    Timeline {
+        end,
+        output_step,
+        period: None,
+        after: 0.0,
+    }
 }
 
 /// A row of the output grid: t, x, x', T, and whether the path is static.
@@ -45,7 +54,10 @@ pub struct Keep {
 
 impl Keep {
     pub fn lanes(lanes: usize) -> Self {
-        Keep { events: vec![Vec::new(); lanes], rows: vec![Vec::new(); lanes] }
+        Keep {
+            events: vec![Vec::new(); lanes],
+            rows: vec![Vec::new(); lanes],
+        }
     }
 }
 
@@ -57,7 +69,13 @@ impl Observer for Keep {
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
         if let Instant::Output(_) = instant {
             for lane in 0..s.displacement.len() {
-                let row = (s.time, s.displacement[lane], s.velocity[lane], s.temperature[lane], s.is_static[lane]);
+                let row = (
+                    s.time,
+                    s.displacement[lane],
+                    s.velocity[lane],
+                    s.temperature[lane],
+                    s.is_static[lane],
+                );
                 self.rows[lane].push(row);
             }
         }
@@ -75,17 +93,26 @@ where
     let work = |thread: u64| {
         let mut totals = Totals::empty(model, timeline, &record);
         for block in (thread..paths.div_ceil(BLOCK_SIZE)).step_by(THREADS as usize) {
-            let (first, count) = (block * BLOCK_SIZE, BLOCK_SIZE.min(paths - block * BLOCK_SIZE));
+            let (first, count) = (
+                block * BLOCK_SIZE,
+                BLOCK_SIZE.min(paths - block * BLOCK_SIZE),
+            );
             let numbers: Vec<u64> = (first..first + count).collect();
-            let mut observer = BlockObserver::new(model, timeline, &record, &numbers, Replicate::Path);
-            assert!(simulate(&numbers, &mut observer).is_empty(), "no path is given up");
+            let mut observer =
+                BlockObserver::new(model, timeline, &record, &numbers, Replicate::Path);
+            assert!(
+                simulate(&numbers, &mut observer).is_empty(),
+                "no path is given up"
+            );
             totals.merge(&observer.finish(first, count, Vec::new()).totals);
         }
         totals
     };
     std::thread::scope(|scope| {
         let work = &work;
-        let threads: Vec<_> = (0..THREADS).map(|thread| scope.spawn(move || work(thread))).collect();
+        let threads: Vec<_> = (0..THREADS)
+            .map(|thread| scope.spawn(move || work(thread)))
+            .collect();
         let mut totals = Totals::empty(model, timeline, &record);
         for thread in threads {
             totals.merge(&thread.join().expect("a block failed"));
@@ -95,9 +122,17 @@ where
 }
 
 /// The statistics of the event-driven scheme.
-pub fn event_driven_summary(model: &Model, timeline: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Summary {
+pub fn event_driven_summary(
+    model: &Model,
+    timeline: &Timeline,
+    tolerance: f64,
+    seed: u64,
+    paths: u64,
+) -> Summary {
     let simulation = EventDrivenSimulation::new(model, timeline, tolerance);
-    summary_of(model, timeline, paths, |numbers, observer| simulation.simulate(seed, numbers, observer))
+    summary_of(model, timeline, paths, |numbers, observer| {
+        simulation.simulate(seed, numbers, observer)
+    })
 }
 
 /// A statistic and its standard error.

@@ -19,9 +19,17 @@ pub fn at_step(h: f64, statistic: &str) -> (f64, f64) {
 
 #[track_caller]
 fn value(case: &str, statistic: &str) -> (f64, f64) {
-    let row = TABLE
-        .lines()
-        .find_map(|line| line.strip_prefix(case)?.strip_prefix(',')?.strip_prefix(statistic)?.strip_prefix(','));
-    let (estimate, error) = row.and_then(|row| row.split_once(',')).expect("a row of noisy.csv");
-    (estimate.parse().expect("a number"), error.parse().expect("a number"))
+    let row = TABLE.lines().find_map(|line| {
+        line.strip_prefix(case)?
+            .strip_prefix(',')?
+            .strip_prefix(statistic)?
+            .strip_prefix(',')
+    });
+    let (estimate, error) = row
+        .and_then(|row| row.split_once(','))
+        .expect("a row of noisy.csv");
+    (
+        estimate.parse().expect("a number"),
+        error.parse().expect("a number"),
+    )
 }

@@ -106,35 +106,77 @@ pub fn scenario(family: Family, number: u64) -> String {
 }
 
 fn steps(draws: &mut Draws) -> (f64, u64) {
-    let steps = if draws.chance(0.02) { 0.0 } else { draws.decades(0.0, MOST_STEPS.log10()).floor() };
-    (steps, if draws.chance(0.3) { 1 } else { 2 + (draws.uniform() * 4.0) as u64 })
+    let steps = if draws.chance(0.02) {
+        0.0
+    } else {
+        draws.decades(0.0, MOST_STEPS.log10()).floor()
+    };
+    (
+        steps,
+        if draws.chance(0.3) {
+            1
+        } else {
+            2 + (draws.uniform() * 4.0) as u64
+        },
+    )
 }
 
 fn apart(draws: &mut Draws) -> Parts {
     let static_force = draws.parameter();
-    let ratio = if draws.chance(0.7) { draws.uniform() } else { draws.of([0.0, 1.0, 1e-12, 1.0 - 1e-12]) };
+    let ratio = if draws.chance(0.7) {
+        draws.uniform()
+    } else {
+        draws.of([0.0, 1.0, 1e-12, 1.0 - 1e-12])
+    };
     let (mass, stiffness) = (draws.parameter(), draws.parameter());
     let mut harmonics = Vec::new();
     while draws.chance(0.5) && harmonics.len() < 3 {
         let resonant = draws.chance(0.05);
-        let frequency = if resonant { (stiffness / mass).sqrt() } else { draws.parameter() };
-        harmonics.push((draws.sign() * draws.parameter(), frequency, 7.0 * draws.uniform()));
+        let frequency = if resonant {
+            (stiffness / mass).sqrt()
+        } else {
+            draws.parameter()
+        };
+        harmonics.push((
+            draws.sign() * draws.parameter(),
+            frequency,
+            7.0 * draws.uniform(),
+        ));
     }
     let noise = draws.chance(0.7).then(|| {
-        let start = draws.chance(0.7).then(|| if draws.chance(0.5) { 0.0 } else { draws.sign() * draws.parameter() });
-        (draws.parameter(), draws.parameter(), draws.parameter(), start)
+        let start = draws.chance(0.7).then(|| {
+            if draws.chance(0.5) {
+                0.0
+            } else {
+                draws.sign() * draws.parameter()
+            }
+        });
+        (
+            draws.parameter(),
+            draws.parameter(),
+            draws.parameter(),
+            start,
+        )
     });
     let (steps, paths) = steps(draws);
     Parts {
         mass,
         stiffness,
-        damping: if draws.chance(0.5) { 0.0 } else { draws.parameter() },
+        damping: if draws.chance(0.5) {
+            0.0
+        } else {
+            draws.parameter()
+        },
         dilatation: draws.sign() * draws.parameter(),
         static_force,
         dynamic_force: ratio * static_force,
         harmonics,
         noise,
-        displacement: if draws.chance(0.2) { 0.0 } else { draws.sign() * draws.parameter() },
+        displacement: if draws.chance(0.2) {
+            0.0
+        } else {
+            draws.sign() * draws.parameter()
+        },
         step: draws.parameter(),
         steps,
         paths,
@@ -145,17 +187,34 @@ fn apart(draws: &mut Draws) -> Parts {
 fn together(draws: &mut Draws) -> Parts {
     // The parameters are in units of m, K and f_s: times in units of 1/w0, lengths in units of
     // f_s/K, and temperatures in units of that whose force is f_s.
-    let ratio = if draws.chance(0.6) { draws.uniform() } else { draws.of([0.0, 1.0, 0.99, 0.8]) };
+    let ratio = if draws.chance(0.6) {
+        draws.uniform()
+    } else {
+        draws.of([0.0, 1.0, 0.99, 0.8])
+    };
     let mut harmonics = Vec::new();
     while draws.chance(0.6) && harmonics.len() < 3 {
-        let frequency = if draws.chance(0.1) { 1.0 } else { draws.decades(-3.0, 2.0) };
-        harmonics.push((draws.sign() * draws.decades(-1.0, 3.0), frequency, 7.0 * draws.uniform()));
+        let frequency = if draws.chance(0.1) {
+            1.0
+        } else {
+            draws.decades(-3.0, 2.0)
+        };
+        harmonics.push((
+            draws.sign() * draws.decades(-1.0, 3.0),
+            frequency,
+            7.0 * draws.uniform(),
+        ));
     }
     let relaxed: f64 = harmonics.iter().map(|(a, _, phase)| a * phase.cos()).sum();
     let noise = draws.chance(0.7).then(|| {
         let (theta, sd) = (draws.decades(-3.0, 3.0), draws.decades(-3.0, 2.0));
-        let start =
-            draws.chance(0.7).then(|| if draws.chance(0.8) { 0.0 } else { draws.sign() * draws.decades(0.0, 3.0) });
+        let start = draws.chance(0.7).then(|| {
+            if draws.chance(0.8) {
+                0.0
+            } else {
+                draws.sign() * draws.decades(0.0, 3.0)
+            }
+        });
         (1.0, theta, sd * (2.0 * theta).sqrt(), start)
     });
     let (steps, paths) = steps(draws);
@@ -164,16 +223,28 @@ fn together(draws: &mut Draws) -> Parts {
     let (time, length) = ((m / k).sqrt(), force / k);
     let noise = noise.map(|(rho, theta, sigma, start)| {
         let unit = draws.decades(-3.0, 3.0);
-        (rho * degree / unit, theta / time, sigma * unit / time.sqrt(), start.map(|v| v * unit))
+        (
+            rho * degree / unit,
+            theta / time,
+            sigma * unit / time.sqrt(),
+            start.map(|v| v * unit),
+        )
     });
     Parts {
         mass: m,
         stiffness: k,
-        damping: if draws.chance(0.5) { 0.0 } else { draws.decades(-3.0, 2.0) * m / time },
+        damping: if draws.chance(0.5) {
+            0.0
+        } else {
+            draws.decades(-3.0, 2.0) * m / time
+        },
         dilatation: draws.sign() * length / degree,
         static_force: force,
         dynamic_force: ratio * force,
-        harmonics: harmonics.into_iter().map(|(a, w, phase)| (a * degree, w / time, phase)).collect(),
+        harmonics: harmonics
+            .into_iter()
+            .map(|(a, w, phase)| (a * degree, w / time, phase))
+            .collect(),
         noise,
         displacement: length
             * match () {
@@ -195,15 +266,28 @@ fn own(draws: &mut Draws) -> Parts {
     let degree = length / parts.dilatation.abs();
     let units = [length, length / time, time];
     let size = draws.decades(-2.0, 1.0) * force;
-    let expression = draws.chance(0.9).then(|| format!("{size:e}*({})", expression(draws, 4, units)));
+    let expression = draws
+        .chance(0.9)
+        .then(|| format!("{size:e}*({})", expression(draws, 4, units)));
     Parts {
-        damping: if draws.chance(0.2) { -0.05 * parts.mass / time } else { parts.damping },
+        damping: if draws.chance(0.2) {
+            -0.05 * parts.mass / time
+        } else {
+            parts.damping
+        },
         line: if draws.chance(0.3) {
-            (degree * draws.uniform(), degree / time * draws.decades(-3.0, 0.0))
+            (
+                degree * draws.uniform(),
+                degree / time * draws.decades(-3.0, 0.0),
+            )
         } else {
             (0.0, 0.0)
         },
-        stiffness: if draws.chance(0.1) { 0.0 } else { parts.stiffness },
+        stiffness: if draws.chance(0.1) {
+            0.0
+        } else {
+            parts.stiffness
+        },
         expression,
         ..parts
     }
@@ -223,8 +307,14 @@ fn expression(draws: &mut Draws, depth: u32, units: [f64; 3]) -> String {
         };
     }
     if draws.chance(0.4) {
-        let function = ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan", "tanh"];
-        return format!("{}({})", function[(draws.uniform() * 10.0) as usize], inner(draws));
+        let function = [
+            "abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan", "tanh",
+        ];
+        return format!(
+            "{}({})",
+            function[(draws.uniform() * 10.0) as usize],
+            inner(draws)
+        );
     }
     let (left, right) = (inner(draws), inner(draws));
     match (draws.uniform() * 7.0) as u32 {
@@ -234,14 +324,19 @@ fn expression(draws: &mut Draws, depth: u32, units: [f64; 3]) -> String {
         3 => format!("({left})/({right})"),
         4 => format!("max({left}, {right})"),
         5 => format!("min({left}, {right})"),
-        _ => format!("({left})^{}", ["2", "3", "0.5", "-1"][(draws.uniform() * 4.0) as usize]),
+        _ => format!(
+            "({left})^{}",
+            ["2", "3", "0.5", "-1"][(draws.uniform() * 4.0) as usize]
+        ),
     }
 }
 
 impl Parts {
     fn text(&self, number: u64) -> String {
         let harmonics: Vec<String> = (self.harmonics.iter())
-            .map(|(a, w, phase)| format!("{{ amplitude = {a:e}, angular_frequency = {w:e}, phase = {phase:e} }}"))
+            .map(|(a, w, phase)| {
+                format!("{{ amplitude = {a:e}, angular_frequency = {w:e}, phase = {phase:e} }}")
+            })
             .collect();
         let mut text = format!(
             "[oscillator]\nmass = {:e}\nstiffness = {:e}\ndamping = {:e}\ndilatation = {:e}\n\
@@ -265,7 +360,10 @@ impl Parts {
         }
         if let Some(expression) = &self.expression {
             // Each parameter must occur.
-            let _ = writeln!(text, "[force]\nexpression = \"{expression} + 0*a + 0*b\"\n[parameters]\na = 0.3\nb = -2");
+            let _ = writeln!(
+                text,
+                "[force]\nexpression = \"{expression} + 0*a + 0*b\"\n[parameters]\na = 0.3\nb = -2"
+            );
         }
         let _ = writeln!(
             text,

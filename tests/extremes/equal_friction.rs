@@ -22,20 +22,34 @@ use stickslip::stats::{Statistic, Summary};
 use stickslip_data::numbers::short;
 
 fn scenario(settings: &[(&str, String)]) -> Scenario {
-    let overrides: Vec<Override> = settings.iter().map(|(key, value)| Override::flag("--set", key, value)).collect();
-    Scenario::read("scenarios/equal-friction.toml".as_ref(), &overrides).unwrap_or_else(|e| panic!("{e}"))
+    let overrides: Vec<Override> = settings
+        .iter()
+        .map(|(key, value)| Override::flag("--set", key, value))
+        .collect();
+    Scenario::read("scenarios/equal-friction.toml".as_ref(), &overrides)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The weighted fit of ln(sticks) as a linear function of ln(resolution): slope, its standard
 /// error, chi square.
 fn exponent(rows: &[(f64, (f64, f64))]) -> (f64, f64, f64) {
-    let points: Vec<_> = rows.iter().map(|(r, (n, e))| (r.ln(), n.ln(), (n / e).powi(2))).collect();
+    let points: Vec<_> = rows
+        .iter()
+        .map(|(r, (n, e))| (r.ln(), n.ln(), (n / e).powi(2)))
+        .collect();
     let w: f64 = points.iter().map(|p| p.2).sum();
     let mean = |f: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * f(p)).sum::<f64>() / w;
     let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
     let sxx: f64 = points.iter().map(|p| p.2 * (p.0 - mx).powi(2)).sum();
-    let slope = points.iter().map(|p| p.2 * (p.0 - mx) * (p.1 - my)).sum::<f64>() / sxx;
-    let chi = points.iter().map(|p| p.2 * (p.1 - my - slope * (p.0 - mx)).powi(2)).sum();
+    let slope = points
+        .iter()
+        .map(|p| p.2 * (p.0 - mx) * (p.1 - my))
+        .sum::<f64>()
+        / sxx;
+    let chi = points
+        .iter()
+        .map(|p| p.2 * (p.1 - my - slope * (p.0 - mx)).powi(2))
+        .sum();
     (slope, sxx.sqrt().recip(), chi)
 }
 
@@ -49,7 +63,11 @@ const SETTLED: [Statistic; 4] = [
 
 fn show(resolution: f64, summary: &Summary) {
     let of = |s| estimate(summary, s);
-    print!("{resolution:.3e}: sticks {:.2} +- {:.2}", of(Statistic::SticksPerPath).0, of(Statistic::SticksPerPath).1);
+    print!(
+        "{resolution:.3e}: sticks {:.2} +- {:.2}",
+        of(Statistic::SticksPerPath).0,
+        of(Statistic::SticksPerPath).1
+    );
     for s in SETTLED {
         print!(", {} {:.4} +- {:.4}", s.name(), of(s).0, of(s).1);
     }
@@ -61,8 +79,16 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
     let by_step: Vec<(f64, Summary)> = (0..5)
         .map(|k| {
             let h = 0.005 / 4f64.powi(k);
-            let scenario = scenario(&[("time.step", format!("{h}")), ("ensemble.paths", "256".into())]);
-            assert!(scenario.warnings().iter().any(|warning| warning.name() == "equal-friction"));
+            let scenario = scenario(&[
+                ("time.step", format!("{h}")),
+                ("ensemble.paths", "256".into()),
+            ]);
+            assert!(
+                scenario
+                    .warnings()
+                    .iter()
+                    .any(|warning| warning.name() == "equal-friction")
+            );
             (h, scenario.plan().run(2))
         })
         .collect();
@@ -75,7 +101,9 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
             ]);
             let resolution = scenario.resolution().expect("stated");
             let says = short(resolution.shortest_slip);
-            let is_said = |warning: &Warning| warning.name() == "resolution" && warning.to_string().contains(&says);
+            let is_said = |warning: &Warning| {
+                warning.name() == "resolution" && warning.to_string().contains(&says)
+            };
             assert!(scenario.warnings().iter().any(is_said));
             (resolution.shortest_slip, scenario.plan().run(2))
         })
@@ -89,17 +117,27 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
     for (resolution, summary) in by_step.iter().chain(&by_tolerance[..4]) {
         for statistic in SETTLED {
             let ((a, ea), (b, eb)) = (estimate(summary, statistic), estimate(finest, statistic));
-            assert!((a - b).abs() <= 3.9 * ea.hypot(eb), "{resolution:e} {}: {a} {b}", statistic.name());
+            assert!(
+                (a - b).abs() <= 3.9 * ea.hypot(eb),
+                "{resolution:e} {}: {a} {b}",
+                statistic.name()
+            );
         }
     }
     for runs in [&by_step, &by_tolerance] {
         runs.iter().for_each(|(r, summary)| show(*r, summary));
-        let rows: Vec<_> = runs.iter().map(|(r, summary)| (*r, estimate(summary, Statistic::SticksPerPath))).collect();
+        let rows: Vec<_> = runs
+            .iter()
+            .map(|(r, summary)| (*r, estimate(summary, Statistic::SticksPerPath)))
+            .collect();
         let (slope, error, chi) = exponent(&rows);
         println!("sticks ~ resolution^{slope:.4} +- {error:.4}, chi square {chi:.1}");
         // 0.02 is four standard errors of the fit over the steps. A number of sticks proportional
         // to h^{-1/2}, or one with a limit, is far outside.
-        assert!((slope + 0.25).abs() < 0.02 && chi < 21.1, "{slope} +- {error}");
+        assert!(
+            (slope + 0.25).abs() < 0.02 && chi < 21.1,
+            "{slope} +- {error}"
+        );
     }
 }
 
@@ -108,7 +146,11 @@ fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
 fn the_warning_says_which_statistics_have_a_limit() {
     for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {
         let scenario = scenario(&[("scheme.kind", scheme.into())]);
-        let texts: Vec<String> = scenario.warnings().iter().map(ToString::to_string).collect();
+        let texts: Vec<String> = scenario
+            .warnings()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
         let says = |text: &&String| {
             text.contains("Stick counts and durations depend on")
                 && text.contains("sticking fraction and positions have limits")

@@ -110,8 +110,14 @@ impl Watch {
     pub fn new(scenario: &Scenario) -> Self {
         let (model, scheme) = (scenario.model.clone(), scenario.scheme.kind());
         let step = scenario.scheme.step().unwrap_or(scenario.time.output_step);
-        let static_force = scenario.resolution().map_or(model.friction.static_force, |r| r.static_force);
-        let shift = if scheme == Kind::CorrectedVi { monitoring_shift(&model, step) } else { 0.0 };
+        let static_force = scenario
+            .resolution()
+            .map_or(model.friction.static_force, |r| r.static_force);
+        let shift = if scheme == Kind::CorrectedVi {
+            monitoring_shift(&model, step)
+        } else {
+            0.0
+        };
         let exit_force = (static_force - shift).max(model.friction.dynamic_force);
         let lane = Lane {
             complaint: None,
@@ -136,7 +142,16 @@ impl Watch {
         };
         let lanes = vec![lane; scenario.ensemble.paths as usize];
         let events = vec![Vec::new(); lanes.len()];
-        Watch { end: scenario.time.end, step, static_force, exit_force, model, scheme, lanes, events }
+        Watch {
+            end: scenario.time.end,
+            step,
+            static_force,
+            exit_force,
+            model,
+            scheme,
+            lanes,
+            events,
+        }
     }
 
     fn is_event_driven(&self) -> bool {
@@ -146,7 +161,10 @@ impl Watch {
     /// The rounding error of b at a time: of its terms, of each harmonic and its phase w t, and of
     /// x as a sum of ways.
     fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
-        let (stiffness, gain) = (self.model.oscillator.stiffness, self.model.oscillator.force_per_temperature());
+        let (stiffness, gain) = (
+            self.model.oscillator.stiffness,
+            self.model.oscillator.force_per_temperature(),
+        );
         let phase = (self.model.temperature.harmonics.iter())
             .map(|h| (gain * h.amplitude).abs() * (ULP * (1.0 + h.angular_frequency * t)).min(1.0))
             .sum::<f64>();
@@ -154,29 +172,51 @@ impl Watch {
     }
 
     fn check_event(&self, lane: &mut Lane, event: &Event) -> Result<(), String> {
-        let Event { kind, time, displacement: x, force } = *event;
+        let Event {
+            kind,
+            time,
+            displacement: x,
+            force,
+        } = *event;
         let model = &self.model;
-        ensure(time.is_finite() && x.is_finite() && force.is_finite(), || "not a number".into())?;
-        ensure(time >= lane.since && time >= lane.looked && time <= self.end, || "out of time order".into())?;
+        ensure(
+            time.is_finite() && x.is_finite() && force.is_finite(),
+            || "not a number".into(),
+        )?;
+        ensure(
+            time >= lane.since && time >= lane.looked && time <= self.end,
+            || "out of time order".into(),
+        )?;
         let duration = time - lane.since;
         let noise = self.rounding(lane, time, x, force);
         match (kind, lane.direction) {
             (EventKind::SlipStarted(sign), None) => {
-                ensure(x == lane.origin, || format!("moved from {:e} to {x:e} in a stick", lane.origin))?;
+                ensure(x == lane.origin, || {
+                    format!("moved from {:e} to {x:e} in a stick", lane.origin)
+                })?;
                 ensure(sign.value() * force >= self.exit_force - noise, || {
-                    format!("slips {sign:?} at b = {force:e}, f_s = {:e}", self.exit_force)
+                    format!(
+                        "slips {sign:?} at b = {force:e}, f_s = {:e}",
+                        self.exit_force
+                    )
                 })?;
                 lane.stick_time += duration;
                 lane.ended_sticks += 1;
                 (lane.direction, lane.running) = (Some(sign), 1);
-                lane.pull = if time == 0.0 { force.abs().max(self.static_force) } else { self.static_force };
+                lane.pull = if time == 0.0 {
+                    force.abs().max(self.static_force)
+                } else {
+                    self.static_force
+                };
             }
             (EventKind::StickEntered | EventKind::SubPhaseBoundary(_), Some(direction)) => {
                 let way = direction.value() * (x - lane.origin);
                 let turns = kind != EventKind::StickEntered;
                 if !(turns && self.scheme == Kind::CorrectedVi) {
                     let allowed = 4.0 * ULP * (x.abs() + lane.origin.abs());
-                    ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
+                    ensure(way >= -allowed, || {
+                        format!("went {way:e} in direction {direction:?}")
+                    })?;
                 }
                 lane.travel += (x - lane.origin).abs();
                 lane.slip_time += duration;
@@ -185,9 +225,15 @@ impl Watch {
                     lane.pull = force.abs();
                 }
                 if let EventKind::SubPhaseBoundary(sign) = kind {
-                    ensure(!self.is_event_driven() || sign.value() * force > self.static_force, || {
-                        format!("turns {sign:?} at b = {force:e}, f_s = {:e}", self.static_force)
-                    })?;
+                    ensure(
+                        !self.is_event_driven() || sign.value() * force > self.static_force,
+                        || {
+                            format!(
+                                "turns {sign:?} at b = {force:e}, f_s = {:e}",
+                                self.static_force
+                            )
+                        },
+                    )?;
                     lane.running += 1;
                     lane.direction = Some(sign);
                 } else {
@@ -206,7 +252,16 @@ impl Watch {
         }
         if self.is_event_driven() {
             let g = force + model.oscillator.stiffness * x;
-            self.balance(lane, State { t: time, x, v: 0.0, g, size: g.abs() })?;
+            self.balance(
+                lane,
+                State {
+                    t: time,
+                    x,
+                    v: 0.0,
+                    g,
+                    size: g.abs(),
+                },
+            )?;
         }
         lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
@@ -215,28 +270,42 @@ impl Watch {
     }
 
     fn check_recursion(&self, lane: &Lane, time: f64, x: f64) -> Result<(), String> {
-        let Model { oscillator, friction, .. } = &self.model;
-        let (w0, gamma) = (oscillator.natural_frequency(), oscillator.damping / oscillator.mass);
+        let Model {
+            oscillator,
+            friction,
+            ..
+        } = &self.model;
+        let (w0, gamma) = (
+            oscillator.natural_frequency(),
+            oscillator.damping / oscillator.mass,
+        );
         let (zeta, lasted, rounding) = (gamma / w0, time - lane.since, 4.0 * ULP * time);
         let overshoot = if zeta < 1.0 {
             let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
             let lasts = std::f64::consts::PI / (w0 * root);
             let allowed = rounding + 4.0 * ULP * lasts;
-            ensure((lasted - lasts).abs() <= allowed, || format!("a slip of {lasted:e}, not {lasts:e}"))?;
+            ensure((lasted - lasts).abs() <= allowed, || {
+                format!("a slip of {lasted:e}, not {lasts:e}")
+            })?;
             (-std::f64::consts::PI * zeta / root).exp()
         } else {
             // The share of the way that is left: a combination of e^{l1 t} and e^{l2 t} that starts
             // at 1 with zero velocity.
             let fast = gamma + ((gamma - w0) * (gamma + w0)).sqrt();
             let slow = w0 * (w0 / fast);
-            let left = (fast * (-slow * lasted).exp() - slow * (-fast * lasted).exp()) / (fast - slow);
+            let left =
+                (fast * (-slow * lasted).exp() - slow * (-fast * lasted).exp()) / (fast - slow);
             let allowed = 1e-6 + 2.0 * slow * rounding;
-            ensure((left / 1e-3 - 1.0).abs() <= allowed, || format!("a slip that leaves {left:e} of the way"))?;
+            ensure((left / 1e-3 - 1.0).abs() <= allowed, || {
+                format!("a slip that leaves {left:e} of the way")
+            })?;
             0.0
         };
         let jump = (1.0 + overshoot) * (lane.pull - friction.dynamic_force) / oscillator.stiffness;
         let moved = (x - lane.origin).abs();
-        ensure((moved - jump).abs() <= 8.0 * ULP * (x.abs() + jump), || format!("moved {moved:e}, not {jump:e}"))
+        ensure((moved - jump).abs() <= 8.0 * ULP * (x.abs() + jump), || {
+            format!("moved {moved:e}, not {jump:e}")
+        })
     }
 
     fn check_snapshot(&self, lane: &mut Lane, now: State, is_static: bool) -> Result<(), String> {
@@ -247,36 +316,55 @@ impl Watch {
             return Ok(());
         }
         ensure(g.is_finite(), || "a force that is no number".into())?;
-        ensure(t >= lane.since && t >= lane.looked, || "looked at out of order".into())?;
+        ensure(t >= lane.since && t >= lane.looked, || {
+            "looked at out of order".into()
+        })?;
         lane.looked = t;
         // At the row at which a stick ends, a scheme with a step does not hold the body any more,
         // and tells of the event with the next step.
         let has_step = matches!(self.scheme, Kind::DiscreteVi | Kind::CorrectedVi);
         let pull = (g - self.model.oscillator.stiffness * x).abs();
-        let leaves = has_step && pull >= self.exit_force - self.rounding(lane, t, x, pull.max(size));
+        let leaves =
+            has_step && pull >= self.exit_force - self.rounding(lane, t, x, pull.max(size));
         let is_that_of_events = is_static == lane.direction.is_none() || (!is_static && leaves);
-        ensure(is_that_of_events, || "the phase is not that of the events".into())?;
+        ensure(is_that_of_events, || {
+            "the phase is not that of the events".into()
+        })?;
         lane.fastest = lane.fastest.max(v.abs());
         match lane.direction {
             None => {
-                ensure(x == lane.origin && v == 0.0, || format!("moves in a stick: x' = {v:e}"))?;
+                ensure(x == lane.origin && v == 0.0, || {
+                    format!("moves in a stick: x' = {v:e}")
+                })?;
                 if is_static && self.scheme != Kind::QuasiStatic {
                     let force = g - self.model.oscillator.stiffness * x;
                     let most = self.static_force + self.rounding(lane, t, x, force.abs().max(size));
-                    ensure(force.abs() <= most, || format!("static at b = {force:e}, f_s = {:e}", self.static_force))?;
+                    ensure(force.abs() <= most, || {
+                        format!("static at b = {force:e}, f_s = {:e}", self.static_force)
+                    })?;
                 }
             }
             Some(direction) => {
                 let eps = direction.value();
-                ensure(eps * v >= -1e-9 * lane.fastest, || format!("x' = {v:e} in direction {direction:?}"))?;
+                ensure(eps * v >= -1e-9 * lane.fastest, || {
+                    format!("x' = {v:e} in direction {direction:?}")
+                })?;
                 let way = eps * (x - lane.origin);
-                let behind = if self.scheme == Kind::CorrectedVi { self.step * lane.fastest } else { 0.0 };
+                let behind = if self.scheme == Kind::CorrectedVi {
+                    self.step * lane.fastest
+                } else {
+                    0.0
+                };
                 let allowed = behind + 4.0 * ULP * (x.abs() + lane.origin.abs());
-                ensure(way >= -allowed, || format!("went {way:e} in direction {direction:?}"))?;
+                ensure(way >= -allowed, || {
+                    format!("went {way:e} in direction {direction:?}")
+                })?;
             }
         }
         match (self.scheme, lane.last) {
-            (Kind::DiscreteVi | Kind::CorrectedVi, Some(last)) if t > last.t => self.check_step(last, now)?,
+            (Kind::DiscreteVi | Kind::CorrectedVi, Some(last)) if t > last.t => {
+                self.check_step(last, now)?
+            }
             (Kind::EventDriven, _) => self.balance(lane, now)?,
             _ => {}
         }
@@ -292,20 +380,42 @@ impl Watch {
     /// corrected   E' - E = h V' (K beta T - 2 alpha V - F) + (K h^2 V'^2 - m (V' - V)^2)/2
     /// ```
     fn check_step(&self, a: State, b: State) -> Result<(), String> {
-        let Oscillator { mass: m, stiffness: k, damping, .. } = self.model.oscillator;
+        let Oscillator {
+            mass: m,
+            stiffness: k,
+            damping,
+            ..
+        } = self.model.oscillator;
         let h = self.step;
         let force = a.g - k * a.x - 2.0 * damping * a.v;
         let impulse = a.v + h / m * force;
         // The force that would bring the body to rest in this step is compared with the largest
         // that friction may exert. The body moves if it is larger.
         let needed = (m / h * impulse).abs();
-        let most = if a.v == 0.0 { self.exit_force } else { self.static_force };
-        let rounding = 16.0 * ULP * (a.size + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
-        let excess = if b.v == 0.0 { needed - most } else { most - needed };
+        let most = if a.v == 0.0 {
+            self.exit_force
+        } else {
+            self.static_force
+        };
+        let rounding = 16.0
+            * ULP
+            * (a.size + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
+        let excess = if b.v == 0.0 {
+            needed - most
+        } else {
+            most - needed
+        };
         ensure(!excess.is_finite() || excess <= rounding, || {
-            format!("x' = {:e} after a step that friction of {needed:e} would end, f_s = {most:e}", b.v)
+            format!(
+                "x' = {:e} after a step that friction of {needed:e} would end, f_s = {most:e}",
+                b.v
+            )
         })?;
-        let friction = if b.v == 0.0 { m / h * impulse } else { self.model.friction.dynamic_force.copysign(impulse) };
+        let friction = if b.v == 0.0 {
+            m / h * impulse
+        } else {
+            self.model.friction.dynamic_force.copysign(impulse)
+        };
         let (mover, surplus) = match self.scheme {
             Kind::CorrectedVi => (b.v, -m * (b.v - a.v).powi(2)),
             _ => (a.v, m * (b.v - a.v).powi(2)),
@@ -315,9 +425,12 @@ impl Watch {
         let right = way * (a.g - 2.0 * damping * a.v - friction) + 0.5 * (k * way * way + surplus);
         let forces = a.size + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + friction.abs();
         let speeds = a.v.abs() + b.v.abs();
-        let scale = m * speeds * speeds + k * (a.x * a.x + b.x * b.x) + h * speeds * forces + k * way * way;
+        let scale =
+            m * speeds * speeds + k * (a.x * a.x + b.x * b.x) + h * speeds * forces + k * way * way;
         ensure(
-            !scale.is_finite() || !right.is_finite() || (gained - right).abs() <= 1e-12 * scale + f64::MIN_POSITIVE,
+            !scale.is_finite()
+                || !right.is_finite()
+                || (gained - right).abs() <= 1e-12 * scale + f64::MIN_POSITIVE,
             || format!("energy: a step gained {gained:e} where {right:e} was done"),
         )
     }
@@ -326,40 +439,67 @@ impl Watch {
     /// x'^2 dt. Between the two instants, g and x' are taken as the means of both ends, up to the
     /// amount by which they can change.
     fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
-        let Some(last) = lane.last.replace(now) else { return Ok(()) };
+        let Some(last) = lane.last.replace(now) else {
+            return Ok(());
+        };
         // How far a force of the user's own changes between two instants is not known, and what is
         // known below takes T to be without a line, and the damping to be positive.
-        if self.model.force.is_some() || self.model.temperature.has_line() || self.model.oscillator.damping < 0.0 {
+        if self.model.force.is_some()
+            || self.model.temperature.has_line()
+            || self.model.oscillator.damping < 0.0
+        {
             return Ok(());
         }
-        let Oscillator { mass: m, stiffness: k, damping, .. } = self.model.oscillator;
+        let Oscillator {
+            mass: m,
+            stiffness: k,
+            damping,
+            ..
+        } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
         let gain = self.model.oscillator.force_per_temperature().abs();
         // A phase w t is known up to the rounding of t.
         let turn = |w: f64| (w * (dt + ULP * now.t)).min(2.0);
-        let harmonics: f64 =
-            temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * turn(h.angular_frequency)).sum();
+        let harmonics: f64 = temperature
+            .harmonics
+            .iter()
+            .map(|h| gain * h.amplitude.abs() * turn(h.angular_frequency))
+            .sum();
         // Six standard deviations of a bridge, and the relaxation towards zero.
         let noise = temperature.noises.first().map_or(0.0, |n| {
             let spread = n.diffusion * dt.min(0.5 / n.relaxation_rate).sqrt();
-            let size = spread + n.stationary_sd() + if let InitialNoise::At(v) = n.initial { v.abs() } else { 0.0 };
+            let size = spread
+                + n.stationary_sd()
+                + if let InitialNoise::At(v) = n.initial {
+                    v.abs()
+                } else {
+                    0.0
+                };
             gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)
         });
         let wander = harmonics + noise;
         // Where a slip ends, the noise is adjusted by the rounding errors of force, place and
         // motion.
-        lane.peak = lane.peak.max(now.g.abs() + last.g.abs() + k * (now.x.abs() + last.x.abs()));
+        lane.peak = lane
+            .peak
+            .max(now.g.abs() + last.g.abs() + k * (now.x.abs() + last.x.abs()));
         // T is a multiple of the least double, 5e-324, and each of the two values was rounded to
         // such a multiple.
         let left = STOP_REST * lane.peak + 16.0 * k * lane.spread + gain * f64::from_bits(1);
         let jump = (now.g - last.g).abs();
-        ensure(jump.is_nan() || jump <= 2.0 * wander + left + f64::MIN_POSITIVE, || {
-            format!("T jumps by {jump:e} K beta, {wander:e} expected")
-        })?;
-        let forces = now.g.abs() + last.g.abs() + wander + k * (now.x.abs() + last.x.abs()) + self.static_force;
+        ensure(
+            jump.is_nan() || jump <= 2.0 * wander + left + f64::MIN_POSITIVE,
+            || format!("T jumps by {jump:e} K beta, {wander:e} expected"),
+        )?;
+        let forces = now.g.abs()
+            + last.g.abs()
+            + wander
+            + k * (now.x.abs() + last.x.abs())
+            + self.static_force;
         let speed = now.v.abs() + last.v.abs() + dt / m * forces;
-        let gained = 0.5 * m * (now.v + last.v) * (now.v - last.v) + 0.5 * k * (now.x + last.x) * dx;
+        let gained =
+            0.5 * m * (now.v + last.v) * (now.v - last.v) + 0.5 * k * (now.x + last.x) * dx;
         let done = 0.5 * (now.g + last.g) * dx - self.model.friction.dynamic_force * dx.abs();
         // The damping takes between no energy and that at the greatest speed all the way.
         let damped = 2.0 * damping * dx.abs() * speed;
@@ -380,17 +520,26 @@ impl Watch {
         }
         let total = lane.stick_time + lane.slip_time;
         let allowed = 2.0 * ULP * f64::from(lane.events + 2) * self.end;
-        ensure((total - self.end).abs() <= allowed, || format!("stick and slip make {total:e} of {:e}", self.end))?;
+        ensure((total - self.end).abs() <= allowed, || {
+            format!("stick and slip make {total:e} of {:e}", self.end)
+        })?;
         let Energy { mismatch, allowed } = lane.energy;
-        ensure(allowed.is_nan() || mismatch.is_nan() || mismatch.abs() <= allowed, || {
-            format!("energy off by {mismatch:e}, {allowed:e} allowed")
-        })
+        ensure(
+            allowed.is_nan() || mismatch.is_nan() || mismatch.abs() <= allowed,
+            || format!("energy off by {mismatch:e}, {allowed:e} allowed"),
+        )
     }
 
-    fn complain(&mut self, lane: usize, check: impl FnOnce(&Watch, &mut Lane) -> Result<(), String>) {
+    fn complain(
+        &mut self,
+        lane: usize,
+        check: impl FnOnce(&Watch, &mut Lane) -> Result<(), String>,
+    ) {
         if self.lanes[lane].complaint.is_none() {
             let mut state = self.lanes[lane].clone();
-            state.complaint = check(self, &mut state).err().map(|what| format!("t = {:e}: {what}", state.looked));
+            state.complaint = check(self, &mut state)
+                .err()
+                .map(|what| format!("t = {:e}: {what}", state.looked));
             self.lanes[lane] = state;
         }
     }
@@ -409,10 +558,27 @@ impl Observer for Watch {
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
         let gain = self.model.oscillator.force_per_temperature();
         for lane in 0..self.lanes.len() {
-            let (t, x, v, driven) = (s.time, s.displacement[lane], s.velocity[lane], gain * s.temperature[lane]);
-            let own = self.model.force.as_ref().map_or(0.0, |force| force.at(InstructionSet::detect(), x, v, t));
-            let now = State { t, x, v, g: driven + own, size: driven.abs() + own.abs() };
-            self.complain(lane, |watch, state| watch.check_snapshot(state, now, s.is_static[lane]));
+            let (t, x, v, driven) = (
+                s.time,
+                s.displacement[lane],
+                s.velocity[lane],
+                gain * s.temperature[lane],
+            );
+            let own = self
+                .model
+                .force
+                .as_ref()
+                .map_or(0.0, |force| force.at(InstructionSet::detect(), x, v, t));
+            let now = State {
+                t,
+                x,
+                v,
+                g: driven + own,
+                size: driven.abs() + own.abs(),
+            };
+            self.complain(lane, |watch, state| {
+                watch.check_snapshot(state, now, s.is_static[lane])
+            });
             if instant == Instant::End {
                 self.complain(lane, Watch::check_end);
             }

@@ -37,7 +37,15 @@ struct Free {
 
 impl Free {
     fn scenario(&self, scheme: &str) -> Scenario {
-        let Free { mass, stiffness, damping, friction, start, step, steps } = *self;
+        let Free {
+            mass,
+            stiffness,
+            damping,
+            friction,
+            start,
+            step,
+            steps,
+        } = *self;
         let text = format!(
             "[oscillator]\nmass = {mass:e}\nstiffness = {stiffness:e}\ndamping = {damping:e}\ndilatation = 1\n\
              [friction]\nstatic = {friction:e}\ndynamic = {friction:e}\n[initial]\ndisplacement = {start:e}\n\
@@ -64,7 +72,11 @@ impl Free {
 }
 
 fn turns(events: &[Event]) -> Vec<f64> {
-    events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).map(|e| e.displacement.abs()).collect()
+    events
+        .iter()
+        .filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_)))
+        .map(|e| e.displacement.abs())
+        .collect()
 }
 
 fn foretold(scenario: &Scenario) -> bool {
@@ -90,8 +102,20 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
         let critical = 4.0 * friction / (PI * c * stiffness);
         for side in [1.0 - near, 1.0 + near] {
             let start = side * critical;
-            let free = Free { mass, stiffness, damping: 0.0, friction, start, step, steps: (20.0 / (c * c)).ceil() };
-            assert_eq!(foretold(&free.scenario("discrete-vi")), side > 1.0, "{mass} {stiffness} {c} {side}");
+            let free = Free {
+                mass,
+                stiffness,
+                damping: 0.0,
+                friction,
+                start,
+                step,
+                steps: (20.0 / (c * c)).ceil(),
+            };
+            assert_eq!(
+                foretold(&free.scenario("discrete-vi")),
+                side > 1.0,
+                "{mass} {stiffness} {c} {side}"
+            );
             let (events, (x, v), summary) = free.path("discrete-vi");
 
             // A_n - A* = G^n (A_0 - A*), over the time in which the distance grows by a factor e.
@@ -110,9 +134,16 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
                 "{mass} {stiffness} {c} {side}: {found} {predicted}"
             );
 
-            assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {c} {side}");
+            assert_eq!(
+                summary.diverged.len(),
+                usize::from(side > 1.0),
+                "{mass} {stiffness} {c} {side}"
+            );
             if side < 1.0 {
-                assert!(v == 0.0 && x.abs() <= friction / stiffness, "at rest in the band: {x} {v}");
+                assert!(
+                    v == 0.0 && x.abs() <= friction / stiffness,
+                    "at rest in the band: {x} {v}"
+                );
             }
         }
     }
@@ -126,26 +157,49 @@ fn the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
         let friction = 0.3 * stiffness;
         let start = (1.0 + near) * 4.0 * friction / (PI * c * stiffness);
         let step = c / (stiffness / mass).sqrt();
-        let free = Free { mass, stiffness, damping: 0.0, friction, start, step, steps: (20.0 / (c * c)).ceil() };
+        let free = Free {
+            mass,
+            stiffness,
+            damping: 0.0,
+            friction,
+            start,
+            step,
+            steps: (20.0 / (c * c)).ceil(),
+        };
         assert!(!foretold(&free.scenario("event-driven")));
         let (events, (x, v), summary) = free.path("event-driven");
-        let turns: Vec<&Event> = events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).collect();
+        let turns: Vec<&Event> = events
+            .iter()
+            .filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_)))
+            .collect();
         let lost = 2.0 * friction / stiffness;
         // The body turns while |b| = K |x| > f_s = K lost/2.
         let expected = ((start - 0.5 * lost) / lost).ceil() as usize - 1;
         assert_eq!(turns.len(), expected, "{mass} {stiffness} {c}");
         for (n, turn) in (1..).zip(&turns) {
             let n = f64::from(n);
-            assert!((turn.displacement.abs() - (start - n * lost)).abs() < 1e-14 * (n + 10.0) * start);
-            assert!((turn.time * free.w0() / (n * PI) - 1.0).abs() < 1e-11, "{n}: {}", turn.time);
+            assert!(
+                (turn.displacement.abs() - (start - n * lost)).abs() < 1e-14 * (n + 10.0) * start
+            );
+            assert!(
+                (turn.time * free.w0() / (n * PI) - 1.0).abs() < 1e-11,
+                "{n}: {}",
+                turn.time
+            );
         }
         assert!(v == 0.0 && x.abs() <= 0.5 * lost && summary.diverged.is_empty());
     }
 }
 
 /// (m, K, alpha): underdamped, critically damped and overdamped.
-const DAMPED: [(f64, f64, f64); 6] =
-    [(1.0, 1.0, 0.1), (1.0, 1.0, 0.5), (2.0, 8.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 3.0), (1e5, 1.888e8, 1e7)];
+const DAMPED: [(f64, f64, f64); 6] = [
+    (1.0, 1.0, 0.1),
+    (1.0, 1.0, 0.5),
+    (2.0, 8.0, 1.0),
+    (1.0, 1.0, 1.0),
+    (1.0, 1.0, 3.0),
+    (1e5, 1.888e8, 1e7),
+];
 
 #[test]
 fn the_damped_step_grows_beyond_its_limit_and_not_before() {
@@ -154,24 +208,47 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
     for (mass, stiffness, damping) in DAMPED {
         let (w0, gamma) = ((stiffness / mass).sqrt(), damping / mass);
         let lambda = gamma + (gamma * gamma - w0 * w0).max(0.0).sqrt();
-        let limit = if gamma < w0 { 2.0 * damping / stiffness } else { 2.0 / lambda };
+        let limit = if gamma < w0 {
+            2.0 * damping / stiffness
+        } else {
+            2.0 / lambda
+        };
         for side in [0.95, 1.05] {
             // So many steps suffice for the slow growth of weak damping, and do not underflow an
             // overdamped creep.
             let steps = if gamma < w0 { 40_000.0 } else { 300.0 };
             let step = side * limit;
             let (friction, start) = (1e-4 * stiffness, 1.0);
-            let free = Free { mass, stiffness, damping, friction, start, step, steps };
-            assert_eq!(foretold(&free.scenario("discrete-vi")), side > 1.0, "{mass} {stiffness} {damping} {side}");
+            let free = Free {
+                mass,
+                stiffness,
+                damping,
+                friction,
+                start,
+                step,
+                steps,
+            };
+            assert_eq!(
+                foretold(&free.scenario("discrete-vi")),
+                side > 1.0,
+                "{mass} {stiffness} {damping} {side}"
+            );
             let (_, (x, v), summary) = free.path("discrete-vi");
             println!(
                 "m {mass:e} K {stiffness:e} alpha {damping:e}: h {side} limits, x = {x:.3e}, lost {}",
                 summary.diverged.len()
             );
-            assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {damping} {side}");
+            assert_eq!(
+                summary.diverged.len(),
+                usize::from(side > 1.0),
+                "{mass} {stiffness} {damping} {side}"
+            );
             if side < 1.0 {
                 // An overdamped slip creeps towards f_d/K and need not end.
-                assert!(x.abs() <= 1.001 * friction / stiffness && v.abs() <= 1e-6 * w0 * start, "{x} {v}");
+                assert!(
+                    x.abs() <= 1.001 * friction / stiffness && v.abs() <= 1e-6 * w0 * start,
+                    "{x} {v}"
+                );
             }
 
             // The event-driven scheme has no step: it gives the exact damped motion about f_d/K, at
@@ -186,10 +263,16 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
                 assert!(turns.len() > 1);
                 for turn in turns {
                     amplitude = (amplitude - centre) * decrement - centre;
-                    assert!((turn - amplitude).abs() < 1e-13, "{mass} {stiffness} {damping}: {turn} {amplitude}");
+                    assert!(
+                        (turn - amplitude).abs() < 1e-13,
+                        "{mass} {stiffness} {damping}: {turn} {amplitude}"
+                    );
                 }
             } else {
-                assert!(turns(&events).is_empty(), "an overdamped body does not turn");
+                assert!(
+                    turns(&events).is_empty(),
+                    "an overdamped body does not turn"
+                );
             }
         }
     }
@@ -201,12 +284,24 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
 #[test]
 fn paths_that_diverge_are_counted_whatever_is_measured() {
     let text = stickslip::config::shipped("rho025").expect("shipped").text;
-    let forces = ["-0.1*x^3", "-x^5", "exp(x)", "-0.2*xdot^3", "x*xdot", "-exp(x) + exp(-x)", "0"];
-    let measures = ["density", "laws", "energy", "spectrum", "events", "paths"].map(|key| format!("record.{key}=true"));
+    let forces = [
+        "-0.1*x^3",
+        "-x^5",
+        "exp(x)",
+        "-0.2*xdot^3",
+        "x*xdot",
+        "-exp(x) + exp(-x)",
+        "0",
+    ];
+    let measures = ["density", "laws", "energy", "spectrum", "events", "paths"]
+        .map(|key| format!("record.{key}=true"));
     let (mut draws, mut diverged, mut measured) = (AddressedDraws::new(51, 0), 0, 0);
     let mut one_of = |count: usize| (draws.uniform() * count as f64) as usize;
     for round in 0..60 {
-        let (force, step) = (forces[one_of(forces.len())], ["0.02", "0.1", "0.2", "0.4"][one_of(4)]);
+        let (force, step) = (
+            forces[one_of(forces.len())],
+            ["0.02", "0.1", "0.2", "0.4"][one_of(4)],
+        );
         let scheme = ["discrete-vi", "corrected-vi"][one_of(2)];
         let mut set = vec![
             format!("force.expression=\"{force}\""),
@@ -219,14 +314,25 @@ fn paths_that_diverge_are_counted_whatever_is_measured() {
             "record.trajectories=3".to_string(),
         ];
         set.extend(measures.clone());
-        let overrides: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
+        let overrides: Vec<Override> = set
+            .iter()
+            .map(|set| Override::set(set).expect("well formed"))
+            .collect();
         // `corrected-vi` refuses steps at which its correction would be as large as the gap.
-        let Ok(scenario) = Scenario::parse("rho025", text, &overrides) else { continue };
+        let Ok(scenario) = Scenario::parse("rho025", text, &overrides) else {
+            continue;
+        };
         measured += 1;
         let summary = scenario.plan().run(1);
         assert_eq!(summary.completed_paths, 64, "{set:?}");
         diverged += summary.diverged.len();
     }
-    println!("{diverged} of {} paths diverged, in {measured} scenes", measured * 64);
-    assert!(measured > 30 && (500..measured * 64 - 500).contains(&diverged), "{diverged} in {measured}");
+    println!(
+        "{diverged} of {} paths diverged, in {measured} scenes",
+        measured * 64
+    );
+    assert!(
+        measured > 30 && (500..measured * 64 - 500).contains(&diverged),
+        "{diverged} in {measured}"
+    );
 }

@@ -11,7 +11,10 @@ use stickslip::scheme::{Instant, Observer, Simulate as _, Snapshot, Unresolved};
 
 fn scenario(name: &str, set: &[&str]) -> Scenario {
     let text = stickslip::config::shipped(name).expect("shipped").text;
-    let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
+    let set: Vec<Override> = set
+        .iter()
+        .map(|set| Override::set(set).expect("well formed"))
+        .collect();
     Scenario::parse(name, text, &set).unwrap_or_else(|e| panic!("{e}\n{set:?}"))
 }
 
@@ -35,7 +38,8 @@ impl Observer for Asked {
 
     fn is_stopped(&self) -> bool {
         let now = now();
-        self.longest.set(self.longest.get().max(now - self.last.replace(now)));
+        self.longest
+            .set(self.longest.get().max(now - self.last.replace(now)));
         now > self.until
     }
 }
@@ -45,7 +49,13 @@ impl Observer for Asked {
 const LONG: [(&str, &[&str]); 11] = [
     ("rho025", &["force.expression=\"sin(1e6*x)\""]),
     ("rho025", &["force.expression=\"sign(sin(1e15*x))\""]),
-    ("rho025", &["force.expression=\"sin(1e9*t)\"", "temperature.noise.intensity=0"]),
+    (
+        "rho025",
+        &[
+            "force.expression=\"sin(1e9*t)\"",
+            "temperature.noise.intensity=0",
+        ],
+    ),
     (
         "rho025",
         &[
@@ -55,7 +65,10 @@ const LONG: [(&str, &[&str]); 11] = [
             "friction.dynamic=0",
         ],
     ),
-    ("rho025", &["force.expression=\"sin(1e6*t)\"", "time.output_step=60"]),
+    (
+        "rho025",
+        &["force.expression=\"sin(1e6*t)\"", "time.output_step=60"],
+    ),
     ("rho025", &["force.expression=\"1e3*tan(1e5*x*t)\""]),
     (
         "rho025",
@@ -78,9 +91,24 @@ const LONG: [(&str, &[&str]); 11] = [
             "time.output_step=1e5",
         ],
     ),
-    ("rho025", &["friction.static=1e-9", "friction.dynamic=1e-9", "time.end=1e5", "time.output_step=1e5"]),
+    (
+        "rho025",
+        &[
+            "friction.static=1e-9",
+            "friction.dynamic=1e-9",
+            "time.end=1e5",
+            "time.output_step=1e5",
+        ],
+    ),
     ("belt", &["time.end=1e9", "time.output_step=1e9"]),
-    ("shaw", &["scheme.kind=\"quasi-static\"", "time.end=1e9", "time.output_step=1e9"]),
+    (
+        "shaw",
+        &[
+            "scheme.kind=\"quasi-static\"",
+            "time.end=1e9",
+            "time.output_step=1e9",
+        ],
+    ),
 ];
 
 /// The longest time is measured on a machine with other work: 0.1 s of CPU time is a thousand times
@@ -95,11 +123,19 @@ fn every_path_asks_whether_it_is_wanted_a_tenth_of_a_second_apart_at_most() {
         for paths in [1, 256] {
             let start = now();
             let until = start + Duration::from_millis(200);
-            let mut asked = Asked { until, last: Cell::new(now()), longest: Cell::default() };
-            plan.simulation.simulate(1, &(0..paths).collect::<Vec<u64>>(), &mut asked);
+            let mut asked = Asked {
+                until,
+                last: Cell::new(now()),
+                longest: Cell::default(),
+            };
+            plan.simulation
+                .simulate(1, &(0..paths).collect::<Vec<u64>>(), &mut asked);
             let (end, longest) = (now() - start, asked.longest.get());
             println!("{name} {set:?}, {paths} paths: {end:?}, asked {longest:?} apart at most");
-            assert!(longest < Duration::from_millis(100), "{name} {set:?}: {longest:?}");
+            assert!(
+                longest < Duration::from_millis(100),
+                "{name} {set:?}: {longest:?}"
+            );
             assert!(end < Duration::from_millis(300), "{name} {set:?}: {end:?}");
         }
     }
@@ -112,11 +148,31 @@ fn a_path_that_is_given_up_says_why() {
     for (set, limit, why) in [
         (&[event_driven][..], None, None),
         (&[event_driven], Some(100), Some(Unresolved::TooLong)),
-        (&[event_driven, no_noise], Some(100), Some(Unresolved::TooLong)),
-        (&[event_driven, "force.expression=\"sin(x)\""], Some(100), Some(Unresolved::TooLong)),
-        (&[event_driven, "force.expression=\"sqrt(x - 5.9)\""], None, Some(Unresolved::NoNumber)),
-        (&[event_driven, "force.expression=\"sqrt(x - 5.9)\"", no_noise], None, Some(Unresolved::NoNumber)),
-        (&["scheme.kind=\"quasi-static\""], Some(100), Some(Unresolved::TooLong)),
+        (
+            &[event_driven, no_noise],
+            Some(100),
+            Some(Unresolved::TooLong),
+        ),
+        (
+            &[event_driven, "force.expression=\"sin(x)\""],
+            Some(100),
+            Some(Unresolved::TooLong),
+        ),
+        (
+            &[event_driven, "force.expression=\"sqrt(x - 5.9)\""],
+            None,
+            Some(Unresolved::NoNumber),
+        ),
+        (
+            &[event_driven, "force.expression=\"sqrt(x - 5.9)\"", no_noise],
+            None,
+            Some(Unresolved::NoNumber),
+        ),
+        (
+            &["scheme.kind=\"quasi-static\""],
+            Some(100),
+            Some(Unresolved::TooLong),
+        ),
     ] {
         let plan = scenario("rho025", set).plan();
         let simulation = match limit {
@@ -124,6 +180,10 @@ fn a_path_that_is_given_up_says_why() {
             None => plan.simulation,
         };
         assert_eq!(simulation.why_lost(1, 0, &mut ()), why, "{set:?}");
-        assert_eq!(simulation.simulate(1, &[0], &mut ()).is_empty(), why.is_none(), "{set:?}");
+        assert_eq!(
+            simulation.simulate(1, &[0], &mut ()).is_empty(),
+            why.is_none(),
+            "{set:?}"
+        );
     }
 }

@@ -7,7 +7,9 @@ use stickslip::ensemble::{BLOCK_SIZE, Plan};
 use stickslip::model::Event;
 use stickslip::noise::{AddressedDraws, LaneStreams, MAX_NORMAL_ERROR, MIRROR, Stream};
 use stickslip::scenario::Scenario;
-use stickslip::scheme::{CorrectedVi, DiscreteVi, Instant, Kind, Observer, Scheme, Simulate as _, Snapshot};
+use stickslip::scheme::{
+    CorrectedVi, DiscreteVi, Instant, Kind, Observer, Scheme, Simulate as _, Snapshot,
+};
 use stickslip::stats::{Record, RunTotals, Statistic, Summary};
 
 /// The scenario `rho025` in antithetic pairs, with this scheme, up to this time.
@@ -29,7 +31,8 @@ fn of_kind(kind: Kind) -> Scheme {
 #[test]
 fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
     for (seed, path) in [(1, 0), (7, 4710), (u64::MAX, 1 << 39)] {
-        let [mut one, mut other] = [path, path | MIRROR].map(|path| AddressedDraws::new(seed, path));
+        let [mut one, mut other] =
+            [path, path | MIRROR].map(|path| AddressedDraws::new(seed, path));
         let [mut stream, mut mirrored] = [path, path | MIRROR].map(|path| Stream::new(seed, path));
         for _ in 0..1000 {
             let sums = [
@@ -38,7 +41,10 @@ fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
                 stream.normal() + mirrored.normal(),
                 stream.normal_pair()[1] + mirrored.normal_pair()[1],
             ];
-            assert!(sums.iter().all(|sum| sum.abs() <= 2.0 * MAX_NORMAL_ERROR), "{sums:?}");
+            assert!(
+                sums.iter().all(|sum| sum.abs() <= 2.0 * MAX_NORMAL_ERROR),
+                "{sums:?}"
+            );
             assert_eq!(one.uniform(), other.uniform());
             assert_eq!(stream.uniform(), mirrored.uniform());
         }
@@ -52,7 +58,11 @@ fn lanes_draw_what_the_streams_of_mirror_images_draw() {
     let mut lanes = LaneStreams::new(3, &paths, 8);
     let rows = lanes.normals(2, stickslip::lanes::InstructionSet::detect());
     for (lane, &path) in paths.iter().enumerate() {
-        assert_eq!([rows[lane], rows[8 + lane]], Stream::new(3, path).normal_pair(), "lane {lane}");
+        assert_eq!(
+            [rows[lane], rows[8 + lane]],
+            Stream::new(3, path).normal_pair(),
+            "lane {lane}"
+        );
     }
 }
 
@@ -65,7 +75,8 @@ struct Seen {
 
 impl Observer for Seen {
     fn event(&mut self, lane: usize, event: Event) {
-        self.events.resize(self.events.len().max(lane + 1), Vec::new());
+        self.events
+            .resize(self.events.len().max(lane + 1), Vec::new());
         self.events[lane].push(event);
     }
 
@@ -84,26 +95,54 @@ fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     for &kind in Kind::ALL {
         let paired = scenario(of_kind(kind), 20.0, 512, 5);
         let plan = paired.plan();
-        let alone = Plan { antithetic: false, ..plan.clone() };
+        let alone = Plan {
+            antithetic: false,
+            ..plan.clone()
+        };
         let (pairs, single) = (plan.block(1), alone.block(1));
-        let (pairs_x, single_x) = (pairs.rows.path_columns.expect("kept"), single.rows.path_columns.expect("kept"));
+        let (pairs_x, single_x) = (
+            pairs.rows.path_columns.expect("kept"),
+            single.rows.path_columns.expect("kept"),
+        );
         let mut mirrored = 0;
         for lane in 0..BLOCK_SIZE as usize {
-            let replayed = plan.replay(BLOCK_SIZE + lane as u64).rows.path_columns.expect("kept");
-            assert_eq!(replayed.displacement_end[0], pairs_x.displacement_end[lane], "{kind:?}, {lane}");
-            assert_eq!(replayed.friction_work[0], pairs_x.friction_work[lane], "{kind:?}, {lane}");
+            let replayed = plan
+                .replay(BLOCK_SIZE + lane as u64)
+                .rows
+                .path_columns
+                .expect("kept");
+            assert_eq!(
+                replayed.displacement_end[0], pairs_x.displacement_end[lane],
+                "{kind:?}, {lane}"
+            );
+            assert_eq!(
+                replayed.friction_work[0], pairs_x.friction_work[lane],
+                "{kind:?}, {lane}"
+            );
             let is_even = lane % 2 == 0;
-            assert!(!is_even || pairs_x.displacement_end[lane] == single_x.displacement_end[lane], "{kind:?}, {lane}");
-            mirrored += usize::from(!is_even && pairs_x.displacement_end[lane] != single_x.displacement_end[lane]);
+            assert!(
+                !is_even || pairs_x.displacement_end[lane] == single_x.displacement_end[lane],
+                "{kind:?}, {lane}"
+            );
+            mirrored += usize::from(
+                !is_even && pairs_x.displacement_end[lane] != single_x.displacement_end[lane],
+            );
         }
         assert!(mirrored > 100, "{kind:?}: {mirrored} of 128");
         let mut seen = Seen::default();
-        assert!(plan.simulation.simulate(5, &[8, 8 | MIRROR, 10, 10 | MIRROR], &mut seen).is_empty());
+        assert!(
+            plan.simulation
+                .simulate(5, &[8, 8 | MIRROR, 10, 10 | MIRROR], &mut seen)
+                .is_empty()
+        );
         for (time, temperature) in &seen.temperature {
             for pair in temperature.chunks(2) {
                 let sum = pair[0] + pair[1] - 2.0 * (0.25 * time).cos();
                 assert!(sum.abs() < 1e-6, "{kind:?}, t = {time}: {pair:?}");
-                assert!(*time == 0.0 || (pair[0] - pair[1]).abs() > 1e-6, "{kind:?}, t = {time}: {pair:?}");
+                assert!(
+                    *time == 0.0 || (pair[0] - pair[1]).abs() > 1e-6,
+                    "{kind:?}, t = {time}: {pair:?}"
+                );
             }
         }
     }
@@ -134,16 +173,44 @@ fn pairs_are_summed_to_the_same_bits_in_any_parts() {
 #[test]
 fn a_pair_is_left_out_as_a_whole() {
     let mut paired = scenario(of_kind(Kind::EventDriven), 60.0, 512, 2);
-    paired.model.temperature.noises.first_mut().expect("noise").intensity = 1.5;
-    let plan = paired.with_scheme(DiscreteVi { step: 0.3 }).expect("goes together").plan();
-    let alone = Plan { antithetic: false, ..plan.clone() }.run(1).diverged;
+    paired
+        .model
+        .temperature
+        .noises
+        .first_mut()
+        .expect("noise")
+        .intensity = 1.5;
+    let plan = paired
+        .with_scheme(DiscreteVi { step: 0.3 })
+        .expect("goes together")
+        .plan();
+    let alone = Plan {
+        antithetic: false,
+        ..plan.clone()
+    }
+    .run(1)
+    .diverged;
     let summary = plan.run(1);
     let lost = &summary.diverged;
     println!("{} of 512 lost, {} without pairs", lost.len(), alone.len());
     assert!((20..500).contains(&lost.len()));
-    assert!(lost.chunks(2).all(|pair| pair.len() == 2 && pair[0] % 2 == 0 && pair[1] == pair[0] + 1), "{lost:?}");
-    assert!(alone.iter().filter(|path| *path % 2 == 0).all(|path| lost.contains(path)));
-    assert!(summary.estimate(Statistic::DisplacementEndMean).low.is_finite());
+    assert!(
+        lost.chunks(2)
+            .all(|pair| pair.len() == 2 && pair[0] % 2 == 0 && pair[1] == pair[0] + 1),
+        "{lost:?}"
+    );
+    assert!(
+        alone
+            .iter()
+            .filter(|path| *path % 2 == 0)
+            .all(|path| lost.contains(path))
+    );
+    assert!(
+        summary
+            .estimate(Statistic::DisplacementEndMean)
+            .low
+            .is_finite()
+    );
 }
 
 /// How many of 1000 intervals hold the truth.
@@ -189,22 +256,39 @@ fn intervals_hold_whose_unit_is_the_pair() {
         // The index of the median at the last of five rows.
         let median = 2 * 5 + 4;
         [
-            ("mean of x", x.mean[4], [x.mean_ends.low[4], x.mean_ends.high[4]]),
+            (
+                "mean of x",
+                x.mean[4],
+                [x.mean_ends.low[4], x.mean_ends.high[4]],
+            ),
             ("sd of x", x.sd[4], [x.sd_ends.low[4], x.sd_ends.high[4]]),
-            ("median of x", x.quantiles[[2, 4]], [x.quantile_ends.low[median], x.quantile_ends.high[median]]),
+            (
+                "median of x",
+                x.quantiles[[2, 4]],
+                [x.quantile_ends.low[median], x.quantile_ends.high[median]],
+            ),
             ("P(static)", summary.bands.static_probability[4], {
                 let ends = &summary.bands.static_probability_ends;
                 [ends.low[4], ends.high[4]]
             }),
         ]
     };
-    let mut held: Vec<Held> = (exact.iter().map(|s| (s.name().to_string(), truth.estimate(*s).estimate)))
-        .chain(curve(&truth).map(|(what, truth, _)| (what.to_string(), truth)))
-        .map(|(what, truth)| Held { what, times: 0, truth })
-        .collect();
+    let mut held: Vec<Held> = (exact
+        .iter()
+        .map(|s| (s.name().to_string(), truth.estimate(*s).estimate)))
+    .chain(curve(&truth).map(|(what, truth, _)| (what.to_string(), truth)))
+    .map(|(what, truth)| Held {
+        what,
+        times: 0,
+        truth,
+    })
+    .collect();
     for seed in 0..1000 {
         let summary = scenario(scheme, 30.0, 400, 1000 + seed).plan().run(1);
-        let estimates = exact.iter().map(|&s| summary.estimate(s)).map(|e| [e.low, e.high]);
+        let estimates = exact
+            .iter()
+            .map(|&s| summary.estimate(s))
+            .map(|e| [e.low, e.high]);
         let ends = estimates.chain(curve(&summary).map(|(_, _, ends)| ends));
         for (held, [low, high]) in held.iter_mut().zip(ends) {
             held.times += u32::from(low <= held.truth && held.truth <= high);
@@ -214,7 +298,10 @@ fn intervals_hold_whose_unit_is_the_pair() {
         println!("{what:<28} {times}");
         // Means over pairs have an upper bound as well; the other intervals are conservative.
         let is_exact = i <= exact.len();
-        assert!(*times >= 912 && (!is_exact || *times <= 983), "{what}: {times} of 1000");
+        assert!(
+            *times >= 912 && (!is_exact || *times <= 983),
+            "{what}: {times} of 1000"
+        );
     }
 }
 

@@ -8,7 +8,9 @@ use stickslip::engine::Run;
 use stickslip::ensemble::Plan;
 use stickslip::model::{Drive, InitialNoise, Model, Noise};
 use stickslip::scenario::Scenario;
-use stickslip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline};
+use stickslip::scheme::{
+    CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline,
+};
 use stickslip::stats::{Bias, Record, Statistic, Summary};
 
 const STATISTICS: [Statistic; 5] = [
@@ -44,7 +46,12 @@ const AT_STEP: [AtStep; 6] = [
 ];
 
 fn timeline(model: &Model) -> Timeline {
-    Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 }
+    Timeline {
+        end: 60.0,
+        output_step: 60.0,
+        period: model.temperature.period(),
+        after: 0.0,
+    }
 }
 
 fn plain(h: f64) -> Scheme {
@@ -61,11 +68,16 @@ fn plan(h: f64, seed: u64, paths: u64) -> Differences {
 }
 
 fn biases(plan: &Differences, threads: usize) -> Vec<(Statistic, Bias)> {
-    plan.estimate(threads, &AtomicBool::new(false)).expect("none diverges")
+    plan.estimate(threads, &AtomicBool::new(false))
+        .expect("none diverges")
 }
 
 fn of(biases: &[(Statistic, Bias)], statistic: Statistic) -> Bias {
-    biases.iter().find(|(s, _)| *s == statistic).expect("it has a bias").1
+    biases
+        .iter()
+        .find(|(s, _)| *s == statistic)
+        .expect("it has a bias")
+        .1
 }
 
 /// The number of statistics that exist in two forcing periods. There is no correlation from one
@@ -74,29 +86,60 @@ const EXISTING: usize = 20;
 
 /// The biases that a run of the discrete scheme, corrected or not, reports with the rows of the
 /// shipped scene, which are a part of its cost. No row is needed here, so none is simulated.
-fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Vec<(Statistic, Bias)> {
+fn reported(
+    model: &Model,
+    scheme: Scheme,
+    seed: u64,
+    paths: u64,
+    threads: usize,
+) -> Vec<(Statistic, Bias)> {
     let run = run(model, scheme, seed, paths, threads);
-    let with_rows = Timeline { output_step: 0.5, ..timeline(model) };
+    let with_rows = Timeline {
+        output_step: 0.5,
+        ..timeline(model)
+    };
     let plan = BiasPlan::new(scheme, model, &with_rows, seed, paths).expect("enough paths");
-    plan.estimate(&run, threads, &AtomicBool::new(false)).expect("none diverges")
+    plan.estimate(&run, threads, &AtomicBool::new(false))
+        .expect("none diverges")
 }
 
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
     let simulation = scheme.simulation(model, &timeline(model));
     let record = Record::NOTHING;
-    Plan { simulation, record, seed, paths, antithetic: false }.run(threads)
+    Plan {
+        simulation,
+        record,
+        seed,
+        paths,
+        antithetic: false,
+    }
+    .run(threads)
 }
 
 /// The comparisons that fail, of thirty: the bias that is estimated at each step, multiplied by
 /// each factor, against the value of the large run at that step less the truth.
-fn misses<const N: usize>(biases: impl Fn(f64) -> Vec<(Statistic, Bias)>, factors: [f64; N]) -> [Vec<String>; N] {
+fn misses<const N: usize>(
+    biases: impl Fn(f64) -> Vec<(Statistic, Bias)>,
+    factors: [f64; N],
+) -> [Vec<String>; N] {
     let mut misses = [const { Vec::new() }; N];
     for AtStep { h, values } in &AT_STEP {
         let biases = biases(*h);
-        for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).map(|(s, value)| ((s, value), truth(s))) {
-            let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
+        for ((statistic, at_step), truth) in STATISTICS
+            .iter()
+            .zip(values)
+            .map(|(s, value)| ((s, value), truth(s)))
+        {
+            let Bias {
+                estimate,
+                uncertainty,
+                ..
+            } = of(&biases, *statistic);
             let (bias, error) = (at_step.0 - truth.0, at_step.1.hypot(truth.1));
-            let line = format!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {bias}", statistic.name());
+            let line = format!(
+                "h = {h}, {}: {estimate} +- {uncertainty}, in truth {bias}",
+                statistic.name()
+            );
             println!("{line}");
             for (misses, factor) in misses.iter_mut().zip(factors) {
                 if (factor * estimate - bias).abs() > uncertainty + 2.0 * error {
@@ -132,15 +175,30 @@ fn the_reported_bias_is_within_its_uncertainty_of_the_truth() {
 #[test]
 fn over_seeds_at_most_5_percent_of_biases_are_missed() {
     let model = paper(0.25, 0.25);
-    let at_corrected =
-        [(0.408292, 0.00017), (18.3392, 0.0086), (1.27634, 0.00024), (0.188304, 0.00014), (0.138548, 6.8e-05)];
+    let at_corrected = [
+        (0.408292, 0.00017),
+        (18.3392, 0.0086),
+        (1.27634, 0.00024),
+        (0.188304, 0.00014),
+        (0.138548, 6.8e-05),
+    ];
     let mut misses = [0, 0];
-    for (scheme, values) in [(plain(0.01), AT_STEP[2].values), (corrected(0.01), at_corrected)] {
+    for (scheme, values) in [
+        (plain(0.01), AT_STEP[2].values),
+        (corrected(0.01), at_corrected),
+    ] {
         for seed in 1..=20 {
             let biases = reported(&model, scheme, seed, 10_000, 2);
-            for ((statistic, at_step), truth) in STATISTICS.iter().zip(values).map(|(s, value)| ((s, value), truth(s)))
+            for ((statistic, at_step), truth) in STATISTICS
+                .iter()
+                .zip(values)
+                .map(|(s, value)| ((s, value), truth(s)))
             {
-                let Bias { estimate, uncertainty, .. } = of(&biases, *statistic);
+                let Bias {
+                    estimate,
+                    uncertainty,
+                    ..
+                } = of(&biases, *statistic);
                 let off = (estimate - (at_step.0 - truth.0)).abs() - 2.0 * at_step.1.hypot(truth.1);
                 misses[0] += u32::from(off > uncertainty);
                 misses[1] += u32::from(off > uncertainty / 2.0);
@@ -161,7 +219,12 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
     let paths = |h| if h < 0.002 { 120_000 } else { 480_000 };
     let [exact, double, half] = misses(|h| biases(&plan(h, 2, paths(h)), 2), [1.0, 2.0, 0.5]);
     assert_eq!(exact, Vec::<String>::new());
-    assert!(double.len() > 20 && half.len() > 6, "{} {}", double.len(), half.len());
+    assert!(
+        double.len() > 20 && half.len() > 6,
+        "{} {}",
+        double.len(),
+        half.len()
+    );
 }
 
 /// f_s = 1.05 f_d. The values at zero step are those of `mc run scenarios/rho025.toml --set
@@ -177,14 +240,35 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
 fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_close() {
     let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.05 * model.friction.dynamic_force;
-    let mean = (Statistic::StickDurationMean, 0.215064, [(0.02, 0.432892), (0.01, 0.375277), (0.0025, 0.295817)]);
-    let sticks = (Statistic::SticksPerPath, 33.9081, [(0.02, 16.3787), (0.01, 19.1942), (0.0025, 24.6207)]);
+    let mean = (
+        Statistic::StickDurationMean,
+        0.215064,
+        [(0.02, 0.432892), (0.01, 0.375277), (0.0025, 0.295817)],
+    );
+    let sticks = (
+        Statistic::SticksPerPath,
+        33.9081,
+        [(0.02, 16.3787), (0.01, 19.1942), (0.0025, 24.6207)],
+    );
     for (statistic, truth, at_step) in [mean, sticks] {
         for (h, value) in at_step {
-            let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 10_000).expect("enough paths");
-            let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
-            println!("h = {h}, {}: {estimate} +- {uncertainty}, in truth {}", statistic.name(), value - truth);
-            assert!((estimate - (value - truth)).abs() < uncertainty, "{h} {}", statistic.name());
+            let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 10_000)
+                .expect("enough paths");
+            let Bias {
+                estimate,
+                uncertainty,
+                ..
+            } = of(&biases(&plan, 2), statistic);
+            println!(
+                "h = {h}, {}: {estimate} +- {uncertainty}, in truth {}",
+                statistic.name(),
+                value - truth
+            );
+            assert!(
+                (estimate - (value - truth)).abs() < uncertainty,
+                "{h} {}",
+                statistic.name()
+            );
         }
     }
 }
@@ -201,16 +285,36 @@ fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_clo
 #[test]
 fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_mislead() {
     let mut short_memory = paper(0.25, 0.25);
-    short_memory.temperature.noises.first_mut().expect("it has noise").relaxation_rate = 5.0;
+    short_memory
+        .temperature
+        .noises
+        .first_mut()
+        .expect("it has noise")
+        .relaxation_rate = 5.0;
     let mut damped = paper(0.25, 0.5);
     (damped.oscillator.damping, damped.friction.static_force) = (1.0, 1.05);
     for (model, h, statistic, (truth, error)) in [
-        (short_memory, 0.01, Statistic::SubPhasesMultipleShare, (0.01225, 1.3e-4)),
-        (damped, 0.0025, Statistic::StickingFraction, (7.47e-4, 5.3e-5)),
+        (
+            short_memory,
+            0.01,
+            Statistic::SubPhasesMultipleShare,
+            (0.01225, 1.3e-4),
+        ),
+        (
+            damped,
+            0.0025,
+            Statistic::StickingFraction,
+            (7.47e-4, 5.3e-5),
+        ),
     ] {
         let is_missed = |seed: &u64| {
-            let plan = Differences::new(plain(h), &model, &timeline(&model), *seed, 10_000).expect("enough paths");
-            let Bias { estimate, uncertainty, .. } = of(&biases(&plan, 2), statistic);
+            let plan = Differences::new(plain(h), &model, &timeline(&model), *seed, 10_000)
+                .expect("enough paths");
+            let Bias {
+                estimate,
+                uncertainty,
+                ..
+            } = of(&biases(&plan, 2), statistic);
             (estimate - truth).abs() > uncertainty + 2.0 * error
         };
         let misses = (1..=40).filter(is_missed).count();
@@ -233,8 +337,13 @@ fn the_bias_of_each_statistic_falls_with_the_step_as_its_order_says() {
     // Forcing frequency, x0 and t_end. In the second scene the body drifts from far away to the
     // place where the spring holds it; in the third its displacements from period to period are
     // correlated.
-    let sticks: &[Statistic] =
-        &[StickDurationMean, StickDurationSd, FirstStickDurationMean, SticksPerPath, SlipsPerPath];
+    let sticks: &[Statistic] = &[
+        StickDurationMean,
+        StickDurationSd,
+        FirstStickDurationMean,
+        SticksPerPath,
+        SlipsPerPath,
+    ];
     let displacement: &[Statistic] = &[
         DisplacementEndMean,
         DisplacementEndSd,
@@ -251,21 +360,46 @@ fn the_bias_of_each_statistic_falls_with_the_step_as_its_order_says() {
         (2.0, 20.0, 12.8, displacement),
         (1.5, 12.0, 19.2, &[PeriodDisplacementCorrelation]),
     ] {
-        let model = Model { initial_displacement: x0, ..paper(frequency, 0.25) };
-        let timeline = Timeline { end, ..timeline(&model) };
+        let model = Model {
+            initial_displacement: x0,
+            ..paper(frequency, 0.25)
+        };
+        let timeline = Timeline {
+            end,
+            ..timeline(&model)
+        };
         let seen_at = |h: f64, finer: usize| {
             let simulation = plain(h).simulation(&model, &timeline).fed_by_finer(finer);
             let record = Record::NOTHING;
-            Plan { simulation, record, seed: 5, paths: 10_000, antithetic: false }.run(2)
+            Plan {
+                simulation,
+                record,
+                seed: 5,
+                paths: 10_000,
+                antithetic: false,
+            }
+            .run(2)
         };
-        let told_at = |h| biases(&Differences::new(plain(h), &model, &timeline, 6, 480_000).expect("enough paths"), 2);
-        let (seen, told) = ([seen_at(h, 8), seen_at(h / 8.0, 1)], [told_at(h), told_at(h / 8.0)]);
+        let told_at = |h| {
+            biases(
+                &Differences::new(plain(h), &model, &timeline, 6, 480_000).expect("enough paths"),
+                2,
+            )
+        };
+        let (seen, told) = (
+            [seen_at(h, 8), seen_at(h / 8.0, 1)],
+            [told_at(h), told_at(h / 8.0)],
+        );
         for &statistic in statistics {
             let [coarse, fine] = seen.each_ref().map(|run| estimate(run, statistic).0);
             let [at_coarse, at_fine] = told.each_ref().map(|biases| of(biases, statistic).estimate);
             let ratio = (at_coarse - at_fine) / (coarse - fine);
             println!("{}: {ratio:.3}", statistic.name());
-            assert!((0.75..1.3).contains(&ratio), "{}: {ratio}", statistic.name());
+            assert!(
+                (0.75..1.3).contains(&ratio),
+                "{}: {ratio}",
+                statistic.name()
+            );
         }
     }
 }
@@ -277,16 +411,27 @@ fn the_bias_of_each_statistic_falls_with_the_step_as_its_order_says() {
 #[test]
 fn the_uncertainty_is_small_enough_to_be_useful() {
     let model = paper(0.25, 0.25);
-    let all: Vec<Vec<(Statistic, Bias)>> = (0..9).map(|seed| reported(&model, plain(0.01), seed, 10_000, 2)).collect();
+    let all: Vec<Vec<(Statistic, Bias)>> = (0..9)
+        .map(|seed| reported(&model, plain(0.01), seed, 10_000, 2))
+        .collect();
     let median = |statistic: Statistic, what: &dyn Fn(&Bias) -> f64| {
-        let mut values: Vec<f64> = all.iter().map(|biases| what(&of(biases, statistic))).collect();
+        let mut values: Vec<f64> = all
+            .iter()
+            .map(|biases| what(&of(biases, statistic)))
+            .collect();
         values.sort_by(f64::total_cmp);
         println!("{}: {values:?}", statistic.name());
         values[4]
     };
-    assert!(median(Statistic::StickDurationMean, &|b| b.uncertainty / b.estimate) < 0.11);
+    assert!(
+        median(Statistic::StickDurationMean, &|b| b.uncertainty
+            / b.estimate)
+            < 0.11
+    );
     assert!(median(Statistic::DisplacementEndMean, &|b| b.uncertainty) < 0.02);
-    let order = median(Statistic::StickDurationMean, &|b| b.order.unwrap_or(f64::NAN));
+    let order = median(Statistic::StickDurationMean, &|b| {
+        b.order.unwrap_or(f64::NAN)
+    });
     assert!((0.45..0.75).contains(&order), "{order}");
 }
 
@@ -312,14 +457,30 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
     let (low, high) = (1.156, 1.167);
     let covered_and_width = |seed: &u64| {
-        let Bias { estimate, uncertainty, .. } =
-            of(&reported(&model, plain(0.01), *seed, 10_000, 2), Statistic::StickDurationMedian);
+        let Bias {
+            estimate,
+            uncertainty,
+            ..
+        } = of(
+            &reported(&model, plain(0.01), *seed, 10_000, 2),
+            Statistic::StickDurationMedian,
+        );
         println!("{estimate} +- {uncertainty}");
-        (estimate - uncertainty <= high && estimate + uncertainty >= low, uncertainty)
+        (
+            estimate - uncertainty <= high && estimate + uncertainty >= low,
+            uncertainty,
+        )
     };
-    let all: Vec<(bool, f64)> = (1..=20).collect::<Vec<u64>>().iter().map(covered_and_width).collect();
+    let all: Vec<(bool, f64)> = (1..=20)
+        .collect::<Vec<u64>>()
+        .iter()
+        .map(covered_and_width)
+        .collect();
     let misses = all.iter().filter(|(is_held, _)| !is_held).count();
-    let wide = all.iter().filter(|(_, uncertainty)| *uncertainty > 0.25).count();
+    let wide = all
+        .iter()
+        .filter(|(_, uncertainty)| *uncertainty > 0.25)
+        .count();
     assert!(misses <= 4 && wide >= 13, "{misses} misses, {wide} wide");
 }
 
@@ -330,23 +491,46 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
 fn the_steps_give_the_bias_where_the_reference_run_cannot() {
     let referenced = |model: &Model, h: f64, paths: u64| {
         let run = run(model, plain(h), 1, paths, 2);
-        ReferenceRun::new(model, &timeline(model), h, 1, paths, 20).estimate(&run, 2, &AtomicBool::new(false))
+        ReferenceRun::new(model, &timeline(model), h, 1, paths, 20).estimate(
+            &run,
+            2,
+            &AtomicBool::new(false),
+        )
     };
     let model = paper(0.25, 0.25);
-    assert_eq!(referenced(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
+    assert_eq!(
+        referenced(&model, 0.01, 10_000).map(|biases| biases.len()),
+        Some(EXISTING)
+    );
     assert_eq!(referenced(&model, 0.04, 1000), None);
     let mut fast = model.clone();
-    fast.temperature.noises.first_mut().expect("it has noise").relaxation_rate = 1e6;
+    fast.temperature
+        .noises
+        .first_mut()
+        .expect("it has noise")
+        .relaxation_rate = 1e6;
     let mut close = model.clone();
     close.friction.static_force = 1.0 + 1e-9;
     for model in [fast, close] {
         assert_eq!(referenced(&model, 0.01, 10_000), None);
         let biases = reported(&model, plain(0.01), 1, 10_000, 2);
-        assert_eq!(biases.len(), EXISTING - 1, "all but the median, which no step can place");
-        assert!(biases.iter().all(|(of, _)| *of != Statistic::StickDurationMedian));
-        let plan = BiasPlan::new(corrected(0.01), &model, &timeline(&model), 1, 10_000).expect("enough paths");
+        assert_eq!(
+            biases.len(),
+            EXISTING - 1,
+            "all but the median, which no step can place"
+        );
+        assert!(
+            biases
+                .iter()
+                .all(|(of, _)| *of != Statistic::StickDurationMedian)
+        );
+        let plan = BiasPlan::new(corrected(0.01), &model, &timeline(&model), 1, 10_000)
+            .expect("enough paths");
         let corrected = run(&model, corrected(0.01), 1, 10_000, 2);
-        assert_eq!(plan.estimate(&corrected, 2, &AtomicBool::new(false)), Err(NoBias::Corrected));
+        assert_eq!(
+            plan.estimate(&corrected, 2, &AtomicBool::new(false)),
+            Err(NoBias::Corrected)
+        );
     }
 }
 
@@ -367,16 +551,34 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noises =
-        vec![Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary }];
+    model.temperature.noises = vec![Noise {
+        intensity: 1.0,
+        relaxation_rate,
+        diffusion,
+        initial: InitialNoise::Stationary,
+    }];
     let (end, h, paths) = (10.0, 1e-4, 128);
-    let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
+    let timeline = Timeline {
+        end,
+        output_step: end,
+        period: None,
+        after: 0.0,
+    };
     let squares = (0..64).map(|seed| {
         let simulation = plain(h).simulation(&model, &timeline);
-        let run = Plan { simulation, record: Record::NOTHING, seed, paths, antithetic: false }.run(2);
+        let run = Plan {
+            simulation,
+            record: Record::NOTHING,
+            seed,
+            paths,
+            antithetic: false,
+        }
+        .run(2);
         // The reference run may cost as much as the run, which is enough for as many paths.
         let reference = ReferenceRun::new(&model, &timeline, h, seed, paths, 1);
-        let biases = reference.estimate(&run, 2, &AtomicBool::new(false)).expect("the budget is enough");
+        let biases = reference
+            .estimate(&run, 2, &AtomicBool::new(false))
+            .expect("the budget is enough");
         let reported = of(&biases, Statistic::FrictionWorkMean);
         // The quantile of Student's t with 127 degrees of freedom, times the factor by which the
         // uncertainty is enlarged for few paths, with a little allowance for the tolerance.
@@ -394,15 +596,32 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
     let model = paper(0.25, 0.0);
     let exact = event_driven_summary(&model, &timeline(&model), 1e-3, 1, 1);
     for h in [0.04, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001] {
-        let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 1).expect("one path is enough");
+        let plan = Differences::new(plain(h), &model, &timeline(&model), 1, 1)
+            .expect("one path is enough");
         assert_eq!(plan.paths(), 1);
         let run = run(&model, plain(h), 1, 1, 1);
         let biases = biases(&plan, 1);
-        assert_eq!(biases.len(), 16, "all but the spreads over paths, and the correlation from period to period");
-        for (statistic, Bias { estimate: bias, uncertainty, .. }) in biases {
+        assert_eq!(
+            biases.len(),
+            16,
+            "all but the spreads over paths, and the correlation from period to period"
+        );
+        for (
+            statistic,
+            Bias {
+                estimate: bias,
+                uncertainty,
+                ..
+            },
+        ) in biases
+        {
             let truth = estimate(&run, statistic).0 - estimate(&exact, statistic).0;
             let rounding = 1e-12 * truth.abs().max(1.0);
-            assert!((bias - truth).abs() <= uncertainty + rounding, "{h} {}: {bias} {truth}", statistic.name());
+            assert!(
+                (bias - truth).abs() <= uncertainty + rounding,
+                "{h} {}: {bias} {truth}",
+                statistic.name()
+            );
             if statistic == Statistic::DisplacementEndMean && h < 0.02 {
                 assert!((bias / truth - 1.0).abs() < 0.15, "{h}: {bias} {truth}");
             }
@@ -418,9 +637,15 @@ fn without_noise_the_bias_is_that_against_the_exact_cascade() {
 fn the_three_steps_end_at_one_instant() {
     let (model, h) = (paper(0.25, 0.0), 0.01);
     let at = |end: f64| {
-        let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end,
+            output_step: end,
+            period: None,
+            after: 0.0,
+        };
         let plan = Differences::new(plain(h), &model, &timeline, 1, 1).expect("one path is enough");
-        [Statistic::DisplacementEndMean, Statistic::FrictionWorkMean].map(|statistic| of(&biases(&plan, 1), statistic))
+        [Statistic::DisplacementEndMean, Statistic::FrictionWorkMean]
+            .map(|statistic| of(&biases(&plan, 1), statistic))
     };
     for k in 0..10 {
         let end = 40.0 + 2.0 * f64::from(k);
@@ -443,8 +668,13 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn where_there_is_no_estimate_the_reason_is_given() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
-    let try_with = |model: &Model, h, paths| Differences::new(plain(h), model, &timeline(model), 1, paths).map(|_| ());
-    assert_eq!(try_with(&model, 0.01, 767), Err(NoBias::FewPaths { needed: 768 }));
+    let try_with = |model: &Model, h, paths| {
+        Differences::new(plain(h), model, &timeline(model), 1, paths).map(|_| ())
+    };
+    assert_eq!(
+        try_with(&model, 0.01, 767),
+        Err(NoBias::FewPaths { needed: 768 })
+    );
     assert_eq!(try_with(&model, 0.01, 768), Ok(()));
     assert_eq!(try_with(&model, 6.0, 1000), Err(NoBias::FewSteps));
     let mut equal = model.clone();
@@ -460,9 +690,17 @@ fn where_there_is_no_estimate_the_reason_is_given() {
         assert_eq!(stopped, Err(NoBias::Stopped));
     }
     // 4h = 0.8 is so long that an undamped slip of this size diverges.
-    let long = Timeline { end: 1000.0, output_step: 1000.0, period: None, after: 0.0 };
+    let long = Timeline {
+        end: 1000.0,
+        output_step: 1000.0,
+        period: None,
+        after: 0.0,
+    };
     let plan = Differences::new(plain(0.2), &model, &long, 1, 1000).expect("enough paths");
-    assert!(matches!(plan.estimate(1, &AtomicBool::new(false)), Err(NoBias::Diverged { paths: 32.. })));
+    assert!(matches!(
+        plan.estimate(1, &AtomicBool::new(false)),
+        Err(NoBias::Diverged { paths: 32.. })
+    ));
 }
 
 /// A noisy body under a force of its own, by `discrete-vi` at h = 0.01 with 4000 paths.
@@ -488,20 +726,51 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
          temperature.noise.intensity = 0.25\ntime.end = 60\n\
          force.expression = \"-k*max(x - 1, 0) - l*min(x + 1, 0)\"\nforce.parameters = { k = 200, l = 40 }\n",
     );
-    let run = Run::of(&scene).threads(2).simulate().expect("a run").summary;
-    let exact = scene.with_scheme(EventDriven { tolerance: DEFAULT_TOLERANCE }).expect("it fits");
-    let differences = Differences::new(scene.scheme, &scene.model, &scene.timeline(), 1, 4000).expect("enough paths");
-    let absence = differences.estimate(2, &AtomicBool::new(false)).expect_err("they diverge");
+    let run = Run::of(&scene)
+        .threads(2)
+        .simulate()
+        .expect("a run")
+        .summary;
+    let exact = scene
+        .with_scheme(EventDriven {
+            tolerance: DEFAULT_TOLERANCE,
+        })
+        .expect("it fits");
+    let differences = Differences::new(scene.scheme, &scene.model, &scene.timeline(), 1, 4000)
+        .expect("enough paths");
+    let absence = differences
+        .estimate(2, &AtomicBool::new(false))
+        .expect_err("they diverge");
     assert!(matches!(absence, NoBias::Diverged { .. }), "{absence}");
-    let exact = Run::of(&exact).paths(1500).threads(2).simulate().expect("a run").summary;
-    for statistic in [Statistic::SticksPerPath, Statistic::StickDurationMean, Statistic::JumpMean] {
+    let exact = Run::of(&exact)
+        .paths(1500)
+        .threads(2)
+        .simulate()
+        .expect("a run")
+        .summary;
+    for statistic in [
+        Statistic::SticksPerPath,
+        Statistic::StickDurationMean,
+        Statistic::JumpMean,
+    ] {
         let (at_step, exact) = (run.estimate(statistic), exact.estimate(statistic));
         let bias = at_step.bias.expect("a reference run");
-        let (off, error) =
-            (at_step.estimate - exact.estimate, 2.0 * at_step.standard_error.hypot(exact.standard_error));
-        println!("{}: {bias:?}, beside event-driven paths {off} +- {error}", statistic.name());
-        assert!((bias.estimate - off).abs() < bias.uncertainty + error, "{bias:?} {off} {error}");
-        assert!(statistic != Statistic::SticksPerPath || bias.estimate.abs() > 5.0 * bias.uncertainty, "{bias:?}");
+        let (off, error) = (
+            at_step.estimate - exact.estimate,
+            2.0 * at_step.standard_error.hypot(exact.standard_error),
+        );
+        println!(
+            "{}: {bias:?}, beside event-driven paths {off} +- {error}",
+            statistic.name()
+        );
+        assert!(
+            (bias.estimate - off).abs() < bias.uncertainty + error,
+            "{bias:?} {off} {error}"
+        );
+        assert!(
+            statistic != Statistic::SticksPerPath || bias.estimate.abs() > 5.0 * bias.uncertainty,
+            "{bias:?}"
+        );
     }
 }
 
@@ -521,11 +790,19 @@ fn a_bias_that_rests_on_rare_early_ends_is_as_uncertain_as_they_are() {
     let mut known = 0;
     for seed in 11..=14 {
         scene.ensemble.seed = seed;
-        let run = Run::of(&scene).threads(2).simulate().expect("a run").summary;
+        let run = Run::of(&scene)
+            .threads(2)
+            .simulate()
+            .expect("a run")
+            .summary;
         let e = run.estimate(Statistic::FirstStickDurationMean);
         println!("{seed}: {e:?}");
         known += usize::from(e.bias.is_some());
-        assert!(e.bias.is_none_or(|bias| (bias.estimate - 0.055).abs() < bias.uncertainty), "{e:?}");
+        assert!(
+            e.bias
+                .is_none_or(|bias| (bias.estimate - 0.055).abs() < bias.uncertainty),
+            "{e:?}"
+        );
     }
     assert!(known > 1, "{known}");
 }

@@ -13,7 +13,9 @@ use std::sync::atomic::AtomicBool;
 use stickslip::bias::BiasPlan;
 use stickslip::ensemble::Plan;
 use stickslip::model::{Drive, Harmonic, InitialNoise, Model};
-use stickslip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline};
+use stickslip::scheme::{
+    CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline,
+};
 use stickslip::stats::{Bias, Estimate, Record, Statistic, Summary};
 
 const STEPS: [f64; 3] = [0.02, 0.01, 0.005];
@@ -21,16 +23,33 @@ const PATHS: [u64; 2] = [10_000, 2000];
 const SEEDS: std::ops::RangeInclusive<u64> = 201..=220;
 
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: model.temperature.period(), after: 0.0 };
-    Plan { simulation: scheme.simulation(model, &timeline), record: Record::NOTHING, seed, paths, antithetic: false }
-        .run(2)
+    let timeline = Timeline {
+        end: 60.0,
+        output_step: 60.0,
+        period: model.temperature.period(),
+        after: 0.0,
+    };
+    Plan {
+        simulation: scheme.simulation(model, &timeline),
+        record: Record::NOTHING,
+        seed,
+        paths,
+        antithetic: false,
+    }
+    .run(2)
 }
 
 /// The biases that a run with the rows of the shipped scene reports.
 fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
-    let timeline = Timeline { end: 60.0, output_step: 0.5, period: model.temperature.period(), after: 0.0 };
+    let timeline = Timeline {
+        end: 60.0,
+        output_step: 0.5,
+        period: model.temperature.period(),
+        after: 0.0,
+    };
     let plan = BiasPlan::new(scheme, model, &timeline, seed, paths).expect("enough paths");
-    plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false)).unwrap_or_default()
+    plan.estimate(&run(model, scheme, seed, paths), 2, &AtomicBool::new(false))
+        .unwrap_or_default()
 }
 
 /// Weak noise and nearly equal frictions: sticks are either short or long, and a step misses many
@@ -57,16 +76,26 @@ fn scenes() -> Vec<(String, Model)> {
     ];
     let mut rng = Pcg64Dxsm::seed_from_u64(2026);
     for i in 1..=6 {
-        let mut draw = |low: f64, high: f64| Uniform::new(low, high).expect("low < high").sample(&mut rng);
+        let mut draw = |low: f64, high: f64| {
+            Uniform::new(low, high)
+                .expect("low < high")
+                .sample(&mut rng)
+        };
         let mut model = paper(0.25, 0.25);
         let oscillator = &mut model.oscillator;
         (oscillator.mass, oscillator.stiffness) = (draw(-1.0, 1.0).exp2(), draw(-1.0, 1.0).exp2());
-        (oscillator.damping, oscillator.drive) = (draw(-0.5, 0.5).max(0.0), Drive::Dilatation(draw(3.0, 12.0)));
+        (oscillator.damping, oscillator.drive) =
+            (draw(-0.5, 0.5).max(0.0), Drive::Dilatation(draw(3.0, 12.0)));
         model.friction.static_force = 1.0 + draw(-5.0, -1.3).exp2();
         let noise = model.temperature.noises.first_mut().expect("it has noise");
-        (noise.intensity, noise.relaxation_rate) = (draw(-3.5, -0.5).exp2(), draw(-1.0, 2.0).exp2());
+        (noise.intensity, noise.relaxation_rate) =
+            (draw(-3.5, -0.5).exp2(), draw(-1.0, 2.0).exp2());
         let (angular_frequency, phase) = (draw(0.15, 0.8), draw(0.0, 6.0));
-        model.temperature.harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency, phase }];
+        model.temperature.harmonics = vec![Harmonic {
+            amplitude: 1.0,
+            angular_frequency,
+            phase,
+        }];
         model.initial_displacement = draw(-6.0, 6.0);
         scenes.push((format!("drawn {i}"), model));
     }
@@ -78,7 +107,10 @@ fn scenes() -> Vec<(String, Model)> {
 fn ends(e: &Estimate) -> (f64, f64) {
     match e.statistic {
         Statistic::StickDurationMedian => (e.low, e.high),
-        _ => (e.estimate - 2.0 * e.standard_error, e.estimate + 2.0 * e.standard_error),
+        _ => (
+            e.estimate - 2.0 * e.standard_error,
+            e.estimate + 2.0 * e.standard_error,
+        ),
     }
 }
 
@@ -102,24 +134,47 @@ type Count = (usize, usize);
 fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
     let mut counts: BTreeMap<(String, usize), Count> = BTreeMap::new();
     for (name, model) in scenes() {
-        let exact = run(&model, EventDriven { tolerance: DEFAULT_TOLERANCE }.into(), 77, 300_000);
+        let exact = run(
+            &model,
+            EventDriven {
+                tolerance: DEFAULT_TOLERANCE,
+            }
+            .into(),
+            77,
+            300_000,
+        );
         for h in STEPS {
-            let schemes = [("discrete", DiscreteVi { step: h }.into()), ("corrected", CorrectedVi { step: h }.into())];
+            let schemes = [
+                ("discrete", DiscreteVi { step: h }.into()),
+                ("corrected", CorrectedVi { step: h }.into()),
+            ];
             for (scheme_name, scheme) in schemes {
                 let at_step = run(&model, scheme, 999, 200_000);
                 for paths in PATHS {
                     let setting = format!("{scheme_name} {h} {paths}");
-                    let all: Vec<_> = SEEDS.map(|seed| reported(&model, scheme, seed, paths)).collect();
+                    let all: Vec<_> = SEEDS
+                        .map(|seed| reported(&model, scheme, seed, paths))
+                        .collect();
                     for statistic in Statistic::asked_by(&Record::NOTHING) {
-                        let ((a, b), (c, d)) = (ends(at_step.estimate(statistic)), ends(exact.estimate(statistic)));
+                        let ((a, b), (c, d)) = (
+                            ends(at_step.estimate(statistic)),
+                            ends(exact.estimate(statistic)),
+                        );
                         let (low, high) = (a - d, b - c);
-                        let biases: Vec<Bias> =
-                            all.iter().flatten().filter(|(of, _)| *of == statistic).map(|b| b.1).collect();
+                        let biases: Vec<Bias> = all
+                            .iter()
+                            .flatten()
+                            .filter(|(of, _)| *of == statistic)
+                            .map(|b| b.1)
+                            .collect();
                         let is_missed = |b: &&Bias| {
-                            b.estimate - b.uncertainty > high + 1e-12 || b.estimate + b.uncertainty < low - 1e-12
+                            b.estimate - b.uncertainty > high + 1e-12
+                                || b.estimate + b.uncertainty < low - 1e-12
                         };
                         let missed = biases.iter().filter(is_missed).count();
-                        let count = counts.entry((setting.clone(), statistic.index())).or_default();
+                        let count = counts
+                            .entry((setting.clone(), statistic.index()))
+                            .or_default();
                         *count = (count.0 + missed, count.1 + biases.len());
                         let mut reach: Vec<f64> = biases.iter().map(|b| b.uncertainty).collect();
                         reach.sort_by(f64::total_cmp);
@@ -133,21 +188,41 @@ fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
             }
         }
     }
-    let settings: Vec<&String> = counts.keys().filter(|key| key.1 == 0).map(|key| &key.0).collect();
-    println!("| statistic | {} |", settings.iter().map(|s| s.as_str()).collect::<Vec<_>>().join(" | "));
+    let settings: Vec<&String> = counts
+        .keys()
+        .filter(|key| key.1 == 0)
+        .map(|key| &key.0)
+        .collect();
+    println!(
+        "| statistic | {} |",
+        settings
+            .iter()
+            .map(|s| s.as_str())
+            .collect::<Vec<_>>()
+            .join(" | ")
+    );
     let mut too_many = Vec::new();
     for statistic in Statistic::asked_by(&Record::NOTHING) {
         let cell = |setting: &&String| {
             let (missed, reported) = counts[&((*setting).clone(), statistic.index())];
             let mean = reported as f64 / 20.0;
             if reported >= FEWEST && missed as f64 > mean + 3.7 * (0.95 * mean).sqrt() {
-                too_many.push(format!("{}, {setting}: {missed} of {reported}", statistic.name()));
+                too_many.push(format!(
+                    "{}, {setting}: {missed} of {reported}",
+                    statistic.name()
+                ));
             }
             format!("{missed}/{reported}")
         };
-        println!("| `{}` | {} |", statistic.name(), settings.iter().map(cell).collect::<Vec<_>>().join(" | "));
+        println!(
+            "| `{}` | {} |",
+            statistic.name(),
+            settings.iter().map(cell).collect::<Vec<_>>().join(" | ")
+        );
     }
     assert_eq!(too_many, Vec::<String>::new());
-    let (missed, reported) = counts.values().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
+    let (missed, reported) = counts
+        .values()
+        .fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
     assert!(40 * missed <= reported, "{missed} of {reported}");
 }

@@ -12,7 +12,8 @@ use stickslip::noise::AddressedDraws;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::DiscreteVi;
 use stickslip::stats::{
-    AuxiliaryObserver, BlockResult, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
+    AuxiliaryObserver, BlockResult, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied,
+    Tally,
 };
 use stickslip::sums::Measurement;
 
@@ -29,7 +30,10 @@ fn scenario() -> Scenario {
         "statistics.after=10",
         "temperature.harmonics.0.angular_frequency=0.8",
     ];
-    let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
+    let set: Vec<Override> = set
+        .iter()
+        .map(|text| Override::set(text).expect("well formed"))
+        .collect();
     let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
     scenario.ensemble.paths = BLOCKS * BLOCK_SIZE - 100;
@@ -60,30 +64,80 @@ fn bits(summary: &Summary) -> Vec<u64> {
     let bands = &summary.bands;
     let mut curves = vec![&bands.static_probability_ends];
     for band in [&bands.displacement, &bands.velocity, &bands.temperature] {
-        all.extend(band.mean.iter().chain(&band.sd).chain(&band.quantiles).map(|x| x.to_bits()));
+        all.extend(
+            band.mean
+                .iter()
+                .chain(&band.sd)
+                .chain(&band.quantiles)
+                .map(|x| x.to_bits()),
+        );
         curves.extend([&band.mean_ends, &band.sd_ends, &band.quantile_ends]);
     }
     all.extend(bands.static_probability.iter().map(|x| x.to_bits()));
-    all.extend(summary.periods.mean.iter().chain(&summary.periods.variance).map(|x| x.to_bits()));
+    all.extend(
+        summary
+            .periods
+            .mean
+            .iter()
+            .chain(&summary.periods.variance)
+            .map(|x| x.to_bits()),
+    );
     let transient = summary.transient.expect("a burn-in");
     all.extend([transient.sticks, transient.slips]);
     all.extend([transient.displacement.estimate, transient.displacement.high].map(f64::to_bits));
     let (sticks, first) = (&summary.stick_durations, &summary.first_sticks);
-    all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
-    all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
+    all.extend(
+        sticks
+            .histogram
+            .counts
+            .iter()
+            .chain(&sticks.censored_counts),
+    );
+    all.extend(
+        sticks
+            .survival
+            .iter()
+            .chain(&sticks.quantiles)
+            .chain(&sticks.histogram.edges)
+            .map(|x| x.to_bits()),
+    );
     let (periods, phases) = (&summary.periods, &summary.sub_phases);
     all.extend(&phases.counts);
     all.extend(phases.shares.iter().map(|x| x.to_bits()));
     curves.extend([&sticks.survival_ends, &sticks.quantile_ends]);
-    curves.extend([&phases.share_ends, &periods.mean_ends, &periods.variance_ends]);
-    all.extend(curves.iter().flat_map(|ends| ends.low.iter().chain(&ends.high)).map(|x| x.to_bits()));
-    all.extend([sticks.completed, sticks.censored, first.completed, first.censored, phases.censored]);
+    curves.extend([
+        &phases.share_ends,
+        &periods.mean_ends,
+        &periods.variance_ends,
+    ]);
+    all.extend(
+        curves
+            .iter()
+            .flat_map(|ends| ends.low.iter().chain(&ends.high))
+            .map(|x| x.to_bits()),
+    );
+    all.extend([
+        sticks.completed,
+        sticks.censored,
+        first.completed,
+        first.censored,
+        phases.censored,
+    ]);
     all
 }
 
 fn whole() -> &'static [u64] {
     static WHOLE: OnceLock<Vec<u64>> = OnceLock::new();
-    WHOLE.get_or_init(|| bits(&Run::of(&scenario()).threads(1).without_bias().simulate().expect("no sink").summary))
+    WHOLE.get_or_init(|| {
+        bits(
+            &Run::of(&scenario())
+                .threads(1)
+                .without_bias()
+                .simulate()
+                .expect("no sink")
+                .summary,
+        )
+    })
 }
 
 proptest! {
@@ -124,7 +178,11 @@ proptest! {
 fn any_number_of_threads_comes_to_the_same_bits() {
     let scenario = scenario();
     for threads in [1, 2, 3, 8, 17, 32] {
-        let outcome = Run::of(&scenario).threads(threads).without_bias().simulate().expect("no sink");
+        let outcome = Run::of(&scenario)
+            .threads(threads)
+            .without_bias()
+            .simulate()
+            .expect("no sink");
         assert_eq!(bits(&outcome.summary), whole(), "{threads} threads");
     }
 }
@@ -184,25 +242,52 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     // A tally includes the burn-in, unlike the statistics of the program.
     let mut whole = scenario.clone();
     whole.statistics.after = 0.0;
-    let (outcome, own) = Run::of(&whole).threads(2).without_bias().tallied(&Count).expect("no sink");
+    let (outcome, own) = Run::of(&whole)
+        .threads(2)
+        .without_bias()
+        .tallied(&Count)
+        .expect("no sink");
     let program = outcome.summary.estimate(Statistic::SlipsPerPath);
     assert_eq!(own.estimate.to_bits(), program.estimate.to_bits());
-    assert_eq!(own.standard_error.to_bits(), program.standard_error.to_bits());
+    assert_eq!(
+        own.standard_error.to_bits(),
+        program.standard_error.to_bits()
+    );
 
-    let ratio = |threads| Run::of(&scenario).threads(threads).without_bias().tallied(&Slips).expect("no sink").1;
+    let ratio = |threads| {
+        Run::of(&scenario)
+            .threads(threads)
+            .without_bias()
+            .tallied(&Slips)
+            .expect("no sink")
+            .1
+    };
     let one = ratio(1);
     assert!(one.low < one.estimate && one.estimate < one.high);
     assert_eq!(ratio(7), one);
     // The same in parts that are joined along the tree.
-    let tallied = Tallied { tally: &Slips, seed: scenario.ensemble.seed };
-    let mut joined = RunTotals::with(tallied.empty(), plan().model(), plan().timeline(), &plan().record);
+    let tallied = Tallied {
+        tally: &Slips,
+        seed: scenario.ensemble.seed,
+    };
+    let mut joined = RunTotals::with(
+        tallied.empty(),
+        plan().model(),
+        plan().timeline(),
+        &plan().record,
+    );
     let deliver = |block: stickslip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
         Ok::<_, stickslip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
     };
     let never = AtomicBool::new(false);
-    let stops = Stops { stop: &never, halt: &never };
-    plan().run_beside(&tallied, 0..BLOCKS, 2, stops, deliver).expect("each block once");
+    let stops = Stops {
+        stop: &never,
+        halt: &never,
+    };
+    plan()
+        .run_beside(&tallied, 0..BLOCKS, 2, stops, deliver)
+        .expect("each block once");
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 
@@ -211,16 +296,22 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
 /// is measured after so many paths that all of it is in bins.
 #[test]
 fn the_state_of_a_run_is_as_small_as_promised() {
-    for (rows, node_bytes, exact_bytes) in [(121_u64, 10_000, 6_500_000), (10_000, 760_000, 65_000_000)] {
+    for (rows, node_bytes, exact_bytes) in
+        [(121_u64, 10_000, 6_500_000), (10_000, 760_000, 65_000_000)]
+    {
         let mut scenario = scenario();
         scenario.time.output_step = scenario.time.end / (rows - 1) as f64;
-        scenario.scheme = DiscreteVi { step: scenario.time.output_step }.into();
+        scenario.scheme = DiscreteVi {
+            step: scenario.time.output_step,
+        }
+        .into();
         let plan = scenario.plan();
         assert_eq!(plan.timeline().rows() as u64, rows);
         let empty = || RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let state = |blocks: u64| {
             let mut totals = empty();
-            let nothing = || stickslip::stats::Totals::empty(plan.model(), plan.timeline(), &plan.record);
+            let nothing =
+                || stickslip::stats::Totals::empty(plan.model(), plan.timeline(), &plan.record);
             (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
             totals.to_bytes().len()
         };
@@ -231,11 +322,16 @@ fn the_state_of_a_run_is_as_small_as_promised() {
 
         let mut totals = empty();
         for k in 0..16 {
-            totals.push(k, plan.block(k).totals).expect("each block once");
+            totals
+                .push(k, plan.block(k).totals)
+                .expect("each block once");
             if [1, 4, 16].contains(&(k + 1)) {
                 let nodes = (k + 1).count_ones() as usize;
                 let exact = totals.to_bytes().len() - nodes * node;
-                println!("{rows} rows, {} paths: what is counted exactly takes {exact} bytes", (k + 1) * BLOCK_SIZE);
+                println!(
+                    "{rows} rows, {} paths: what is counted exactly takes {exact} bytes",
+                    (k + 1) * BLOCK_SIZE
+                );
                 assert!(exact <= exact_bytes, "{rows}: {exact}");
             }
         }

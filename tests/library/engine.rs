@@ -4,7 +4,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use stickslip::config::Override;
-use stickslip::engine::{EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status};
+use stickslip::engine::{
+    EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status,
+};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::noise::AddressedDraws;
 use stickslip::scenario::Scenario;
@@ -15,7 +17,10 @@ use stickslip_files::store::{FileSink, Unfinished};
 fn scenario(paths: u64, set: &[&str]) -> Scenario {
     let mut all = vec!["time.end=20", "time.step=0.02", "time.output_step=5"];
     all.extend(set);
-    let set: Vec<Override> = all.iter().map(|text| Override::set(text).expect("well formed")).collect();
+    let set: Vec<Override> = all
+        .iter()
+        .map(|text| Override::set(text).expect("well formed"))
+        .collect();
     let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
     scenario.ensemble.paths = paths;
@@ -34,30 +39,74 @@ fn shown(outcome: &Outcome) -> String {
 #[test]
 fn a_run_that_a_goal_ends_is_the_run_of_so_many_paths() {
     let scenario = scenario(100 * BLOCK_SIZE, &[]);
-    let until = || vec![goal("stick_duration_mean < 1%"), goal("sticks_per_path < 0.02")];
-    let ended = Run::of(&scenario).until(until()).threads(2).simulate().expect("no sink");
-    let Some(EndedBy::Goals { blocks, goals }) = &ended.ended_by else { panic!("{:?}", ended.ended_by) };
-    assert_eq!((ended.status, goals.len(), ended.missed.len()), (Status::Ended, 2, 0));
+    let until = || {
+        vec![
+            goal("stick_duration_mean < 1%"),
+            goal("sticks_per_path < 0.02"),
+        ]
+    };
+    let ended = Run::of(&scenario)
+        .until(until())
+        .threads(2)
+        .simulate()
+        .expect("no sink");
+    let Some(EndedBy::Goals { blocks, goals }) = &ended.ended_by else {
+        panic!("{:?}", ended.ended_by)
+    };
+    assert_eq!(
+        (ended.status, goals.len(), ended.missed.len()),
+        (Status::Ended, 2, 0)
+    );
     assert_eq!(ended.summary.completed_paths, blocks * BLOCK_SIZE);
     assert!((5..90).contains(blocks), "{blocks}");
-    let fixed = Run::of(&scenario).paths(blocks * BLOCK_SIZE).threads(3).simulate().expect("no sink");
+    let fixed = Run::of(&scenario)
+        .paths(blocks * BLOCK_SIZE)
+        .threads(3)
+        .simulate()
+        .expect("no sink");
     assert_eq!(fixed.status, Status::Complete);
     assert_eq!(shown(&fixed), shown(&ended));
     // With one block less, both goals would not be reached.
-    let short = Run::of(&scenario).paths((blocks - 1) * BLOCK_SIZE).until(until()).simulate().expect("no sink");
+    let short = Run::of(&scenario)
+        .paths((blocks - 1) * BLOCK_SIZE)
+        .until(until())
+        .simulate()
+        .expect("no sink");
     assert_eq!(short.status, Status::Complete);
-    assert!(!short.missed.is_empty() && short.missed.iter().all(|missed| missed.paths_needed() > Some(missed.paths)));
+    assert!(
+        !short.missed.is_empty()
+            && short
+                .missed
+                .iter()
+                .all(|missed| missed.paths_needed() > Some(missed.paths))
+    );
 }
 
 #[test]
 fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
-    let no_slip = scenario(1 << 20, &["friction.static=1e6", "time.end=1", "time.output_step=1"]);
-    let outcome = Run::of(&no_slip).until(vec![goal("stick_duration_mean < 1%")]).simulate().expect("no sink");
-    let Some(EndedBy::Hopeless(Hopeless::Missing { statistic, paths })) = outcome.ended_by else { panic!() };
-    assert_eq!((statistic, paths), (Statistic::StickDurationMean, 64 * BLOCK_SIZE));
+    let no_slip = scenario(
+        1 << 20,
+        &["friction.static=1e6", "time.end=1", "time.output_step=1"],
+    );
+    let outcome = Run::of(&no_slip)
+        .until(vec![goal("stick_duration_mean < 1%")])
+        .simulate()
+        .expect("no sink");
+    let Some(EndedBy::Hopeless(Hopeless::Missing { statistic, paths })) = outcome.ended_by else {
+        panic!()
+    };
+    assert_eq!(
+        (statistic, paths),
+        (Statistic::StickDurationMean, 64 * BLOCK_SIZE)
+    );
     let far = scenario(1 << 20, &["time.end=1", "time.output_step=1"]);
-    let outcome = Run::of(&far).until(vec![goal("displacement_end_mean < 1e-9")]).simulate().expect("no sink");
-    assert!(matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12));
+    let outcome = Run::of(&far)
+        .until(vec![goal("displacement_end_mean < 1e-9")])
+        .simulate()
+        .expect("no sink");
+    assert!(
+        matches!(outcome.ended_by, Some(EndedBy::Hopeless(Hopeless::TooFar { needed, .. })) if needed > 1e12)
+    );
 }
 
 /// A goal that any number of paths reaches is checked after four blocks, and not before, because
@@ -67,12 +116,24 @@ fn a_goal_that_cannot_be_reached_ends_the_run_and_says_why() {
 fn a_goal_is_first_looked_at_after_four_blocks() {
     let scenario = scenario(20 * BLOCK_SIZE, &[]);
     let until = || vec![goal("sticks_per_path < 50%")];
-    let one = Run::of(&scenario).paths(BLOCK_SIZE).until(until()).without_bias().simulate().expect("no sink");
+    let one = Run::of(&scenario)
+        .paths(BLOCK_SIZE)
+        .until(until())
+        .without_bias()
+        .simulate()
+        .expect("no sink");
     assert_eq!((one.status, one.missed.len()), (Status::Complete, 0));
     for threads in [1, 3] {
-        let run = Run::of(&scenario).until(until()).threads(threads).without_bias();
+        let run = Run::of(&scenario)
+            .until(until())
+            .threads(threads)
+            .without_bias();
         let ended = run.simulate().expect("no sink");
-        assert!(matches!(ended.ended_by, Some(EndedBy::Goals { blocks: 4, .. })), "{:?}", ended.ended_by);
+        assert!(
+            matches!(ended.ended_by, Some(EndedBy::Goals { blocks: 4, .. })),
+            "{:?}",
+            ended.ended_by
+        );
         assert_eq!(ended.summary.completed_paths, 4 * BLOCK_SIZE);
     }
 }
@@ -83,8 +144,14 @@ fn a_goal_is_first_looked_at_after_four_blocks() {
 fn a_time_limit_ends_a_run_that_has_goals_as_well() {
     let scenario = scenario(12_000 * BLOCK_SIZE, &[]);
     let run = Run::of(&scenario).until(vec![goal("stick_duration_mean < 0.005%")]);
-    let outcome = run.within(Some(Duration::from_millis(100))).without_bias().simulate().expect("no sink");
-    let Some(EndedBy::TimeLimit { blocks }) = outcome.ended_by else { panic!("{:?}", outcome.ended_by) };
+    let outcome = run
+        .within(Some(Duration::from_millis(100)))
+        .without_bias()
+        .simulate()
+        .expect("no sink");
+    let Some(EndedBy::TimeLimit { blocks }) = outcome.ended_by else {
+        panic!("{:?}", outcome.ended_by)
+    };
     assert_eq!(outcome.summary.completed_paths, blocks * BLOCK_SIZE);
     assert_eq!((outcome.status, outcome.missed.len()), (Status::Ended, 1));
 }
@@ -106,18 +173,40 @@ impl Progress for Reported {
 #[test]
 fn progress_and_every_sink_see_each_block_once_and_in_order() {
     let scenario = scenario(5 * BLOCK_SIZE - 7, &[]);
-    let (mut reported, mut one, mut two) = (Reported::default(), Memory::default(), Memory::default());
-    let run = Run::of(&scenario).threads(3).with_progress(&mut reported).into_sink(&mut one).into_sink(&mut two);
+    let (mut reported, mut one, mut two) =
+        (Reported::default(), Memory::default(), Memory::default());
+    let run = Run::of(&scenario)
+        .threads(3)
+        .with_progress(&mut reported)
+        .into_sink(&mut one)
+        .into_sink(&mut two);
     let outcome = run.simulate().expect("memory holds it");
-    let firsts = |memory: &Memory| memory.blocks.iter().map(|block| block.rows.first_path).collect::<Vec<_>>();
+    let firsts = |memory: &Memory| {
+        memory
+            .blocks
+            .iter()
+            .map(|block| block.rows.first_path)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(firsts(&one), [0, 256, 512, 768, 1024]);
     assert_eq!(firsts(&two), firsts(&one));
-    assert_eq!(reported.0, [256, 512, 768, 1024, 1273].map(|done| (done, 1273)));
+    assert_eq!(
+        reported.0,
+        [256, 512, 768, 1024, 1273].map(|done| (done, 1273))
+    );
     assert_eq!((reported.1, outcome.bias.absence.is_none()), (1, true));
-    let columns = one.blocks.iter().filter_map(|block| block.rows.path_columns.as_ref());
-    let ends: Vec<f64> = columns.flat_map(|columns| columns.displacement_end.clone()).collect();
+    let columns = one
+        .blocks
+        .iter()
+        .filter_map(|block| block.rows.path_columns.as_ref());
+    let ends: Vec<f64> = columns
+        .flat_map(|columns| columns.displacement_end.clone())
+        .collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
-    let estimate = outcome.summary.estimate(Statistic::DisplacementEndMean).estimate;
+    let estimate = outcome
+        .summary
+        .estimate(Statistic::DisplacementEndMean)
+        .estimate;
     // Both numbers are sums of 1273 numbers below 20, in different orders.
     assert!((mean - estimate).abs() < 1e-12, "{mean} {estimate}");
 }
@@ -132,7 +221,11 @@ struct NoRoom;
 impl Sink for Full {
     fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
         self.0 += 1;
-        if self.0 > 2 { Err(Box::new(NoRoom)) } else { Ok(()) }
+        if self.0 > 2 {
+            Err(Box::new(NoRoom))
+        } else {
+            Ok(())
+        }
     }
 
     fn finish(&mut self, _: &Outcome) -> Result<(), SinkError> {
@@ -144,8 +237,15 @@ impl Sink for Full {
 fn the_first_error_of_a_sink_ends_the_run() {
     let scenario = scenario(50 * BLOCK_SIZE, &[]);
     let (mut before, mut full) = (Memory::default(), Full(0));
-    let error = Run::of(&scenario).threads(2).into_sink(&mut before).into_sink(&mut full).simulate().unwrap_err();
-    let RunError::Sink { error, outcome } = error else { panic!("{error}") };
+    let error = Run::of(&scenario)
+        .threads(2)
+        .into_sink(&mut before)
+        .into_sink(&mut full)
+        .simulate()
+        .unwrap_err();
+    let RunError::Sink { error, outcome } = error else {
+        panic!("{error}")
+    };
     assert!(outcome.expect("it had begun").summary.completed_paths > 0);
     assert!(error.downcast_ref::<NoRoom>().is_some());
     assert_eq!((before.blocks.len(), full.0), (3, 3));
@@ -164,13 +264,21 @@ fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
     let scenario = scenario(1000 * BLOCK_SIZE, &[]);
     let stop = AtomicBool::new(false);
     let mut progress = StopAfter(&stop);
-    let outcome =
-        Run::of(&scenario).threads(2).stopped_by(&stop).with_progress(&mut progress).simulate().expect("no sink");
+    let outcome = Run::of(&scenario)
+        .threads(2)
+        .stopped_by(&stop)
+        .with_progress(&mut progress)
+        .simulate()
+        .expect("no sink");
     let blocks = outcome.summary.completed_paths / BLOCK_SIZE;
     assert_eq!(outcome.status, Status::Interrupted);
     // Each of two threads may be eight blocks ahead.
     assert!((3..=3 + 2 * 8).contains(&blocks), "{blocks}");
-    let whole = Run::of(&scenario).paths(blocks * BLOCK_SIZE).without_bias().simulate().expect("no sink");
+    let whole = Run::of(&scenario)
+        .paths(blocks * BLOCK_SIZE)
+        .without_bias()
+        .simulate()
+        .expect("no sink");
     assert_eq!(shown(&whole), shown(&outcome));
 }
 
@@ -204,22 +312,46 @@ fn a_panic_of_a_thread_ends_a_run_with_an_error_and_keeps_the_blocks_before() {
         tempfile::tempdir().expect("a folder"),
     );
     let target = |name: &str| folder.path().join(name);
-    let ends = scenario.plan().replay(3 * BLOCK_SIZE + 17).rows.path_columns.expect("they are recorded");
+    let ends = scenario
+        .plan()
+        .replay(3 * BLOCK_SIZE + 17)
+        .rows
+        .path_columns
+        .expect("they are recorded");
     let planned = Planned(ends.displacement_end[0]);
     for threads in [1, 2] {
         let file = target(&format!("{threads}.h5"));
         let mut sink = FileSink::new(&file, false);
-        let failed = Run::of(&scenario).threads(threads).into_sink(&mut sink).tallied(&planned).map(drop);
-        let Err(RunError::Flaw { flaw, outcome }) = failed else { panic!("{failed:?}") };
+        let failed = Run::of(&scenario)
+            .threads(threads)
+            .into_sink(&mut sink)
+            .tallied(&planned)
+            .map(drop);
+        let Err(RunError::Flaw { flaw, outcome }) = failed else {
+            panic!("{failed:?}")
+        };
         assert_eq!(flaw.message, "planned");
         assert_eq!(flaw.doing, "in the simulation of paths 768 to 1023");
         assert!(flaw.place.starts_with("tests/library/engine.rs:"), "{flaw}");
-        assert_eq!((outcome.status, outcome.summary.completed_paths), (Status::Interrupted, 3 * BLOCK_SIZE));
+        assert_eq!(
+            (outcome.status, outcome.summary.completed_paths),
+            (Status::Interrupted, 3 * BLOCK_SIZE)
+        );
         drop(sink);
-        let left = FileSink::go_on(&file, false).expect("it is saved").expect("it is not finished");
-        let Unfinished { question, so_far, mut sink } = left;
+        let left = FileSink::go_on(&file, false)
+            .expect("it is saved")
+            .expect("it is not finished");
+        let Unfinished {
+            question,
+            so_far,
+            mut sink,
+        } = left;
         assert_eq!(sink.saved_paths(), 3 * BLOCK_SIZE);
-        let whole = Run::of(&scenario).asked(question.asked).into_sink(&mut sink).go_on(so_far).expect("it goes on");
+        let whole = Run::of(&scenario)
+            .asked(question.asked)
+            .into_sink(&mut sink)
+            .go_on(so_far)
+            .expect("it goes on");
         let uncut = Run::of(&scenario).simulate().expect("no sink");
         assert_eq!(shown(&whole), shown(&uncut));
     }

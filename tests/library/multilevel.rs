@@ -14,8 +14,11 @@ const END: f64 = 20.0;
 const PATHS: u64 = 100_000;
 
 fn run(statistic: Statistic, target: f64, seed: u64, threads: usize) -> Outcome {
-    let multilevel = Multilevel::new(&paper(0.25, 0.25), END, statistic, seed).expect("a mean over paths, with noise");
-    multilevel.run(target, threads, &AtomicBool::new(false)).expect("converges")
+    let multilevel = Multilevel::new(&paper(0.25, 0.25), END, statistic, seed)
+        .expect("a mean over paths, with noise");
+    multilevel
+        .run(target, threads, &AtomicBool::new(false))
+        .expect("converges")
 }
 
 /// Null hypothesis: the errors that a run reports are right. It reports a standard error and a
@@ -37,36 +40,72 @@ fn run(statistic: Statistic, target: f64, seed: u64, threads: usize) -> Outcome 
 #[test]
 fn the_error_is_the_one_asked_for() {
     const RUNS: f64 = 200.0;
-    let timeline = Timeline { end: END, output_step: END, period: None, after: 0.0 };
+    let timeline = Timeline {
+        end: END,
+        output_step: END,
+        period: None,
+        after: 0.0,
+    };
     let exact = event_driven_summary(&paper(0.25, 0.25), &timeline, 1e-3, 77, PATHS);
-    for (statistic, share) in [(Statistic::DisplacementEndMean, 0.5), (Statistic::FrictionWorkMean, 0.3)] {
+    for (statistic, share) in [
+        (Statistic::DisplacementEndMean, 0.5),
+        (Statistic::FrictionWorkMean, 0.3),
+    ] {
         let (truth, truth_error) = estimate(&exact, statistic);
         // The target is a share of the standard deviation per path over 32, which needs some
         // thousand paths on the coarsest level.
         let target = share * truth_error * (PATHS as f64 / 1000.0).sqrt();
-        let outcomes: Vec<Outcome> = (0..RUNS as u64).map(|seed| run(statistic, target, seed, 2)).collect();
+        let outcomes: Vec<Outcome> = (0..RUNS as u64)
+            .map(|seed| run(statistic, target, seed, 2))
+            .collect();
         let mean = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(of).sum::<f64>() / RUNS;
         let (centre, bias) = (mean(&|o| o.estimate), mean(&|o| o.bias));
-        let scatter = mean(&|o| ((o.estimate - centre) / o.standard_error).powi(2)) * RUNS / (RUNS - 1.0);
-        let known_to = (mean(&|o| o.standard_error.powi(2)) / RUNS).sqrt().hypot(truth_error);
+        let scatter =
+            mean(&|o| ((o.estimate - centre) / o.standard_error).powi(2)) * RUNS / (RUNS - 1.0);
+        let known_to = (mean(&|o| o.standard_error.powi(2)) / RUNS)
+            .sqrt()
+            .hypot(truth_error);
         let reported = mean(&|o| o.standard_error.powi(2) + o.bias.powi(2)).sqrt() / target;
         println!(
             "{}: scatter {scatter:.3}; off by {:.2e}, told {bias:.2e}, known to {known_to:.1e}; {reported:.3} of the target",
             statistic.name(),
             centre - truth
         );
-        assert!((0.6..1.4).contains(&scatter), "{}: {scatter}", statistic.name());
-        assert!((centre - truth).abs() < bias + 4.0 * known_to, "{}: {centre} {truth}", statistic.name());
-        assert!((0.85..1.02).contains(&reported), "{}: {reported}", statistic.name());
+        assert!(
+            (0.6..1.4).contains(&scatter),
+            "{}: {scatter}",
+            statistic.name()
+        );
+        assert!(
+            (centre - truth).abs() < bias + 4.0 * known_to,
+            "{}: {centre} {truth}",
+            statistic.name()
+        );
+        assert!(
+            (0.85..1.02).contains(&reported),
+            "{}: {reported}",
+            statistic.name()
+        );
         // The step after the last halves a bias of order 1, so that it is what the last halving has
         // changed, or half of what the one before has. No less is reported than the larger one.
         for Outcome { bias, levels, .. } in &outcomes {
-            let [.., before, last] = &levels[..] else { panic!("{levels:?}") };
+            let [.., before, last] = &levels[..] else {
+                panic!("{levels:?}")
+            };
             let least = last.mean.abs().max(before.mean.abs() / 2.0);
-            assert!(*bias >= least * (1.0 - 1e-12), "{}: {bias}, {levels:?}", statistic.name());
+            assert!(
+                *bias >= least * (1.0 - 1e-12),
+                "{}: {bias}, {levels:?}",
+                statistic.name()
+            );
         }
-        let scaled = mean(&|o| (o.estimate - truth).powi(2)) / (target.powi(2) + truth_error.powi(2));
-        assert!((0.43..1.5).contains(&scaled), "{}: {scaled}", statistic.name());
+        let scaled =
+            mean(&|o| (o.estimate - truth).powi(2)) / (target.powi(2) + truth_error.powi(2));
+        assert!(
+            (0.43..1.5).contains(&scaled),
+            "{}: {scaled}",
+            statistic.name()
+        );
     }
 }
 
@@ -81,7 +120,12 @@ fn the_variance_of_a_difference_falls_by_four_a_level() {
         assert!((2.5..6.5).contains(&ratio), "{ratio} {:?}", outcome.levels);
     }
     // Most of the paths are on the coarsest level.
-    assert!(outcome.levels.windows(2).all(|pair| pair[0].paths >= pair[1].paths));
+    assert!(
+        outcome
+            .levels
+            .windows(2)
+            .all(|pair| pair[0].paths >= pair[1].paths)
+    );
 }
 
 /// Levels are independent; otherwise their variances would not add up. With almost no friction and
@@ -94,12 +138,19 @@ fn the_variance_of_a_difference_falls_by_four_a_level() {
 fn levels_share_no_path() {
     let mut model = paper(0.25, 1.0);
     model.temperature.harmonics.clear();
-    model.friction = Friction { static_force: 1e-6, dynamic_force: 1e-6 };
+    model.friction = Friction {
+        static_force: 1e-6,
+        dynamic_force: 1e-6,
+    };
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noises =
-        vec![Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary }];
+    model.temperature.noises = vec![Noise {
+        intensity: 1.0,
+        relaxation_rate,
+        diffusion,
+        initial: InitialNoise::Stationary,
+    }];
     let means: Vec<[f64; 3]> = (0..400)
         .map(|seed| {
             let run = Multilevel::new(&model, 10.0, Statistic::DisplacementEndMean, seed)
@@ -113,7 +164,8 @@ fn levels_share_no_path() {
         .collect();
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
         let sum = |f: &dyn Fn(&[f64; 3]) -> f64| means.iter().map(f).sum::<f64>();
-        let correlation = sum(&|m| m[a] * m[b]) / (sum(&|m| m[a] * m[a]) * sum(&|m| m[b] * m[b])).sqrt();
+        let correlation =
+            sum(&|m| m[a] * m[b]) / (sum(&|m| m[a] * m[a]) * sum(&|m| m[b] * m[b])).sqrt();
         println!("levels {a} and {b}: {correlation:.3}");
         assert!(correlation.abs() < 0.2, "levels {a} and {b}: {correlation}");
     }

@@ -28,15 +28,44 @@ const SCENES: [Scene; 9] = [
     ("late 4", [1.0, 0.28, 0.03, 0.25, 6.0, 1.2, 20.0]),
 ];
 
-fn plan((_, [frequency, amplitude, damping, intensity, x0, static_force, after]): Scene, seed: u64) -> Plan {
+fn plan(
+    (
+        _,
+        [
+            frequency,
+            amplitude,
+            damping,
+            intensity,
+            x0,
+            static_force,
+            after,
+        ],
+    ): Scene,
+    seed: u64,
+) -> Plan {
     let mut model: Model = paper(frequency, intensity);
     model.temperature.harmonics[0].amplitude = amplitude;
     model.oscillator.damping = damping;
     model.initial_displacement = x0;
     model.friction.static_force = static_force;
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: None, after }.without_rows();
-    let simulation = Scheme::from(EventDriven { tolerance: DEFAULT_TOLERANCE }).simulation(&model, &timeline);
-    Plan { simulation, record: Record::NOTHING, seed, paths: 1 << 40, antithetic: false }
+    let timeline = Timeline {
+        end: 60.0,
+        output_step: 60.0,
+        period: None,
+        after,
+    }
+    .without_rows();
+    let simulation = Scheme::from(EventDriven {
+        tolerance: DEFAULT_TOLERANCE,
+    })
+    .simulation(&model, &timeline);
+    Plan {
+        simulation,
+        record: Record::NOTHING,
+        seed,
+        paths: 1 << 40,
+        antithetic: false,
+    }
 }
 
 /// The totals of these paths, in blocks of that size.
@@ -83,19 +112,38 @@ fn intervals_of_rare_events_hold_the_truth_in_92_percent_of_runs() {
             let runs: Vec<Vec<Estimate>> = (0..RUNS)
                 .map(|run| {
                     let totals = totals(&plan, run * paths, paths, BLOCK_SIZE);
-                    STATISTICS.iter().map(|&statistic| totals.estimate(statistic)).collect()
+                    STATISTICS
+                        .iter()
+                        .map(|&statistic| totals.estimate(statistic))
+                        .collect()
                 })
                 .collect();
             print!("{:12} {paths}", scene.0);
             for (i, statistic) in STATISTICS.into_iter().enumerate() {
                 let truth = exact.estimate(statistic).estimate;
-                let known: Vec<&Estimate> = runs.iter().map(|run| &run[i]).filter(|e| !e.low.is_nan()).collect();
-                let held = known.iter().filter(|e| e.low <= truth && truth <= e.high).count() as f64;
+                let known: Vec<&Estimate> = runs
+                    .iter()
+                    .map(|run| &run[i])
+                    .filter(|e| !e.low.is_nan())
+                    .collect();
+                let held = known
+                    .iter()
+                    .filter(|e| e.low <= truth && truth <= e.high)
+                    .count() as f64;
                 let (n, share) = (known.len() as f64, held / known.len() as f64);
-                print!("  {} {:.1} ({:.0})", statistic.name(), 100.0 * share, 100.0 * n / RUNS as f64);
+                print!(
+                    "  {} {:.1} ({:.0})",
+                    statistic.name(),
+                    100.0 * share,
+                    100.0 * n / RUNS as f64
+                );
                 let may_miss = statistic == Statistic::JumpAbsMean && UNSEEN.contains(&scene.0);
                 if n >= 100.0 && !may_miss && share < 0.92 - 3.5 * (0.92 * 0.08 / n).sqrt() {
-                    worst.push(format!("{} {paths} {} {share:.3}", scene.0, statistic.name()));
+                    worst.push(format!(
+                        "{} {paths} {} {share:.3}",
+                        scene.0,
+                        statistic.name()
+                    ));
                 }
             }
             println!();

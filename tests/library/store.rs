@@ -17,7 +17,13 @@ fn assert_same<T: std::fmt::Debug>(left: &T, right: &T) {
 
 fn reals(path: &Path, name: &str) -> Vec<u64> {
     let file = hdf5::File::open(path).unwrap();
-    file.dataset(name).unwrap().read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+    file.dataset(name)
+        .unwrap()
+        .read_raw::<f64>()
+        .unwrap()
+        .into_iter()
+        .map(f64::to_bits)
+        .collect()
 }
 
 #[test]
@@ -27,7 +33,10 @@ fn a_summary_with_missing_and_infinite_numbers_comes_back() {
     let (header, summary) = write(&target, 1000, 256, &EVERYTHING, Status::Complete);
     let stored = read(&target).unwrap();
     assert_eq!(stored.header, header);
-    assert_eq!((stored.status, stored.completed_paths), (Status::Complete, 1000));
+    assert_eq!(
+        (stored.status, stored.completed_paths),
+        (Status::Complete, 1000)
+    );
     assert_same(&stored.summary, &summary);
     assert!(!partial_path(&target).exists());
 }
@@ -43,20 +52,50 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     let there = |name: &str| -> Vec<f64> {
         let dataset = file.dataset(name).unwrap();
         match dataset.dtype().unwrap().is::<u64>() {
-            true => dataset.read_raw::<u64>().unwrap().into_iter().map(|count| count as f64).collect(),
+            true => dataset
+                .read_raw::<u64>()
+                .unwrap()
+                .into_iter()
+                .map(|count| count as f64)
+                .collect(),
             false => dataset.read_raw().unwrap(),
         }
     };
     let counts = |counts: &[u64]| counts.iter().map(|&count| count as f64).collect::<Vec<_>>();
-    let (sticks, sub, periods, transient) = (&s.stick_durations, &s.sub_phases, &s.periods, s.transient.unwrap());
+    let (sticks, sub, periods, transient) = (
+        &s.stick_durations,
+        &s.sub_phases,
+        &s.periods,
+        s.transient.unwrap(),
+    );
     let moved = transient.displacement;
     let curves = [
-        ("static_probability", s.bands.static_probability.clone(), &s.bands.static_probability_ends),
-        ("law_survival", sticks.survival.clone(), &sticks.survival_ends),
-        ("law_quantile", sticks.quantiles.clone(), &sticks.quantile_ends),
+        (
+            "static_probability",
+            s.bands.static_probability.clone(),
+            &s.bands.static_probability_ends,
+        ),
+        (
+            "law_survival",
+            sticks.survival.clone(),
+            &sticks.survival_ends,
+        ),
+        (
+            "law_quantile",
+            sticks.quantiles.clone(),
+            &sticks.quantile_ends,
+        ),
         ("sub_phase_share", sub.shares.clone(), &sub.share_ends),
-        ("displacement_period_mean", periods.mean.clone(), &periods.mean_ends),
-        ("displacement_period_variance", periods.variance.clone(), &periods.variance_ends),
+        (
+            "displacement_period_mean",
+            periods.mean.clone(),
+            &periods.mean_ends,
+        ),
+        (
+            "displacement_period_variance",
+            periods.variance.clone(),
+            &periods.variance_ends,
+        ),
     ]
     .map(|(name, values, ends)| (name.to_string(), values, ends.clone()));
     for (name, expected) in [
@@ -64,8 +103,14 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
         ("law_censored_count", &sticks.censored_counts),
         ("law_completed", &vec![sticks.completed]),
         ("law_censored", &vec![sticks.censored]),
-        ("first_stick_duration_completed", &vec![s.first_sticks.completed]),
-        ("first_stick_duration_censored", &vec![s.first_sticks.censored]),
+        (
+            "first_stick_duration_completed",
+            &vec![s.first_sticks.completed],
+        ),
+        (
+            "first_stick_duration_censored",
+            &vec![s.first_sticks.censored],
+        ),
         ("sub_phase_count", &sub.counts),
         ("sub_phase_censored", &vec![sub.censored]),
         ("transient_sticks", &vec![transient.sticks]),
@@ -73,8 +118,11 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     ] {
         assert_same(&there(name), &counts(expected));
     }
-    let numbers =
-        [("transient_displacement".to_string(), vec![moved.estimate], Ends::from_iter([[moved.low, moved.high]]))];
+    let numbers = [(
+        "transient_displacement".to_string(),
+        vec![moved.estimate],
+        Ends::from_iter([[moved.low, moved.high]]),
+    )];
     let bands = [
         ("displacement", &s.bands.displacement),
         ("velocity", &s.bands.velocity),
@@ -83,18 +131,42 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     let bands = bands.map(|(name, band)| {
         let quantiles = band.quantiles.iter().copied().collect();
         [
-            (format!("{name}_mean"), band.mean.clone(), band.mean_ends.clone()),
+            (
+                format!("{name}_mean"),
+                band.mean.clone(),
+                band.mean_ends.clone(),
+            ),
             (format!("{name}_sd"), band.sd.clone(), band.sd_ends.clone()),
-            (format!("{name}_quantile"), quantiles, band.quantile_ends.clone()),
+            (
+                format!("{name}_quantile"),
+                quantiles,
+                band.quantile_ends.clone(),
+            ),
         ]
     });
-    for (name, values, ends) in curves.into_iter().chain(numbers).chain(bands.into_iter().flatten()) {
+    for (name, values, ends) in curves
+        .into_iter()
+        .chain(numbers)
+        .chain(bands.into_iter().flatten())
+    {
         assert_same(&there(&name), &values);
-        assert_same(&there(&format!("{name}_interval")), &[ends.low, ends.high].concat());
+        assert_same(
+            &there(&format!("{name}_interval")),
+            &[ends.low, ends.high].concat(),
+        );
     }
     assert_same(&there("transient_end"), &vec![transient.end]);
-    assert_same(&there("transient_displacement_error"), &vec![moved.standard_error]);
-    let text = |name: &str| file.attr(name).unwrap().read_scalar::<hdf5::types::VarLenUnicode>().unwrap().to_string();
+    assert_same(
+        &there("transient_displacement_error"),
+        &vec![moved.standard_error],
+    );
+    let text = |name: &str| {
+        file.attr(name)
+            .unwrap()
+            .read_scalar::<hdf5::types::VarLenUnicode>()
+            .unwrap()
+            .to_string()
+    };
     for (name, value) in [
         ("title", &header.title),
         ("scenario", &header.scenario_text),
@@ -111,7 +183,10 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
         [header.seed, header.paths, header.program.block_size, 1]
     );
     let real = |name: &str| file.attr(name).unwrap().read_scalar::<f64>().unwrap();
-    assert_eq!(["step", "resolution"].map(real).map(Some), [header.step, header.resolution]);
+    assert_eq!(
+        ["step", "resolution"].map(real).map(Some),
+        [header.step, header.resolution]
+    );
 }
 
 #[test]
@@ -144,7 +219,10 @@ fn a_summary_of_nothing_comes_back() {
     summary.sub_phases.counts = Vec::new();
     summary.sub_phases.shares = Vec::new();
     summary.sub_phases.share_ends = Ends::default();
-    summary.stick_durations.histogram = Histogram { edges: Vec::new(), counts: Vec::new() };
+    summary.stick_durations.histogram = Histogram {
+        edges: Vec::new(),
+        counts: Vec::new(),
+    };
     summary.stick_durations.censored_counts = Vec::new();
     summary.stick_durations.survival = Vec::new();
     summary.stick_durations.survival_ends = Ends::default();
@@ -169,10 +247,21 @@ fn data_do_not_depend_on_the_size_of_blocks() {
     for name in ["path_displacement_end", "event_time", "trajectory_velocity"] {
         let data = reals(&targets[0], name);
         assert!(!data.is_empty());
-        assert!(targets.iter().all(|target| reals(target, name) == data), "{name}");
+        assert!(
+            targets.iter().all(|target| reals(target, name) == data),
+            "{name}"
+        );
     }
     let whole = block(0, paths, 61, 40);
-    assert_eq!(reals(&targets[0], "event_force"), whole.events.force.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+    assert_eq!(
+        reals(&targets[0], "event_force"),
+        whole
+            .events
+            .force
+            .iter()
+            .map(|x| x.to_bits())
+            .collect::<Vec<_>>()
+    );
 }
 
 #[test]
@@ -192,7 +281,10 @@ fn an_interrupted_run_says_how_far_it_came() {
     let target = folder.path().join("run.h5");
     write(&target, 300, 100, &EVERYTHING, Status::Interrupted);
     let stored = read(&target).unwrap();
-    assert_eq!((stored.status, stored.completed_paths, stored.header.paths), (Status::Interrupted, 300, 3000));
+    assert_eq!(
+        (stored.status, stored.completed_paths, stored.header.paths),
+        (Status::Interrupted, 300, 3000)
+    );
     assert_eq!(reals(&target, "path_stick_time").len(), 300);
 }
 
@@ -203,7 +295,9 @@ fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("run.h5");
     let mut writer = Writer::create(&target, &header(1000), &EVERYTHING, false).unwrap();
-    writer.append(&block(0, 100, 61, 40).rows(&EVERYTHING)).unwrap();
+    writer
+        .append(&block(0, 100, 61, 40).rows(&EVERYTHING))
+        .unwrap();
     assert!(partial_path(&target).is_dir() && !target.exists());
     for force in [false, true] {
         let error = Writer::create(&target, &header(1000), &NOTHING, force).unwrap_err();
@@ -223,21 +317,32 @@ fn nothing_of_others_is_replaced() {
     let create = |force| Writer::create(&target, &header(1000), &NOTHING, force);
     std::os::unix::fs::symlink("elsewhere", partial_path(&target)).unwrap();
     for force in [false, true] {
-        assert!(matches!(create(force).unwrap_err(), StoreError::InTheWay { .. }));
+        assert!(matches!(
+            create(force).unwrap_err(),
+            StoreError::InTheWay { .. }
+        ));
     }
     fs::remove_file(partial_path(&target)).unwrap();
     fs::create_dir(partial_path(&target)).unwrap();
     fs::write(partial_path(&target).join("thesis.tex"), "by hand").unwrap();
     for force in [false, true] {
-        assert!(matches!(create(force).unwrap_err(), StoreError::InTheWay { .. }));
+        assert!(matches!(
+            create(force).unwrap_err(),
+            StoreError::InTheWay { .. }
+        ));
     }
     fs::remove_dir_all(partial_path(&target)).unwrap();
     let writer = create(false).unwrap();
     fs::write(&target, "by hand").unwrap();
-    let error = writer.finish(&summary(1000, &header(1000)), Status::Complete).unwrap_err();
+    let error = writer
+        .finish(&summary(1000, &header(1000)), Status::Complete)
+        .unwrap_err();
     assert!(matches!(error, StoreError::Overtaken { .. }), "{error}");
     assert_eq!(fs::read(&target).unwrap(), b"by hand");
-    create(true).unwrap().finish(&summary(1000, &header(1000)), Status::Complete).unwrap();
+    create(true)
+        .unwrap()
+        .finish(&summary(1000, &header(1000)), Status::Complete)
+        .unwrap();
     assert_eq!(read(&target).unwrap().completed_paths, 1000);
 }
 
@@ -247,16 +352,26 @@ fn foreign_files_are_refused_by_name() {
     let path = |name: &str| folder.path().join(name);
     fs::write(path("text.h5"), "time,x\n0,1\n").unwrap();
     fs::write(path("empty.h5"), "").unwrap();
-    hdf5::File::create(path("foreign.h5")).unwrap().new_dataset::<f64>().create("x").unwrap();
+    hdf5::File::create(path("foreign.h5"))
+        .unwrap()
+        .new_dataset::<f64>()
+        .create("x")
+        .unwrap();
     write(&path("newer.h5"), 10, 10, &NOTHING, Status::Complete);
     let file = hdf5::File::open_rw(path("newer.h5")).unwrap();
     let version = "9.3".parse::<hdf5::types::VarLenUnicode>().unwrap();
-    file.attr("format_version").unwrap().write_scalar(&version).unwrap();
+    file.attr("format_version")
+        .unwrap()
+        .write_scalar(&version)
+        .unwrap();
     drop(file);
     let message = |name: &str| {
         let message = read(&path(name)).unwrap_err().to_string();
         let (first, rest) = message.split_once('\n').unwrap_or((&message, "  fix: "));
-        assert!(first.contains(name) && rest.starts_with("  fix: ") && !rest.contains('\n'), "{message}");
+        assert!(
+            first.contains(name) && rest.starts_with("  fix: ") && !rest.contains('\n'),
+            "{message}"
+        );
         message
     };
     assert!(message("text.h5").contains("not an HDF5 file"));
@@ -264,7 +379,12 @@ fn foreign_files_are_refused_by_name() {
     assert!(message("foreign.h5").contains("not written by this program"));
     assert!(message("newer.h5").contains("format 9.3"));
     assert!(message("missing.h5").contains("No such file"));
-    assert!(read(folder.path()).unwrap_err().to_string().contains("directory"));
+    assert!(
+        read(folder.path())
+            .unwrap_err()
+            .to_string()
+            .contains("directory")
+    );
 }
 
 #[test]
@@ -279,18 +399,34 @@ fn a_truncated_file_is_an_error_at_every_length() {
         fs::write(&path, &whole[..length]).unwrap();
         let message = read(&path).unwrap_err().to_string();
         assert!(message.contains(&format!("cut{length}.h5")), "{message}");
-        assert!(length < 8 || message.contains("damaged or truncated"), "{message}");
+        assert!(
+            length < 8 || message.contains("damaged or truncated"),
+            "{message}"
+        );
     }
 }
 
 #[test]
 fn a_missing_folder_and_one_that_cannot_be_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let error = Writer::create(&folder.path().join("no/run.h5"), &header(1), &NOTHING, false).unwrap_err();
-    assert!(matches!(error, StoreError::NoFolder { .. }) && error.to_string().contains("run.h5"), "{error}");
+    let error = Writer::create(
+        &folder.path().join("no/run.h5"),
+        &header(1),
+        &NOTHING,
+        false,
+    )
+    .unwrap_err();
+    assert!(
+        matches!(error, StoreError::NoFolder { .. }) && error.to_string().contains("run.h5"),
+        "{error}"
+    );
     // Not even the superuser can make files here.
-    let error = Writer::create(Path::new("/proc/self/run.h5"), &header(1), &NOTHING, false).unwrap_err();
-    assert!(matches!(error, StoreError::NotCreated { .. }) && error.to_string().contains("run.h5"), "{error}");
+    let error =
+        Writer::create(Path::new("/proc/self/run.h5"), &header(1), &NOTHING, false).unwrap_err();
+    assert!(
+        matches!(error, StoreError::NotCreated { .. }) && error.to_string().contains("run.h5"),
+        "{error}"
+    );
     let error = check_space(&folder.path().join("no"), 1).unwrap_err();
     assert!(matches!(error, StoreError::Space { .. }), "{error}");
 }
@@ -300,7 +436,10 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
     let folder = tempfile::tempdir().unwrap();
     check_space(folder.path(), 1).unwrap();
     let error = check_space(folder.path(), u64::MAX / 2).unwrap_err();
-    assert!(matches!(error, StoreError::TooLittleSpace { .. }), "{error}");
+    assert!(
+        matches!(error, StoreError::TooLittleSpace { .. }),
+        "{error}"
+    );
 }
 
 /// Measures how fast rows are written to the disk, with the sizes of a real run: `cargo test
@@ -310,22 +449,57 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
 fn speed_of_writing() {
     let folder = tempfile::tempdir().unwrap();
     let paths = 256 * 3906;
-    for (name, record) in [("paths", Record { paths: true, ..NOTHING }), ("events", Record { events: true, ..NOTHING })]
-    {
+    for (name, record) in [
+        (
+            "paths",
+            Record {
+                paths: true,
+                ..NOTHING
+            },
+        ),
+        (
+            "events",
+            Record {
+                events: true,
+                ..NOTHING
+            },
+        ),
+    ] {
         let header = header(paths);
-        let blocks: Vec<Block> = (0..256).map(|index| block(256 * index, 256, 0, 0)).collect();
+        let blocks: Vec<Block> = (0..256)
+            .map(|index| block(256 * index, 256, 0, 0))
+            .collect();
         let target = folder.path().join(name);
         let mut writer = Writer::create(&target, &header, &record, false).unwrap();
         let start = std::time::Instant::now();
         let mut bytes = 0;
         for index in 0..paths / 256 {
             let block = &blocks[index as usize % blocks.len()];
-            bytes += if record.paths { 256 * 61 } else { 256 * 12 + 26 * block.events.time.len() };
+            bytes += if record.paths {
+                256 * 61
+            } else {
+                256 * 12 + 26 * block.events.time.len()
+            };
             writer.append(&block.rows(&record)).unwrap();
         }
-        writer.finish(&Summary { completed_paths: paths, ..summary(100, &header) }, Status::Complete).unwrap();
-        let (seconds, size) = (start.elapsed().as_secs_f64(), fs::metadata(&target).unwrap().len());
-        println!("{name}: {:.0} MB in {seconds:.2} s, {:.0} MB on disk", bytes as f64 / 1e6, size as f64 / 1e6);
+        writer
+            .finish(
+                &Summary {
+                    completed_paths: paths,
+                    ..summary(100, &header)
+                },
+                Status::Complete,
+            )
+            .unwrap();
+        let (seconds, size) = (
+            start.elapsed().as_secs_f64(),
+            fs::metadata(&target).unwrap().len(),
+        );
+        println!(
+            "{name}: {:.0} MB in {seconds:.2} s, {:.0} MB on disk",
+            bytes as f64 / 1e6,
+            size as f64 / 1e6
+        );
     }
 }
 
@@ -335,28 +509,64 @@ fn speed_of_writing() {
 #[test]
 fn a_file_of_every_kind_comes_back_with_the_rows_it_was_asked_for() {
     let temporary = tempfile::tempdir().unwrap();
-    let folder = std::env::var_os("STORE_SAMPLES").map_or(temporary.path().to_owned(), PathBuf::from);
+    let folder =
+        std::env::var_os("STORE_SAMPLES").map_or(temporary.path().to_owned(), PathBuf::from);
     fs::create_dir_all(&folder).unwrap();
     for (name, paths, record, status) in [
         ("complete.h5", 1000, EVERYTHING, Status::Complete),
         ("interrupted.h5", 300, EVERYTHING, Status::Interrupted),
         ("summary.h5", 1000, NOTHING, Status::Complete),
-        ("paths.h5", 1000, Record { paths: true, ..NOTHING }, Status::Complete),
-        ("events.h5", 1000, Record { events: true, ..NOTHING }, Status::Complete),
-        ("trajectories.h5", 1000, Record { trajectories: 40, ..NOTHING }, Status::Complete),
+        (
+            "paths.h5",
+            1000,
+            Record {
+                paths: true,
+                ..NOTHING
+            },
+            Status::Complete,
+        ),
+        (
+            "events.h5",
+            1000,
+            Record {
+                events: true,
+                ..NOTHING
+            },
+            Status::Complete,
+        ),
+        (
+            "trajectories.h5",
+            1000,
+            Record {
+                trajectories: 40,
+                ..NOTHING
+            },
+            Status::Complete,
+        ),
     ] {
         let target = folder.join(name);
         let (header, summary) = write(&target, paths, 256, &record, status);
         let stored = read(&target).unwrap();
-        assert_eq!((stored.header, stored.status, stored.completed_paths), (header, status, paths), "{name}");
+        assert_eq!(
+            (stored.header, stored.status, stored.completed_paths),
+            (header, status, paths),
+            "{name}"
+        );
         assert_same(&stored.summary, &summary);
         let file = hdf5::File::open(&target).unwrap();
-        let rows = |variable: &str| file.dataset(variable).map_or(0, |dataset| dataset.shape()[0] as u64);
+        let rows = |variable: &str| {
+            file.dataset(variable)
+                .map_or(0, |dataset| dataset.shape()[0] as u64)
+        };
         let whole = block(0, paths, 61, 40);
         let kept = |is_kept: bool, rows: u64| if is_kept { rows } else { 0 };
         assert_eq!(rows("path_stick_time"), kept(record.paths, paths), "{name}");
         assert_eq!(rows("event_count"), kept(record.events, paths), "{name}");
-        assert_eq!(rows("event_time"), kept(record.events, whole.events.time.len() as u64), "{name}");
+        assert_eq!(
+            rows("event_time"),
+            kept(record.events, whole.events.time.len() as u64),
+            "{name}"
+        );
         assert_eq!(rows("trajectory_force"), record.trajectories, "{name}");
     }
 }

@@ -12,7 +12,8 @@ use stickslip::engine::Replay;
 use stickslip::model::{Drive, Event, EventKind, InitialNoise, Model, Noise};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{
-    DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
+    DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _,
+    Snapshot, Timeline,
 };
 use stickslip::stats::{BlockObserver, Record};
 use stickslip::sums::Replicate;
@@ -27,7 +28,9 @@ fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
 
 fn kept(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
-    let lost = scheme.simulation(model, timeline).simulate(seed, paths, &mut keep);
+    let lost = scheme
+        .simulation(model, timeline)
+        .simulate(seed, paths, &mut keep);
     assert!(lost.is_empty(), "{scheme}: {lost:?}");
     keep
 }
@@ -54,10 +57,17 @@ impl Observer for NoiseMoments {
         if !matches!(instant, Instant::Output(_)) {
             return;
         }
-        let n: Vec<f64> = s.temperature.iter().map(|t| t - (self.mean)(s.time)).collect();
+        let n: Vec<f64> = s
+            .temperature
+            .iter()
+            .map(|t| t - (self.mean)(s.time))
+            .collect();
         self.before.resize(n.len(), 0.0);
         let product = n.iter().zip(&self.before).map(|(a, b)| a * b).sum();
-        self.sums.push((s.time, [n.iter().sum(), n.iter().map(|n| n * n).sum(), product]));
+        self.sums.push((
+            s.time,
+            [n.iter().sum(), n.iter().map(|n| n * n).sum(), product],
+        ));
         self.before = n;
     }
 }
@@ -86,11 +96,29 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
     let line = timeline(9.0 * lag, lag);
     for scheme in schemes(0.05) {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
-            let model = with_noise(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
-            let start = if let InitialNoise::At(v) = initial { rho * v } else { 0.0 };
+            let model = with_noise(Noise {
+                intensity: rho,
+                relaxation_rate: theta,
+                diffusion: sigma,
+                initial,
+            });
+            let start = if let InitialNoise::At(v) = initial {
+                rho * v
+            } else {
+                0.0
+            };
             let mean = Box::new(move |t: f64| (0.25 * t).cos() + start * (-theta * t).exp());
-            let mut moments = NoiseMoments { mean, before: Vec::new(), sums: Vec::new() };
-            assert!(scheme.simulation(&model, &line).simulate(11, &numbers, &mut moments).is_empty());
+            let mut moments = NoiseMoments {
+                mean,
+                before: Vec::new(),
+                sums: Vec::new(),
+            };
+            assert!(
+                scheme
+                    .simulation(&model, &line)
+                    .simulate(11, &numbers, &mut moments)
+                    .is_empty()
+            );
             assert_eq!(moments.sums.len(), 10);
             let variance = |t: f64| match initial {
                 InitialNoise::Stationary => stationary,
@@ -99,7 +127,11 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
             for (row, &(t, sums)) in moments.sums.iter().enumerate() {
                 let (var, before) = (variance(t), if row == 0 { 0.0 } else { variance(t - lag) });
                 let covariance = before * (-theta * lag).exp();
-                let sds = [var.sqrt(), 2f64.sqrt() * var, (var * before + covariance * covariance).sqrt()];
+                let sds = [
+                    var.sqrt(),
+                    2f64.sqrt() * var,
+                    (var * before + covariance * covariance).sqrt(),
+                ];
                 for ((what, sum), (want, sd)) in ["mean", "variance", "covariance"]
                     .into_iter()
                     .zip(sums)
@@ -109,7 +141,10 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
                     // At the first row nothing fluctuates yet, and T differs from its mean by
                     // rounding.
                     let is_so = (got - want).abs() <= 3.9 * error + 1e-14;
-                    assert!(is_so, "{scheme}, {initial:?}, t = {t}, {what}: {got}, not {want} +- {error}");
+                    assert!(
+                        is_so,
+                        "{scheme}, {initial:?}, t = {t}, {what}: {got}, not {want} +- {error}"
+                    );
                 }
             }
         }
@@ -121,16 +156,28 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
 #[test]
 fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     let initial = InitialNoise::At(2.0);
-    let noise = Noise { intensity: 0.3, relaxation_rate: 1.0, diffusion: 1.0, initial };
+    let noise = Noise {
+        intensity: 0.3,
+        relaxation_rate: 1.0,
+        diffusion: 1.0,
+        initial,
+    };
     let mut model = with_noise(noise);
     model.oscillator.stiffness = 3.0;
     let temperature = 1.0 + 0.3 * 2.0;
     for scheme in schemes(0.01) {
         let keep = kept(scheme, &model, &timeline(1.0, 1.0), 1, &[0, 1]);
         for (events, rows) in keep.events.iter().zip(&keep.rows) {
-            assert!((rows[0].3 - temperature).abs() < 1e-14, "{scheme}: {rows:?}");
+            assert!(
+                (rows[0].3 - temperature).abs() < 1e-14,
+                "{scheme}: {rows:?}"
+            );
             let b = 3.0 * (6.0 * temperature - 6.0);
-            assert!(events[0].time == 0.0 && (events[0].force - b).abs() < 1e-12, "{scheme}: {:?}", events[0]);
+            assert!(
+                events[0].time == 0.0 && (events[0].force - b).abs() < 1e-12,
+                "{scheme}: {:?}",
+                events[0]
+            );
         }
     }
 }
@@ -141,13 +188,28 @@ fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
 #[test]
 fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
     let number = 5u64;
-    let neighbours: Vec<u64> = std::iter::once(number).chain((0..64).map(|bit| number ^ (1 << bit))).collect();
-    let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::Stationary };
+    let neighbours: Vec<u64> = std::iter::once(number)
+        .chain((0..64).map(|bit| number ^ (1 << bit)))
+        .collect();
+    let noise = Noise {
+        intensity: 0.25,
+        relaxation_rate: 1.0,
+        diffusion: 1.0,
+        initial: InitialNoise::Stationary,
+    };
     let (model, line) = (with_noise(noise), timeline(5.0, 5.0));
     for scheme in schemes(0.05) {
         let together = kept(scheme, &model, &line, 9, &neighbours);
-        let ends: HashSet<u64> = together.rows.iter().map(|rows| rows[1].3.to_bits()).collect();
-        assert_eq!(ends.len(), neighbours.len(), "{scheme}: two paths are the same");
+        let ends: HashSet<u64> = together
+            .rows
+            .iter()
+            .map(|rows| rows[1].3.to_bits())
+            .collect();
+        assert_eq!(
+            ends.len(),
+            neighbours.len(),
+            "{scheme}: two paths are the same"
+        );
         for (lane, &path) in neighbours.iter().enumerate() {
             let alone = kept(scheme, &model, &line, 9, &[path]);
             assert_eq!(
@@ -156,15 +218,24 @@ fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
                 "{scheme} {path}"
             );
         }
-        let seeds = neighbours.iter().map(|&seed| kept(scheme, &model, &line, seed, &[number]).rows[0][1].3.to_bits());
-        assert_eq!(seeds.collect::<HashSet<u64>>().len(), neighbours.len(), "{scheme}: two seeds are the same");
+        let seeds = neighbours.iter().map(|&seed| {
+            kept(scheme, &model, &line, seed, &[number]).rows[0][1]
+                .3
+                .to_bits()
+        });
+        assert_eq!(
+            seeds.collect::<HashSet<u64>>().len(),
+            neighbours.len(),
+            "{scheme}: two seeds are the same"
+        );
     }
 }
 
 /// A replay uses all 64 bits of the number of a path, and reports that number.
 #[test]
 fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
-    let scenario = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound");
+    let scenario =
+        Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound");
     let mut ends = HashSet::new();
     for path in [7, (1 << 16) + 7, (1 << 32) + 7, (1 << 48) + 7] {
         let block = Replay::of(&scenario, path).block;
@@ -187,16 +258,29 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
         model.oscillator.mass = 0.25;
         for scheme in schemes(d) {
             let keep = kept(scheme, &model, &timeline(end, d), 3, &[0, 1, 2]);
-            let fastest = keep.rows.iter().flatten().map(|row| row.2.abs()).fold(0.0, f64::max);
+            let fastest = keep
+                .rows
+                .iter()
+                .flatten()
+                .map(|row| row.2.abs())
+                .fold(0.0, f64::max);
             let (mut slides, mut rests) = (0, 0);
             for (events, rows) in keep.events.iter().zip(&keep.rows) {
                 for three in rows.windows(3) {
                     let ((from, at), to) = ((three[0], three[1]), three[2]);
-                    if events.iter().any(|event| event.time >= from.0 - d && event.time <= to.0 + d) {
+                    if events
+                        .iter()
+                        .any(|event| event.time >= from.0 - d && event.time <= to.0 + d)
+                    {
                         continue;
                     }
                     let rate = (to.1 - from.1) / (to.0 - from.0);
-                    assert!((rate - at.2).abs() <= 0.02 * fastest, "{scheme}, t = {}: {rate} {}", at.0, at.2);
+                    assert!(
+                        (rate - at.2).abs() <= 0.02 * fastest,
+                        "{scheme}, t = {}: {rate} {}",
+                        at.0,
+                        at.2
+                    );
                     assert!(!at.4 || (rate == 0.0 && at.2 == 0.0), "{scheme}: {at:?}");
                     *(if at.4 { &mut rests } else { &mut slides }) += 1;
                 }
@@ -226,7 +310,10 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
         let there = kept(scheme, &mirrored, &timeline(40.0, 1.0), 1, &paths);
         for (a, b) in here.events.iter().zip(&there.events) {
             let seen = |events: &[Event], sign: f64| -> Vec<(f64, f64, f64)> {
-                events.iter().map(|event| (event.time, sign * event.displacement, sign * event.force)).collect()
+                events
+                    .iter()
+                    .map(|event| (event.time, sign * event.displacement, sign * event.force))
+                    .collect()
             };
             assert!(a.len() > 5, "{scheme}: {a:?}");
             assert_eq!(seen(a, 1.0), seen(b, -1.0), "{scheme}");
@@ -242,14 +329,36 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
 fn a_burn_in_leaves_out_the_same_of_every_scheme() {
     let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);
     let paths: Vec<u64> = (0..300).collect();
-    let line = Timeline { after, ..timeline(end, 20.0) };
+    let line = Timeline {
+        after,
+        ..timeline(end, 20.0)
+    };
     for scheme in schemes(0.02) {
         let mut both = (
             Keep::lanes(paths.len()),
-            BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths, Replicate::Path),
+            BlockObserver::new(
+                &model,
+                &line,
+                &Record {
+                    paths: true,
+                    ..Record::NOTHING
+                },
+                &paths,
+                Replicate::Path,
+            ),
         );
-        assert!(scheme.simulation(&model, &line).simulate(9, &paths, &mut both).is_empty());
-        let columns = both.1.finish(0, 300, Vec::new()).rows.path_columns.expect("asked for");
+        assert!(
+            scheme
+                .simulation(&model, &line)
+                .simulate(9, &paths, &mut both)
+                .is_empty()
+        );
+        let columns = both
+            .1
+            .finish(0, 300, Vec::new())
+            .rows
+            .path_columns
+            .expect("asked for");
         let (mut sticking, mut straddling) = (0, 0);
         for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
             let (at_end, at_after) = (rows[3].1, rows[1].1);
@@ -263,23 +372,55 @@ fn a_burn_in_leaves_out_the_same_of_every_scheme() {
                 }))
                 .collect();
             let completed = || marks.windows(2).map(|two| (two[0].0, two[1].0, two[0].1));
-            let begun = |is_static: bool| completed().skip(1).filter(move |p| p.2 == is_static && p.0 >= after).count();
-            assert_eq!(columns.sticks[lane] as usize, begun(true), "{scheme}, path {lane}");
-            assert_eq!(columns.slips[lane] as usize, begun(false), "{scheme}, path {lane}");
+            let begun = |is_static: bool| {
+                completed()
+                    .skip(1)
+                    .filter(move |p| p.2 == is_static && p.0 >= after)
+                    .count()
+            };
+            assert_eq!(
+                columns.sticks[lane] as usize,
+                begun(true),
+                "{scheme}, path {lane}"
+            );
+            assert_eq!(
+                columns.slips[lane] as usize,
+                begun(false),
+                "{scheme}, path {lane}"
+            );
             let last = marks[marks.len() - 1];
             let stick_time: f64 = completed()
                 .chain([(last.0, end, last.1)])
                 .filter(|phase| phase.2)
                 .map(|(from, to, _)| (to - f64::max(from, after)).max(0.0))
                 .sum();
-            assert!((columns.stick_time[lane] - stick_time).abs() < 1e-9, "{scheme}, path {lane}");
-            let later = events.iter().filter(|event| event.time > after).map(|event| event.displacement);
-            let places: Vec<f64> = std::iter::once(at_after).chain(later).chain([at_end]).collect();
+            assert!(
+                (columns.stick_time[lane] - stick_time).abs() < 1e-9,
+                "{scheme}, path {lane}"
+            );
+            let later = events
+                .iter()
+                .filter(|event| event.time > after)
+                .map(|event| event.displacement);
+            let places: Vec<f64> = std::iter::once(at_after)
+                .chain(later)
+                .chain([at_end])
+                .collect();
             let way: f64 = places.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
             let work = model.friction.dynamic_force * way;
-            assert!((columns.friction_work[lane] - work).abs() < 1e-9, "{scheme}, path {lane}");
-            *(if rows[1].4 { &mut sticking } else { &mut straddling }) += 1;
+            assert!(
+                (columns.friction_work[lane] - work).abs() < 1e-9,
+                "{scheme}, path {lane}"
+            );
+            *(if rows[1].4 {
+                &mut sticking
+            } else {
+                &mut straddling
+            }) += 1;
         }
-        assert!(sticking > 0 && straddling > 3, "{scheme}: {sticking} {straddling}");
+        assert!(
+            sticking > 0 && straddling > 3,
+            "{scheme}: {sticking} {straddling}"
+        );
     }
 }

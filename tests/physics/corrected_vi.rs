@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 use stickslip::ensemble::Plan;
 use stickslip::model::{Drive, EventKind, Friction, Model};
 use stickslip::scheme::{
-    CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit, monitoring_shift,
+    CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit,
+    monitoring_shift,
 };
 use stickslip::stats::{Record, Statistic};
 
@@ -15,13 +16,40 @@ fn run(h: f64, paths: u64, corrected: bool) -> Vec<(f64, f64)> {
     estimates(paper(0.25, 0.25), h, paths, corrected, &FOUR)
 }
 
-fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
-    let timeline = Timeline { end: 60.0, output_step: 60.0, period: None, after: 0.0 };
-    let scheme: Scheme = if corrected { CorrectedVi { step: h }.into() } else { DiscreteVi { step: h }.into() };
+fn estimates(
+    model: Model,
+    h: f64,
+    paths: u64,
+    corrected: bool,
+    statistics: &[Statistic],
+) -> Vec<(f64, f64)> {
+    let timeline = Timeline {
+        end: 60.0,
+        output_step: 60.0,
+        period: None,
+        after: 0.0,
+    };
+    let scheme: Scheme = if corrected {
+        CorrectedVi { step: h }.into()
+    } else {
+        DiscreteVi { step: h }.into()
+    };
     let simulation = scheme.simulation(&model, &timeline);
     let record = Record::NOTHING;
-    let summary = Plan { simulation, record, seed: 5, paths, antithetic: false }.run(2);
-    let estimate = |s: &Statistic| (summary.estimate(*s).estimate, summary.estimate(*s).standard_error);
+    let summary = Plan {
+        simulation,
+        record,
+        seed: 5,
+        paths,
+        antithetic: false,
+    }
+    .run(2);
+    let estimate = |s: &Statistic| {
+        (
+            summary.estimate(*s).estimate,
+            summary.estimate(*s).standard_error,
+        )
+    };
     statistics.iter().map(estimate).collect()
 }
 
@@ -30,8 +58,12 @@ fn truth(statistic: Statistic) -> f64 {
     reference::limit(statistic.name()).0
 }
 
-const FOUR: [Statistic; 4] =
-    [Statistic::StickDurationMean, Statistic::SticksPerPath, Statistic::SubPhasesMean, Statistic::StickingFraction];
+const FOUR: [Statistic; 4] = [
+    Statistic::StickDurationMean,
+    Statistic::SticksPerPath,
+    Statistic::SubPhasesMean,
+    Statistic::StickingFraction,
+];
 
 /// The corrected scheme at h = 0.00125, which two tests look at.
 static FINE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| run(0.00125, 40_000, true));
@@ -53,10 +85,20 @@ fn order(coarse: (f64, f64), fine: (f64, f64), truth: f64) -> (f64, f64) {
 fn the_correction_makes_order_one_of_one_half() {
     let coarse = run(0.005, 40_000, true)[0];
     let (slope, se) = order(coarse, FINE[0], truth(Statistic::StickDurationMean));
-    assert!(slope / 2.0 > 0.9, "corrected: order {} +- {}", slope / 2.0, se / 2.0);
+    assert!(
+        slope / 2.0 > 0.9,
+        "corrected: order {} +- {}",
+        slope / 2.0,
+        se / 2.0
+    );
     let [coarse, fine] = [0.005, 0.00125].map(|h| run(h, 10_000, false)[0]);
     let (slope, se) = order(coarse, fine, truth(Statistic::StickDurationMean));
-    assert!((0.3..0.6).contains(&(slope / 2.0)), "plain: order {} +- {}", slope / 2.0, se / 2.0);
+    assert!(
+        (0.3..0.6).contains(&(slope / 2.0)),
+        "plain: order {} +- {}",
+        slope / 2.0,
+        se / 2.0
+    );
 }
 
 /// At h = 0.00125 four statistics of the corrected scheme are within 1 % of the truth, while those
@@ -65,13 +107,22 @@ fn the_correction_makes_order_one_of_one_half() {
 #[test]
 fn at_a_fine_step_one_percent_is_left() {
     for ((value, se), truth) in FINE.iter().zip(FOUR.map(truth)) {
-        assert!((value / truth - 1.0).abs() < 0.007 + 3.0 * se / truth, "{value} +- {se} against {truth}");
+        assert!(
+            (value / truth - 1.0).abs() < 0.007 + 3.0 * se / truth,
+            "{value} +- {se} against {truth}"
+        );
     }
 }
 
 /// The noisy scene with f_s = 1 + `gap` and f_d = 1.
 fn with_gap(gap: f64) -> Model {
-    Model { friction: Friction { static_force: 1.0 + gap, dynamic_force: 1.0 }, ..paper(0.25, 0.25) }
+    Model {
+        friction: Friction {
+            static_force: 1.0 + gap,
+            dynamic_force: 1.0,
+        },
+        ..paper(0.25, 0.25)
+    }
 }
 
 /// Friction never accelerates the body: a slip starts in the direction of b, at |b| >= f_d, and
@@ -82,17 +133,36 @@ fn no_slip_starts_against_the_force() {
     for gap in [0.0, 0.05, 0.2] {
         let (model, h) = (with_gap(gap), 1.0 / 32.0);
         let shift = monitoring_shift(&model, h);
-        assert_eq!(corrected_exit(&model, h), if gap < shift { 1.0 } else { 1.0 + gap - shift });
-        let timeline = Timeline { end: 60.0, output_step: h, period: None, after: 0.0 };
+        assert_eq!(
+            corrected_exit(&model, h),
+            if gap < shift { 1.0 } else { 1.0 + gap - shift }
+        );
+        let timeline = Timeline {
+            end: 60.0,
+            output_step: h,
+            period: None,
+            after: 0.0,
+        };
         let mut keep = Keep::lanes(64);
-        DiscreteSimulation::corrected(&model, &timeline, h).simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep);
+        DiscreteSimulation::corrected(&model, &timeline, h).simulate(
+            5,
+            &(0..64).collect::<Vec<_>>(),
+            &mut keep,
+        );
         let mut slips = 0;
         for (events, rows) in keep.events.iter().zip(&keep.rows) {
             for event in events {
-                let EventKind::SlipStarted(sign) = event.kind else { continue };
-                let Some(next) = rows.get((event.time / h).round() as usize + 1) else { continue };
+                let EventKind::SlipStarted(sign) = event.kind else {
+                    continue;
+                };
+                let Some(next) = rows.get((event.time / h).round() as usize + 1) else {
+                    continue;
+                };
                 let b = sign.value() * event.force;
-                assert!(b >= corrected_exit(&model, h) && sign.value() * next.2 > 0.0, "{gap}: {event:?} {next:?}");
+                assert!(
+                    b >= corrected_exit(&model, h) && sign.value() * next.2 > 0.0,
+                    "{gap}: {event:?} {next:?}"
+                );
                 slips += 1;
             }
         }
@@ -114,14 +184,29 @@ fn no_slip_starts_against_the_force() {
 #[test]
 fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() {
     let (model, h) = (paper(0.25, 0.25), 0.01);
-    let timeline = Timeline { end: 60.0, output_step: h, period: None, after: 0.0 };
+    let timeline = Timeline {
+        end: 60.0,
+        output_step: h,
+        period: None,
+        after: 0.0,
+    };
     let mut keep = Keep::lanes(64);
     let simulation = DiscreteSimulation::corrected(&model, &timeline, h);
-    assert_eq!(simulation.simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep), []);
-    let (f_s, f_d, m) = (model.friction.static_force, model.friction.dynamic_force, model.oscillator.mass);
+    assert_eq!(
+        simulation.simulate(5, &(0..64).collect::<Vec<_>>(), &mut keep),
+        []
+    );
+    let (f_s, f_d, m) = (
+        model.friction.static_force,
+        model.friction.dynamic_force,
+        model.oscillator.mass,
+    );
     let lowered = corrected_exit(&model, h);
     // The shift is -zeta(1/2)/sqrt(2 pi) K beta rho sigma sqrt(h).
-    assert!((f_s - lowered - 0.582_597_157_939 * 6.0 * 0.25 * 0.1).abs() < 1e-12, "{lowered}");
+    assert!(
+        (f_s - lowered - 0.582_597_157_939 * 6.0 * 0.25 * 0.1).abs() < 1e-12,
+        "{lowered}"
+    );
     let (mut entries_between, mut exits_between) = (0, 0);
     for rows in &keep.rows {
         for step in rows.windows(2) {
@@ -131,15 +216,28 @@ fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() 
             if (s.abs() - threshold).abs() < 1e-9 {
                 continue;
             }
-            let expected = if s.abs() <= threshold { 0.0 } else { s - h / m * f_d * s.signum() };
-            assert!((next_v - expected).abs() < 1e-12, "t = {t}: {next_v}, not {expected}");
-            assert!((next_x - x - h * next_v).abs() < 1e-12, "t = {t}: {next_x} from {x} with {next_v}");
+            let expected = if s.abs() <= threshold {
+                0.0
+            } else {
+                s - h / m * f_d * s.signum()
+            };
+            assert!(
+                (next_v - expected).abs() < 1e-12,
+                "t = {t}: {next_v}, not {expected}"
+            );
+            assert!(
+                (next_x - x - h * next_v).abs() < 1e-12,
+                "t = {t}: {next_x} from {x} with {next_v}"
+            );
             let is_between = h / m * lowered < s.abs() && s.abs() < h / m * f_s;
             entries_between += u32::from(is_between && v != 0.0);
             exits_between += u32::from(is_between && v == 0.0);
         }
     }
-    assert!(entries_between > 200 && exits_between > 200, "{entries_between} {exits_between}");
+    assert!(
+        entries_between > 200 && exits_between > 200,
+        "{entries_between} {exits_between}"
+    );
 }
 
 /// The shift depends on the size of beta and not on its sign.
@@ -149,9 +247,15 @@ fn the_shift_does_not_know_the_sign_of_the_dilatation() {
     let mut shrinking = model.clone();
     shrinking.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
     let shift = monitoring_shift(&model, 0.01);
-    assert!((shift - 0.087_389_573_690).abs() < 1e-11, "0.582597 K beta rho sigma sqrt(h) = {shift}");
+    assert!(
+        (shift - 0.087_389_573_690).abs() < 1e-11,
+        "0.582597 K beta rho sigma sqrt(h) = {shift}"
+    );
     assert_eq!(monitoring_shift(&shrinking, 0.01), shift);
-    assert_eq!(corrected_exit(&shrinking, 0.01), model.friction.static_force - shift);
+    assert_eq!(
+        corrected_exit(&shrinking, 0.01),
+        model.friction.static_force - shift
+    );
 }
 
 /// The effect on the sticking fraction at f_s = f_d. Null hypothesis: at h = 1/32 it is within 4 %
@@ -160,7 +264,13 @@ fn the_shift_does_not_know_the_sign_of_the_dilatation() {
 /// below 1e-4. With the threshold lowered by the whole shift, the fraction is 11.6 % too small.
 #[test]
 fn with_equal_friction_the_sticking_fraction_is_that_of_the_limit() {
-    let (value, se) = estimates(with_gap(0.0), 1.0 / 32.0, 20_000, true, &[Statistic::StickingFraction])[0];
+    let (value, se) = estimates(
+        with_gap(0.0),
+        1.0 / 32.0,
+        20_000,
+        true,
+        &[Statistic::StickingFraction],
+    )[0];
     assert!((value / 0.13013 - 1.0).abs() < 0.04, "{value} +- {se}");
 }
 
@@ -171,10 +281,22 @@ fn with_equal_friction_the_sticking_fraction_is_that_of_the_limit() {
 fn the_semi_implicit_step_does_not_grow() {
     let mut model = paper(0.25, 0.0);
     model.temperature.harmonics.clear();
-    model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
+    model.friction = Friction {
+        static_force: 0.01,
+        dynamic_force: 0.01,
+    };
     model.initial_displacement = 1.4; // A_c = 4 f_d / (pi w0 h K) = 1.27 at h = 0.01
-    let timeline = Timeline { end: 5000.0, output_step: 5000.0, period: None, after: 0.0 };
+    let timeline = Timeline {
+        end: 5000.0,
+        output_step: 5000.0,
+        period: None,
+        after: 0.0,
+    };
     let mut keep = Keep::lanes(1);
     let lost = DiscreteSimulation::corrected(&model, &timeline, 0.01).simulate(1, &[0], &mut keep);
-    assert!(lost.is_empty() && keep.rows[0][1].1.abs() <= 0.011, "{:?}", keep.rows);
+    assert!(
+        lost.is_empty() && keep.rows[0][1].1.abs() <= 0.011,
+        "{:?}",
+        keep.rows
+    );
 }

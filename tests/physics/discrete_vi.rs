@@ -16,7 +16,8 @@ use stickslip::stats::Record;
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
-    let lost = DiscreteSimulation::new(model, &timeline(end, output_step), h).simulate(1, paths, &mut keep);
+    let lost = DiscreteSimulation::new(model, &timeline(end, output_step), h)
+        .simulate(1, paths, &mut keep);
     assert_eq!(lost, [], "nothing diverges here");
     keep
 }
@@ -37,16 +38,35 @@ fn shaws_case_has_every_digit_the_paper_prints() {
     let events = &keep.events[0];
     let kinds: Vec<EventKind> = events.iter().map(|e| e.kind).collect();
     use EventKind::*;
-    assert_eq!(kinds, [SlipStarted(Sign::Negative), StickEntered, SlipStarted(Sign::Positive), StickEntered]);
-    assert!(near(events[0].time, 2.58, 1e-9) && near(events[2].time, 14.86, 1e-9), "{:?}", times(events));
+    assert_eq!(
+        kinds,
+        [
+            SlipStarted(Sign::Negative),
+            StickEntered,
+            SlipStarted(Sign::Positive),
+            StickEntered
+        ]
+    );
+    assert!(
+        near(events[0].time, 2.58, 1e-9) && near(events[2].time, 14.86, 1e-9),
+        "{:?}",
+        times(events)
+    );
     // tau_1 = 13.38, x = -6.24223, b = 0.365928
     assert!(near(events[1].time, 13.38, 1e-9));
-    assert!(near(events[1].displacement, -6.24223, 5e-6) && near(events[1].force, 0.365928, 5e-7), "{:?}", events[1]);
+    assert!(
+        near(events[1].displacement, -6.24223, 5e-6) && near(events[1].force, 0.365928, 5e-7),
+        "{:?}",
+        events[1]
+    );
     // The paper marks tau_2 one step before the scheme's event: t = 25.74, x = 6.22228, b =
     // -0.291287.
     let (t, x, v, temperature, _) = keep.rows[0][2574];
     let b = paper(0.25, 0.0).oscillator.force(temperature, x, 0.0);
-    assert!(near(t, 25.74, 1e-9) && near(x, 6.22228, 5e-6) && near(b, -0.291287, 5e-7), "{t} {x} {b} {v}");
+    assert!(
+        near(t, 25.74, 1e-9) && near(x, 6.22228, 5e-6) && near(b, -0.291287, 5e-7),
+        "{t} {x} {b} {v}"
+    );
     assert!(near(events[3].time, 25.75, 1e-9));
 }
 
@@ -84,23 +104,44 @@ fn assert_first_order(w: f64, exact: &[(f64, f64)], most: (f64, f64)) {
         .map(|&h| {
             let keep = simulate(&paper(w, 0.0), 28.0, h, 28.0, &[0]);
             assert!(keep.events[0].len() >= exact.len());
-            keep.events[0].iter().zip(exact).fold((0.0, 0.0), |(dt, dx), (event, (t, x))| {
-                (f64::max(dt, (event.time - t).abs()), f64::max(dx, (event.displacement - x).abs()))
-            })
+            keep.events[0]
+                .iter()
+                .zip(exact)
+                .fold((0.0, 0.0), |(dt, dx), (event, (t, x))| {
+                    (
+                        f64::max(dt, (event.time - t).abs()),
+                        f64::max(dx, (event.displacement - x).abs()),
+                    )
+                })
         })
         .collect();
     let order = |of: fn(&(f64, f64)) -> f64| {
-        let points: Vec<(f64, f64)> = steps.iter().zip(&errors).map(|(h, e)| (h.ln(), of(e).ln())).collect();
+        let points: Vec<(f64, f64)> = steps
+            .iter()
+            .zip(&errors)
+            .map(|(h, e)| (h.ln(), of(e).ln()))
+            .collect();
         let n = points.len() as f64;
-        let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-        let (num, den) =
-            points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx).powi(2)));
+        let (mx, my) = points
+            .iter()
+            .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+        let (num, den) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| {
+            (a + (x - mx) * (y - my), b + (x - mx).powi(2))
+        });
         num / den
     };
     let (in_time, in_place) = (order(|e| e.0), order(|e| e.1));
-    assert!((0.93..1.07).contains(&in_time) && (0.97..1.03).contains(&in_place), "{in_time} {in_place} {errors:?}");
+    assert!(
+        (0.93..1.07).contains(&in_time) && (0.97..1.03).contains(&in_place),
+        "{in_time} {in_place} {errors:?}"
+    );
     for (h, error) in steps.iter().zip(&errors) {
-        assert!(error.0 <= most.0 * h && error.1 <= most.1 * h, "{h}: {} and {} steps", error.0 / h, error.1 / h);
+        assert!(
+            error.0 <= most.0 * h && error.1 <= most.1 * h,
+            "{h}: {} and {} steps",
+            error.0 / h,
+            error.1 / h
+        );
     }
 }
 
@@ -113,9 +154,19 @@ fn the_cascade_of_forcing_a_quarter_is_approached_with_order_one() {
 fn the_cascade_of_forcing_a_half_is_approached_with_order_one() {
     assert_first_order(0.5, &EXACT_HALF, (9.6, 14.5));
     let keep = simulate(&paper(0.5, 0.0), 140.0, 0.001, 140.0, &[0]);
-    let turns = keep.events[0].iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).count();
-    let sticks = keep.events[0].iter().filter(|e| e.kind == EventKind::StickEntered).count();
-    assert_eq!((turns, sticks), (11, 11), "two sub-phases in each dynamic phase");
+    let turns = keep.events[0]
+        .iter()
+        .filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_)))
+        .count();
+    let sticks = keep.events[0]
+        .iter()
+        .filter(|e| e.kind == EventKind::StickEntered)
+        .count();
+    assert_eq!(
+        (turns, sticks),
+        (11, 11),
+        "two sub-phases in each dynamic phase"
+    );
 }
 
 /// A plain reference loop on the same normals gives the same cascade as the kernel. Rounding
@@ -124,14 +175,34 @@ fn the_cascade_of_forcing_a_half_is_approached_with_order_one() {
 #[test]
 fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     let mut damped = paper(0.25, 0.25);
-    damped.oscillator = Oscillator { mass: 2.0, stiffness: 3.0, damping: 0.3, drive: Drive::Dilatation(2.0) };
-    damped.temperature.harmonics.push(Harmonic { amplitude: 0.7, angular_frequency: 1.1, phase: 0.4 });
+    damped.oscillator = Oscillator {
+        mass: 2.0,
+        stiffness: 3.0,
+        damping: 0.3,
+        drive: Drive::Dilatation(2.0),
+    };
+    damped.temperature.harmonics.push(Harmonic {
+        amplitude: 0.7,
+        angular_frequency: 1.1,
+        phase: 0.4,
+    });
     let mut stationary = paper(0.25, 0.6);
-    let noise = stationary.temperature.noises.first_mut().expect("has noise");
+    let noise = stationary
+        .temperature
+        .noises
+        .first_mut()
+        .expect("has noise");
     (noise.relaxation_rate, noise.diffusion, noise.initial) = (2.0, 0.8, InitialNoise::Stationary);
     let mut equal = paper(0.25, 0.25);
     equal.friction.static_force = 1.0;
-    for model in [paper(0.25, 0.0), paper(0.5, 0.0), paper(0.25, 0.25), damped, stationary, equal] {
+    for model in [
+        paper(0.25, 0.0),
+        paper(0.5, 0.0),
+        paper(0.25, 0.25),
+        damped,
+        stationary,
+        equal,
+    ] {
         let (h, steps) = (0.005, 6000);
         let paths: Vec<u64> = (100..165).collect();
         let keep = simulate(&model, h * steps as f64, h, h * steps as f64, &paths);
@@ -145,7 +216,10 @@ fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
             assert_eq!(events.len(), keep.events[lane].len(), "path {path}");
             for (a, b) in events.iter().zip(&keep.events[lane]) {
                 assert_eq!(a.kind, b.kind, "path {path}");
-                assert!(near(a.time, b.time, 1e-9) && near(a.displacement, b.displacement, 1e-9), "{a:?} {b:?}");
+                assert!(
+                    near(a.time, b.time, 1e-9) && near(a.displacement, b.displacement, 1e-9),
+                    "{a:?} {b:?}"
+                );
                 assert!(near(a.force, b.force, 1e-7), "{a:?} {b:?}");
             }
             let last = keep.rows[lane][1];
@@ -167,16 +241,26 @@ fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
 fn the_error_of_the_normals_moves_no_statistic() {
     let (model, h, steps, paths) = (paper(0.25, 0.25), 0.01, 6000, 2000);
     let exact = |draw: u64| {
-        let (z, p) = (standard_normal(draw).abs(), (draw as i64 as f64).abs() / 2f64.powi(64));
+        let (z, p) = (
+            standard_normal(draw).abs(),
+            (draw as i64 as f64).abs() / 2f64.powi(64),
+        );
         let density = (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
         let tail = 0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2);
         (z + (tail - p) / density).copysign(draw as i64 as f64)
     };
     let cascade = |path: u64, normal: &dyn Fn(u64) -> f64| {
         let mut stream = Stream::new(1, path);
-        let mut draws = std::iter::repeat_with(|| stream.next_u64()).flat_map(|w| [w, w.rotate_left(32)]);
+        let mut draws =
+            std::iter::repeat_with(|| stream.next_u64()).flat_map(|w| [w, w.rotate_left(32)]);
         let mut events = Vec::new();
-        let end = reference_path(&model, h, steps, || normal(draws.next().expect("endless")), |e| events.push(e));
+        let end = reference_path(
+            &model,
+            h,
+            steps,
+            || normal(draws.next().expect("endless")),
+            |e| events.push(e),
+        );
         let mut sticks: Vec<f64> = Vec::new();
         let mut entered = f64::NAN;
         for event in &events {
@@ -191,7 +275,8 @@ fn the_error_of_the_normals_moves_no_statistic() {
     };
     let (mut same, mut differences, mut sums, mut squares) = (0, [0.0; 4], [0.0; 4], [0.0; 4]);
     for path in 0..paths {
-        let ((ours, events), (theirs, exact_events)) = (cascade(path, &standard_normal), cascade(path, &exact));
+        let ((ours, events), (theirs, exact_events)) =
+            (cascade(path, &standard_normal), cascade(path, &exact));
         same += u32::from(events == exact_events);
         for i in 0..4 {
             differences[i] += ours[i] - theirs[i];
@@ -200,20 +285,27 @@ fn the_error_of_the_normals_moves_no_statistic() {
         }
     }
     let n = paths as f64;
-    let in_standard_errors: Vec<f64> =
-        (0..4).map(|i| differences[i].abs() / n / ((squares[i] / n - (sums[i] / n).powi(2)) / n).sqrt()).collect();
+    let in_standard_errors: Vec<f64> = (0..4)
+        .map(|i| differences[i].abs() / n / ((squares[i] / n - (sums[i] / n).powi(2)) / n).sqrt())
+        .collect();
     println!(
         "{same} of {paths} cascades fall on the same steps; differences in standard errors: {in_standard_errors:?}"
     );
     assert!(f64::from(same) > 0.99 * n, "{same} of {paths}");
-    assert!(in_standard_errors.iter().all(|&d| d < 0.05), "{in_standard_errors:?}");
+    assert!(
+        in_standard_errors.iter().all(|&d| d < 0.05),
+        "{in_standard_errors:?}"
+    );
 }
 
 /// The same model with a force of the user's own, which has every kind of operation.
 fn forced(model: Model) -> Model {
     let text = "-0.02*x^3 + 0.3*(1 - exp(-abs(xdot)/0.2))*sign(xdot) + min(0.1*sin(2*t), x/max(3, abs(x)))";
     let expression = Expression::parse(text, &[]).expect("an expression");
-    Model { force: Some(Force::new(expression)), ..model }
+    Model {
+        force: Some(Force::new(expression)),
+        ..model
+    }
 }
 
 /// The kernel in lanes takes the steps of the plain loop under a force of the user's own too.
@@ -228,10 +320,16 @@ fn a_force_of_ones_own_acts_as_in_the_loop_of_the_paper() {
     assert!(wanted.len() > 6);
     for (a, b) in found.events[0].iter().zip(&wanted) {
         assert!(a.kind == b.kind && a.time == b.time, "{a:?} {b:?}");
-        assert!((a.displacement - b.displacement).abs() < 1e-9 && (a.force - b.force).abs() < 1e-9, "{a:?} {b:?}");
+        assert!(
+            (a.displacement - b.displacement).abs() < 1e-9 && (a.force - b.force).abs() < 1e-9,
+            "{a:?} {b:?}"
+        );
     }
     let row = found.rows[0][1];
-    assert!((row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9, "{row:?} {x} {v}");
+    assert!(
+        (row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9,
+        "{row:?} {x} {v}"
+    );
 }
 
 #[test]
@@ -253,7 +351,11 @@ fn every_instruction_set_gives_the_same_bits() {
         let run = |set: InstructionSet, corrected: bool| {
             assert!(set.is_available());
             let mut keep = Keep::lanes(paths.len());
-            let make = if corrected { DiscreteSimulation::corrected } else { DiscreteSimulation::new };
+            let make = if corrected {
+                DiscreteSimulation::corrected
+            } else {
+                DiscreteSimulation::new
+            };
             let scheme = make(&model, &timeline(20.0, 0.5), 0.01).with_instructions(set);
             assert_eq!(scheme.instructions(), set);
             scheme.simulate(3, &paths, &mut keep);
@@ -261,7 +363,10 @@ fn every_instruction_set_gives_the_same_bits() {
         };
         for corrected in [false, true] {
             let portable = run(InstructionSet::Portable, corrected);
-            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+            for set in InstructionSet::ALL
+                .into_iter()
+                .filter(|set| set.is_available())
+            {
                 assert!(run(set, corrected) == portable, "{}", set.name());
             }
         }
@@ -275,7 +380,8 @@ fn a_path_does_not_depend_on_its_company() {
     for path in [0, 7, 8, 31, 32, 100, 255] {
         let alone = simulate(&model, 30.0, 0.01, 0.5, &[path]);
         assert!(
-            alone.events[0] == all.events[path as usize] && alone.rows[0] == all.rows[path as usize],
+            alone.events[0] == all.events[path as usize]
+                && alone.rows[0] == all.rows[path as usize],
             "path {path}"
         );
     }
@@ -292,14 +398,26 @@ fn a_path_does_not_depend_on_its_company() {
 fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     let without = paper(0.25, 0.0);
     let mut zero = paper(0.25, 0.25);
-    zero.temperature.noises.first_mut().expect("has noise").intensity = 0.0;
+    zero.temperature
+        .noises
+        .first_mut()
+        .expect("has noise")
+        .intensity = 0.0;
     let run = |model: &Model, seed: u64| {
         let mut keep = Keep::lanes(3);
-        DiscreteSimulation::new(model, &timeline(60.0, 0.1), 0.01).simulate(seed, &[0, 1, 2], &mut keep);
+        DiscreteSimulation::new(model, &timeline(60.0, 0.1), 0.01).simulate(
+            seed,
+            &[0, 1, 2],
+            &mut keep,
+        );
         keep
     };
     let deterministic = run(&without, 1);
-    assert!(deterministic == run(&without, 2) && deterministic == run(&zero, 1) && deterministic == run(&zero, 9));
+    assert!(
+        deterministic == run(&without, 2)
+            && deterministic == run(&zero, 1)
+            && deterministic == run(&zero, 9)
+    );
     assert!(deterministic.events[0] == deterministic.events[2]);
 }
 
@@ -312,8 +430,12 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let exact = simulate(&paper(0.25, 0.0), end, h, 0.5, &[0]);
     let distance = |rho: f64| {
         let keep = simulate(&paper(0.25, rho), end, h, 0.5, &(0..32).collect::<Vec<_>>());
-        let squares: f64 =
-            keep.rows.iter().flat_map(|rows| rows.iter().zip(&exact.rows[0])).map(|(a, b)| (a.1 - b.1).powi(2)).sum();
+        let squares: f64 = keep
+            .rows
+            .iter()
+            .flat_map(|rows| rows.iter().zip(&exact.rows[0]))
+            .map(|(a, b)| (a.1 - b.1).powi(2))
+            .sum();
         squares.sqrt()
     };
     let d: Vec<f64> = (1..=6).map(|k| distance(10f64.powi(-k))).collect();
@@ -327,12 +449,19 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
     assert!(d[5] < d[2] / 5.0 && d[5] < 0.05, "{d:?}");
 
     let h = 1e-5;
-    let start = |rho: f64, path: u64| simulate(&paper(0.25, rho), 4.0, h, 4.0, &[path]).events[0][0].time;
+    let start =
+        |rho: f64, path: u64| simulate(&paper(0.25, rho), 4.0, h, 4.0, &[path]).events[0][0].time;
     for path in 0..4 {
-        let (coarse, fine) = (start(1e-2, path) - 2.574_004_435, start(1e-3, path) - 2.574_004_435);
+        let (coarse, fine) = (
+            start(1e-2, path) - 2.574_004_435,
+            start(1e-3, path) - 2.574_004_435,
+        );
         // A stick ends where rho v(t) meets the band, so the shift is linear in rho, up to the
         // change of v during the shift.
-        assert!(fine.abs() < 0.4 * coarse.abs() + 2e-3 && fine.abs() < 0.03, "path {path}: {coarse} {fine}");
+        assert!(
+            fine.abs() < 0.4 * coarse.abs() + 2e-3 && fine.abs() < 0.03,
+            "path {path}: {coarse} {fine}"
+        );
     }
 }
 
@@ -348,13 +477,21 @@ fn the_model_is_odd() {
     };
     let (a, b) = (paper(0.25, 0.25), mirrored(paper(0.25, 0.25)));
     let paths: Vec<u64> = (0..40).collect();
-    let (a, b) = (simulate(&a, 40.0, 0.01, 1.0, &paths), simulate(&b, 40.0, 0.01, 1.0, &paths));
+    let (a, b) = (
+        simulate(&a, 40.0, 0.01, 1.0, &paths),
+        simulate(&b, 40.0, 0.01, 1.0, &paths),
+    );
     for lane in 0..40 {
         for (p, q) in a.events[lane].iter().zip(&b.events[lane]) {
             assert!(p.time == q.time && p.displacement == -q.displacement && p.force == -q.force);
         }
         assert_eq!(a.events[lane].len(), b.events[lane].len());
-        assert!(a.rows[lane].iter().zip(&b.rows[lane]).all(|(p, q)| p.1 == -q.1 && p.2 == -q.2 && p.4 == q.4));
+        assert!(
+            a.rows[lane]
+                .iter()
+                .zip(&b.rows[lane])
+                .all(|(p, q)| p.1 == -q.1 && p.2 == -q.2 && p.4 == q.4)
+        );
     }
 }
 
@@ -370,14 +507,21 @@ fn the_model_scales() {
     };
     let mut scaled = model.clone();
     let o = &mut scaled.oscillator;
-    (o.mass, o.stiffness) = (o.mass * force * time * time / length, o.stiffness * force / length);
-    (o.damping, o.drive) = (o.damping * force * time / length, Drive::Dilatation(o.rest_position(length)));
+    (o.mass, o.stiffness) = (
+        o.mass * force * time * time / length,
+        o.stiffness * force / length,
+    );
+    (o.damping, o.drive) = (
+        o.damping * force * time / length,
+        Drive::Dilatation(o.rest_position(length)),
+    );
     scaled.friction.static_force *= force;
     scaled.friction.dynamic_force *= force;
     scaled.initial_displacement *= length;
     scaled.temperature.harmonics[0].angular_frequency /= time;
     let noise = scaled.temperature.noises.first_mut().expect("has noise");
-    (noise.relaxation_rate, noise.diffusion) = (noise.relaxation_rate / time, noise.diffusion / time.sqrt());
+    (noise.relaxation_rate, noise.diffusion) =
+        (noise.relaxation_rate / time, noise.diffusion / time.sqrt());
 
     let paths: Vec<u64> = (0..64).collect();
     let a = simulate(&model, 50.0, 0.01, 50.0, &paths);
@@ -386,7 +530,10 @@ fn the_model_scales() {
         assert_eq!(a.events[lane].len(), b.events[lane].len());
         for (p, q) in a.events[lane].iter().zip(&b.events[lane]) {
             assert_eq!(p.kind, q.kind);
-            assert!(near(p.time * time, q.time, 1e-9) && near(p.displacement * length, q.displacement, 1e-9));
+            assert!(
+                near(p.time * time, q.time, 1e-9)
+                    && near(p.displacement * length, q.displacement, 1e-9)
+            );
             assert!(near(p.force * force, q.force, 1e-9));
         }
     }
@@ -400,7 +547,12 @@ fn energy_is_balanced_to_first_order() {
     model.oscillator.damping = 0.02;
     let mismatch = |h: f64| {
         let keep = simulate(&model, 40.0, h, h, &[0]);
-        let Oscillator { mass, stiffness, damping, .. } = model.oscillator;
+        let Oscillator {
+            mass,
+            stiffness,
+            damping,
+            ..
+        } = model.oscillator;
         let energy = |x: f64, v: f64| mass * v * v / 2.0 + stiffness * x * x / 2.0;
         let rows = &keep.rows[0];
         let work: f64 = rows
@@ -416,7 +568,10 @@ fn energy_is_balanced_to_first_order() {
         (energy(last.1, last.2) - energy(first.1, first.2) - work).abs()
     };
     let (coarse, fine, finest) = (mismatch(0.01), mismatch(0.005), mismatch(0.0025));
-    assert!((1.6..2.4).contains(&(coarse / fine)) && (1.6..2.4).contains(&(fine / finest)), "{coarse} {fine} {finest}");
+    assert!(
+        (1.6..2.4).contains(&(coarse / fine)) && (1.6..2.4).contains(&(fine / finest)),
+        "{coarse} {fine} {finest}"
+    );
     // The friction work over these 40 units of time is about 37.
     assert!(coarse < 0.05 * 37.0, "{coarse}");
 }
@@ -426,7 +581,10 @@ fn energy_is_balanced_to_first_order() {
 #[test]
 fn equal_thresholds_are_the_single_variational_inequality() {
     let mut model = paper(0.25, 0.25);
-    model.friction = Friction { static_force: 1.0, dynamic_force: 1.0 };
+    model.friction = Friction {
+        static_force: 1.0,
+        dynamic_force: 1.0,
+    };
     let h = 0.01;
     let keep = simulate(&model, 30.0, h, h, &[0, 1, 2]);
     for rows in &keep.rows {
@@ -453,7 +611,12 @@ fn a_threshold_out_of_reach_is_never_passed() {
     model.friction.static_force = 100.0;
     let keep = simulate(&model, 100.0, 0.01, 1.0, &(0..16).collect::<Vec<_>>());
     assert!(keep.events.iter().all(Vec::is_empty));
-    assert!(keep.rows.iter().flatten().all(|row| row.1 == 6.0 && row.2 == 0.0 && row.4));
+    assert!(
+        keep.rows
+            .iter()
+            .flatten()
+            .all(|row| row.1 == 6.0 && row.2 == 0.0 && row.4)
+    );
 }
 
 #[test]
@@ -461,9 +624,15 @@ fn a_start_outside_the_corridor_slips_at_once() {
     let mut model = paper(0.25, 0.0);
     model.initial_displacement = 0.0;
     let events = &simulate(&model, 10.0, 0.01, 10.0, &[0]).events[0];
-    assert_eq!((events[0].kind, events[0].time), (EventKind::SlipStarted(Sign::Positive), 0.0));
+    assert_eq!(
+        (events[0].kind, events[0].time),
+        (EventKind::SlipStarted(Sign::Positive), 0.0)
+    );
     assert!(near(events[0].force, 6.0, 1e-12));
-    assert!(events[1].time > 0.5, "the first zero of the velocity is not the start");
+    assert!(
+        events[1].time > 0.5,
+        "the first zero of the velocity is not the start"
+    );
 }
 
 /// At a reversal the discrete velocity is exactly zero for one step with probability 2 f_s/(|b| +
@@ -476,7 +645,10 @@ fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
     let keep = simulate(&model, 60.0, h, h, &(0..64).collect::<Vec<_>>());
     let (mut turns, mut at_zero) = (0, 0);
     for (events, rows) in keep.events.iter().zip(&keep.rows) {
-        for event in events.iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))) {
+        for event in events
+            .iter()
+            .filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_)))
+        {
             let row = rows[(event.time / h).round() as usize];
             assert!(!row.4, "a turning point is not static");
             turns += 1;
@@ -488,7 +660,10 @@ fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
     }
     // The measured share in this ensemble is 0.7; if every zero were a stick, all of these would be
     // sticks.
-    assert!(turns > 200 && f64::from(at_zero) > 0.5 * f64::from(turns), "{at_zero} of {turns}");
+    assert!(
+        turns > 200 && f64::from(at_zero) > 0.5 * f64::from(turns),
+        "{at_zero} of {turns}"
+    );
 }
 
 /// Explicit steps without damping add energy, and above A_c = 4 f_d/(pi w0 h K) more than friction
@@ -498,18 +673,25 @@ fn a_zero_with_a_large_force_is_a_turning_point_and_not_a_stick() {
 fn amplitudes_above_the_critical_one_grow_and_are_reported() {
     let mut model = paper(0.25, 0.0);
     model.temperature.harmonics.clear();
-    model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
+    model.friction = Friction {
+        static_force: 0.01,
+        dynamic_force: 0.01,
+    };
     let h = 0.01;
     let critical = 4.0 * 0.01 / (std::f64::consts::PI * h);
     let run = |amplitude: f64, end: f64| {
         let mut model = model.clone();
         model.initial_displacement = amplitude;
         let mut keep = Keep::lanes(1);
-        let lost = DiscreteSimulation::new(&model, &timeline(end, end), h).simulate(1, &[0], &mut keep);
+        let lost =
+            DiscreteSimulation::new(&model, &timeline(end, end), h).simulate(1, &[0], &mut keep);
         (lost, keep.rows[0].last().map(|row| row.1.abs()))
     };
     let (lost, rest) = run(0.9 * critical, 5000.0);
-    assert!(lost.is_empty() && rest.is_some_and(|x| x <= 0.011), "{rest:?}");
+    assert!(
+        lost.is_empty() && rest.is_some_and(|x| x <= 0.011),
+        "{rest:?}"
+    );
     let (lost, _) = run(1.1 * critical, 5000.0);
     assert_eq!(lost, [0], "grown beyond ten times every bound of the model");
 }
@@ -525,17 +707,43 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
     for rho in [0.0, 0.25] {
         let (model, line) = (paper(0.25, rho), timeline(end, end));
         for make in [DiscreteSimulation::new, DiscreteSimulation::corrected] {
-            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+            for set in InstructionSet::ALL
+                .into_iter()
+                .filter(|set| set.is_available())
+            {
                 let mut keep = Keep::lanes(2);
-                let lost = make(&model, &line, h).with_instructions(set).simulate(1, &[0, 1], &mut keep);
+                let lost =
+                    make(&model, &line, h)
+                        .with_instructions(set)
+                        .simulate(1, &[0, 1], &mut keep);
                 assert_eq!(lost, [0, 1], "rho = {rho}, {}", set.name());
-                assert!(keep.rows.iter().all(|rows| rows.len() == 2 && rows[1].1.is_nan()), "{:?}", keep.rows);
+                assert!(
+                    keep.rows
+                        .iter()
+                        .all(|rows| rows.len() == 2 && rows[1].1.is_nan()),
+                    "{:?}",
+                    keep.rows
+                );
             }
         }
         let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &line);
-        let summary = Plan { simulation, record: Record::NOTHING, seed: 1, paths: 2, antithetic: false }.run(1);
-        assert_eq!((summary.completed_paths, summary.diverged.as_slice()), (2, &[0, 1][..]));
-        assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()), "{:?}", summary.estimates);
+        let summary = Plan {
+            simulation,
+            record: Record::NOTHING,
+            seed: 1,
+            paths: 2,
+            antithetic: false,
+        }
+        .run(1);
+        assert_eq!(
+            (summary.completed_paths, summary.diverged.as_slice()),
+            (2, &[0, 1][..])
+        );
+        assert!(
+            summary.estimates.iter().all(|e| e.estimate.is_nan()),
+            "{:?}",
+            summary.estimates
+        );
     }
 }
 
@@ -546,14 +754,24 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
 #[test]
 fn steps_fed_by_finer_ones_see_the_same_noise() {
     let mut model = paper(0.25, 2.0);
-    let noise = Noise { intensity: 2.0, relaxation_rate: 2.0, diffusion: 1.5, initial: InitialNoise::Stationary };
+    let noise = Noise {
+        intensity: 2.0,
+        relaxation_rate: 2.0,
+        diffusion: 1.5,
+        initial: InitialNoise::Stationary,
+    };
     model.temperature.noises = vec![noise];
     let paths: Vec<u64> = (0..20).collect();
     let temperature = |h: f64, refinement: usize| {
         let mut keep = Keep::lanes(paths.len());
-        let scheme = DiscreteSimulation::new(&model, &timeline(10.0, 0.04), h).fed_by_finer(refinement);
+        let scheme =
+            DiscreteSimulation::new(&model, &timeline(10.0, 0.04), h).fed_by_finer(refinement);
         assert_eq!(scheme.simulate(3, &paths, &mut keep), []);
-        keep.rows.into_iter().flatten().map(|row| row.3).collect::<Vec<f64>>()
+        keep.rows
+            .into_iter()
+            .flatten()
+            .map(|row| row.3)
+            .collect::<Vec<f64>>()
     };
     let finest = temperature(0.01, 1);
     for (h, refinement) in [(0.02, 2), (0.04, 4)] {
@@ -570,10 +788,14 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
 #[test]
 fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
     let (model, h, end) = (paper(0.25, 0.25), 0.02, 60.0);
-    let timeline = Timeline { output_step: h, ..timeline(end, h) };
-    for simulation in
-        [DiscreteSimulation::new(&model, &timeline, h), DiscreteSimulation::corrected(&model, &timeline, h)]
-    {
+    let timeline = Timeline {
+        output_step: h,
+        ..timeline(end, h)
+    };
+    for simulation in [
+        DiscreteSimulation::new(&model, &timeline, h),
+        DiscreteSimulation::corrected(&model, &timeline, h),
+    ] {
         let mut keep = Keep::lanes(200);
         let numbers: Vec<u64> = (0..200).collect();
         assert_eq!(simulation.simulate(3, &numbers, &mut keep), []);
@@ -585,7 +807,10 @@ fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
                 let is_at_rest = v == 0.0 && next == 0.0;
                 // A stick that is entered and left at once has no row.
                 assert!(is_static == is_at_rest, "{t}: {is_static} {v} {next}");
-                assert!(!is_static || force.abs() <= model.friction.static_force + 1e-12, "{t}: {force}");
+                assert!(
+                    !is_static || force.abs() <= model.friction.static_force + 1e-12,
+                    "{t}: {force}"
+                );
                 static_rows += u32::from(is_static);
             }
             let mut entered = Some(0.0);
@@ -601,7 +826,10 @@ fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
             }
             in_sticks += entered.map_or(0.0, |since| end - since);
         }
-        assert!(sticks > 1000 && near(f64::from(static_rows) * h / in_sticks, 1.0, 1e-9), "{static_rows} {in_sticks}");
+        assert!(
+            sticks > 1000 && near(f64::from(static_rows) * h / in_sticks, 1.0, 1e-9),
+            "{static_rows} {in_sticks}"
+        );
     }
 }
 
@@ -610,10 +838,22 @@ fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
 #[test]
 fn the_friction_of_a_row_is_that_of_the_next_step() {
     let (model, h) = (paper(0.25, 0.25), 0.02);
-    let timeline = Timeline { output_step: h, ..timeline(60.0, h) };
+    let timeline = Timeline {
+        output_step: h,
+        ..timeline(60.0, h)
+    };
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &timeline);
-    let record = Record { trajectories: 50, ..Record::NOTHING };
-    let plan = Plan { simulation, record, seed: 1, paths: 50, antithetic: false };
+    let record = Record {
+        trajectories: 50,
+        ..Record::NOTHING
+    };
+    let plan = Plan {
+        simulation,
+        record,
+        seed: 1,
+        paths: 50,
+        antithetic: false,
+    };
     let rows = plan.piece(0, 50).rows.trajectories.expect("asked for");
     let per_path = timeline.rows();
     let (mut moved, mut at_rest) = (0, 0);
@@ -623,7 +863,11 @@ fn the_friction_of_a_row_is_that_of_the_next_step() {
         let [v, next] = [rows.velocity[row], rows.velocity[row + 1]];
         let friction = rows.force[row] - model.oscillator.mass * (next - v) / h;
         if next != 0.0 && v * next >= 0.0 {
-            assert!(near(rows.friction[row], friction, 1e-9), "{row}: {} {friction}", rows.friction[row]);
+            assert!(
+                near(rows.friction[row], friction, 1e-9),
+                "{row}: {} {friction}",
+                rows.friction[row]
+            );
             moved += 1;
             at_rest += u32::from(v == 0.0);
         }

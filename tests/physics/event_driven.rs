@@ -8,17 +8,22 @@
 
 use crate::common::{estimate, event_driven_summary, paper, reference, shipped_model};
 use stickslip::model::{
-    Complex, Drive, Event, EventKind, Expression, Force, Friction, Harmonic, ImpulseResponse, InitialNoise, Model,
-    Noise, Sign, Temperature,
+    Complex, Drive, Event, EventKind, Expression, Force, Friction, Harmonic, ImpulseResponse,
+    InitialNoise, Model, Noise, Sign, Temperature,
 };
 use stickslip::scheme::{
-    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind, Observer,
-    QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
+    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind,
+    Observer, QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
 };
 use stickslip::stats::{Record, Statistic};
 
 fn timeline(end: f64) -> Timeline {
-    Timeline { end, output_step: end.max(1.0), period: None, after: 0.0 }
+    Timeline {
+        end,
+        output_step: end.max(1.0),
+        period: None,
+        after: 0.0,
+    }
 }
 
 /// Keeps all events of every lane, and the rows of lane 0.
@@ -31,18 +36,30 @@ struct Recorder {
 
 impl Observer for Recorder {
     fn event(&mut self, lane: usize, event: Event) {
-        self.events.resize(self.events.len().max(lane + 1), Vec::new());
+        self.events
+            .resize(self.events.len().max(lane + 1), Vec::new());
         self.events[lane].push(event);
     }
 
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
-        self.rows.push((instant, s.time, s.displacement[0], s.velocity[0], s.temperature[0], s.is_static[0]));
+        self.rows.push((
+            instant,
+            s.time,
+            s.displacement[0],
+            s.velocity[0],
+            s.temperature[0],
+            s.is_static[0],
+        ));
     }
 }
 
 fn noiseless_events(model: &Model, end: f64) -> Vec<Event> {
     let mut recorder = Recorder::default();
-    let failed = EventDrivenSimulation::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder);
+    let failed = EventDrivenSimulation::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(
+        0,
+        &[0],
+        &mut recorder,
+    );
     assert!(failed.is_empty());
     recorder.events.pop().unwrap_or_default()
 }
@@ -63,65 +80,230 @@ type Row = (u8, f64, f64, f64);
 /// and bisection in 40-digit arithmetic.
 const QUARTER: &[Row] = &[
     (1, 2.57400443517313755, 6.0, -1.2),
-    (0, 13.3613220575479587, -6.18847247536762567, 0.306573202338802169),
+    (
+        0,
+        13.3613220575479587,
+        -6.18847247536762567,
+        0.306573202338802169,
+    ),
     (1, 14.9229792996515265, -6.18847247536762567, 1.2),
-    (0, 25.7770609413858963, 6.17862086514394278, -0.256292932048306973),
+    (
+        0,
+        25.7770609413858963,
+        6.17862086514394278,
+        -0.256292932048306973,
+    ),
     (1, 27.5011437042137581, 6.17862086514394278, -1.2),
-    (0, 38.3514520070005582, -6.17954770736860736, 0.259161209334353553),
+    (
+        0,
+        38.3514520070005582,
+        -6.17954770736860736,
+        0.259161209334353553,
+    ),
     (1, 40.0664069611809123, -6.17954770736860736, 1.2),
-    (0, 50.9170687658257681, 6.17946256643588498, -0.258892576084898404),
+    (
+        0,
+        50.9170687658257681,
+        6.17946256643588498,
+        -0.258892576084898404,
+    ),
     (1, 52.6328793178516317, 6.17946256643588498, -1.2),
-    (0, 63.4835086364843192, -6.17947040535345908, 0.258917263570057794),
+    (
+        0,
+        63.4835086364843192,
+        -6.17947040535345908,
+        0.258917263570057794,
+    ),
     (1, 65.1992405649667653, -6.17947040535345908, 1.2),
-    (0, 76.0498728744746008, 6.17946968377528879, -0.258914990684342223),
+    (
+        0,
+        76.0498728744746008,
+        6.17946968377528879,
+        -0.258914990684342223,
+    ),
     (1, 77.7656120415890556, 6.17946968377528879, -1.2),
-    (0, 88.6162440757836949, -6.17946975019836712, 0.258915199905907928),
+    (
+        0,
+        88.6162440757836949,
+        -6.17946975019836712,
+        0.258915199905907928,
+    ),
     (1, 90.3319825765747599, -6.17946975019836712, 1.2),
-    (0, 101.182614636112661, 6.17946974408396714, -0.258915180646545015),
+    (
+        0,
+        101.182614636112661,
+        6.17946974408396714,
+        -0.258915180646545015,
+    ),
     (1, 102.898353198240447, 6.17946974408396714, -1.2),
-    (0, 113.748985255445441, -6.17946974464681207, 0.258915182419414548),
+    (
+        0,
+        113.748985255445441,
+        -6.17946974464681207,
+        0.258915182419414548,
+    ),
     (1, 115.464723811927038, -6.17946974464681207, 1.2),
-    (0, 126.315355869346782, 6.17946974459500087, -0.258915182256217728),
+    (
+        0,
+        126.315355869346782,
+        6.17946974459500087,
+        -0.258915182256217728,
+    ),
     (1, 128.031094426348124, 6.17946974459500087, -1.2),
-    (0, 138.881726483748099, -6.17946974459977021, 0.258915182271240379),
+    (
+        0,
+        138.881726483748099,
+        -6.17946974459977021,
+        0.258915182271240379,
+    ),
 ];
 
 /// The same with forcing frequency 1/2, as the paper prints it, with two sub-phases in every
 /// dynamic phase.
 const HALF: &[Row] = &[
     (1, 1.28700221758656877, 6.0, -1.2),
-    (2, 6.42517019752096936, -9.74381267516092767, 3.75892610782486854),
-    (0, 12.2766918440973609, 6.3410547599469783, -0.403880155496365832),
+    (
+        2,
+        6.42517019752096936,
+        -9.74381267516092767,
+        3.75892610782486854,
+    ),
+    (
+        0,
+        12.2766918440973609,
+        6.3410547599469783,
+        -0.403880155496365832,
+    ),
     (1, 13.6497355133912649, 6.3410547599469783, -1.2),
-    (2, 18.9313318141685687, -9.54628126776264921, 3.55129604151413879),
-    (0, 24.9918279578736896, 6.47694929115717113, -0.491835543936380579),
+    (
+        2,
+        18.9313318141685687,
+        -9.54628126776264921,
+        3.55129604151413879,
+    ),
+    (
+        0,
+        24.9918279578736896,
+        6.47694929115717113,
+        -0.491835543936380579,
+    ),
     (1, 26.1247483298220846, 6.47694929115717113, -1.2),
-    (2, 31.4751618172631567, -9.45419585125020538, 3.45682727280264831),
-    (0, 37.6057535033426014, 6.55690498309035501, -0.56344063092488804),
+    (
+        2,
+        31.4751618172631567,
+        -9.45419585125020538,
+        3.45682727280264831,
+    ),
+    (
+        0,
+        37.6057535033426014,
+        6.55690498309035501,
+        -0.56344063092488804,
+    ),
     (1, 38.6335801197006449, 6.55690498309035501, -1.2),
-    (2, 44.0288636907772373, -9.39608034950949943, 3.39770660806184117),
-    (0, 50.1962019636948363, 6.61038546886601577, -0.613984949022227328),
+    (
+        2,
+        44.0288636907772373,
+        -9.39608034950949943,
+        3.39770660806184117,
+    ),
+    (
+        0,
+        50.1962019636948363,
+        6.61038546886601577,
+        -0.613984949022227328,
+    ),
     (1, 51.1595612652041369, 6.61038546886601577, -1.2),
-    (2, 56.587068481393395, -9.35549252693480973, 3.35659845424557539),
-    (0, 62.7769933667564707, 6.64872645821396749, -0.650983507120034222),
+    (
+        2,
+        56.587068481393395,
+        -9.35549252693480973,
+        3.35659845424557539,
+    ),
+    (
+        0,
+        62.7769933667564707,
+        6.64872645821396749,
+        -0.650983507120034222,
+    ),
     (1, 63.6958966083338313, 6.64872645821396749, -1.2),
-    (2, 69.1477619540541619, -9.32551757787501348, 3.3263206842327168),
-    (0, 75.3528589907806256, 6.67745420676543164, -0.678997607281670225),
+    (
+        2,
+        69.1477619540541619,
+        -9.32551757787501348,
+        3.3263206842327168,
+    ),
+    (
+        0,
+        75.3528589907806256,
+        6.67745420676543164,
+        -0.678997607281670225,
+    ),
     (1, 76.2391056602252488, 6.67745420676543164, -1.2),
-    (2, 81.7099872261343369, -9.3025658700307459, 3.30317839615103233),
-    (0, 87.9258791914031578, 6.69964849087601238, -0.70077260052874386),
+    (
+        2,
+        81.7099872261343369,
+        -9.3025658700307459,
+        3.30317839615103233,
+    ),
+    (
+        0,
+        87.9258791914031578,
+        6.69964849087601238,
+        -0.70077260052874386,
+    ),
     (1, 88.7871631547654182, 6.69964849087601238, -1.2),
-    (2, 94.2732245042581174, -9.28453951576336975, 3.28502509128456104),
-    (0, 100.497113492824869, 6.71718410619228798, -0.718043524755860186),
+    (
+        2,
+        94.2732245042581174,
+        -9.28453951576336975,
+        3.28502509128456104,
+    ),
+    (
+        0,
+        100.497113492824869,
+        6.71718410619228798,
+        -0.718043524755860186,
+    ),
     (1, 101.338788208220326, 6.71718410619228798, -1.2),
-    (2, 106.837165141822757, -9.27011266147690681, 3.27050992199206123),
-    (0, 113.067157830250777, 6.7312770156780601, -0.731960022856242772),
+    (
+        2,
+        106.837165141822757,
+        -9.27011266147690681,
+        3.27050992199206123,
+    ),
+    (
+        0,
+        113.067157830250777,
+        6.7312770156780601,
+        -0.731960022856242772,
+    ),
     (1, 113.893121274915997, 6.7312770156780601, -1.2),
-    (2, 119.40161368708193, -9.25839883150209473, 3.25873250967127342),
-    (0, 125.636372571663224, 6.74275466840571362, -0.74331500279975691),
+    (
+        2,
+        119.40161368708193,
+        -9.25839883150209473,
+        3.25873250967127342,
+    ),
+    (
+        0,
+        125.636372571663224,
+        6.74275466840571362,
+        -0.74331500279975691,
+    ),
     (1, 126.449559324689234, 6.74275466840571362, -1.2),
-    (2, 131.966440138653797, -9.24877941045307548, 3.24906602156965995),
-    (0, 138.20498808436356, 6.75220178977171212, -0.752673864737951006),
+    (
+        2,
+        131.966440138653797,
+        -9.24877941045307548,
+        3.24906602156965995,
+    ),
+    (
+        0,
+        138.20498808436356,
+        6.75220178977171212,
+        -0.752673864737951006,
+    ),
 ];
 
 /// Every event agrees to a relative 1e-12. Where a value is near zero, the error is relative to the
@@ -131,15 +313,26 @@ fn assert_cascade(name: &str, events: &[Event], exact: &[Row]) {
     for (event, &(kind, t, x, b)) in events.iter().zip(exact) {
         assert_eq!(kind_number(event.kind), kind, "{name}, t = {t}");
         for (got, want) in [(event.time, t), (event.displacement, x), (event.force, b)] {
-            assert!((got - want).abs() <= 1e-12 * want.abs().max(0.1), "{name}, t = {t}: {got} is not {want}");
+            assert!(
+                (got - want).abs() <= 1e-12 * want.abs().max(0.1),
+                "{name}, t = {t}: {got} is not {want}"
+            );
         }
     }
 }
 
 #[test]
 fn every_event_of_the_paper_s_noiseless_scenes_is_exact() {
-    assert_cascade("forcing 1/4", &noiseless_events(&paper(0.25, 0.0), 139.0), QUARTER);
-    assert_cascade("forcing 1/2", &noiseless_events(&paper(0.5, 0.0), 139.0), HALF);
+    assert_cascade(
+        "forcing 1/4",
+        &noiseless_events(&paper(0.25, 0.0), 139.0),
+        QUARTER,
+    );
+    assert_cascade(
+        "forcing 1/2",
+        &noiseless_events(&paper(0.5, 0.0), 139.0),
+        HALF,
+    );
 }
 
 /// The scene of tests/reference/cascade.py with this name, and its t_end.
@@ -150,9 +343,14 @@ fn reference_scene(name: &str) -> (Model, f64) {
         "overdamped" => (3.0, 0.5, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
         "resonant" => (0.0, 1.0, 1.2, 0.0, &[(0.5, 1.0, 0.3)], 30.0),
         "near_resonant" => (0.0, 1.0, 1.2, 0.0, &[(0.5, 1.000000001, 0.3)], 30.0),
-        "two_harmonics_and_a_constant" => {
-            (0.05, 0.9, 1.1, 1.0, &[(0.7, 0.25, 0.5), (0.3, 1.75, -1.0), (0.2, 0.0, 0.4)], 60.0)
-        }
+        "two_harmonics_and_a_constant" => (
+            0.05,
+            0.9,
+            1.1,
+            1.0,
+            &[(0.7, 0.25, 0.5), (0.3, 1.75, -1.0), (0.2, 0.0, 0.4)],
+            60.0,
+        ),
         "starts_outside" => (0.0, 1.0, 1.2, 12.0, &[(1.0, 0.25, 0.0)], 30.0),
         "no_dynamic_friction" => (0.05, 0.0, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 30.0),
         "equal_thresholds" => (0.0, 1.0, 1.0, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
@@ -160,11 +358,18 @@ fn reference_scene(name: &str) -> (Model, f64) {
     };
     let harmonics = harmonics
         .iter()
-        .map(|&(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase })
+        .map(|&(amplitude, angular_frequency, phase)| Harmonic {
+            amplitude,
+            angular_frequency,
+            phase,
+        })
         .collect();
     let mut model = paper(0.25, 0.0);
     model.oscillator.damping = damping;
-    model.friction = Friction { static_force: f_s, dynamic_force: f_d };
+    model.friction = Friction {
+        static_force: f_s,
+        dynamic_force: f_d,
+    };
     model.temperature.harmonics = harmonics;
     model.initial_displacement = x0;
     (model, end)
@@ -176,7 +381,12 @@ fn every_damping_regime_and_resonance_is_exact() {
     for line in include_str!("../reference/cascade.csv").lines().skip(1) {
         let mut fields = line.split(',');
         let name = fields.next().expect("a scene");
-        let mut number = || fields.next().and_then(|f| f.parse::<f64>().ok()).expect("a number");
+        let mut number = || {
+            fields
+                .next()
+                .and_then(|f| f.parse::<f64>().ok())
+                .expect("a number")
+        };
         let row = (number() as u8, number(), number(), number());
         match scenes.last_mut() {
             Some((last, rows)) if last == name => rows.push(row),
@@ -198,7 +408,11 @@ fn ten_thousand_periods_do_not_drift() {
     let half_period = std::f64::consts::PI / 0.25;
     let periods = 1e4;
     let events = noiseless_events(&paper(0.25, 0.0), 2.0 * half_period * periods);
-    assert_eq!(events.len(), 4 * 10_000 - 1, "two sticks and two slips a period; the first begins at t = 0");
+    assert_eq!(
+        events.len(),
+        4 * 10_000 - 1,
+        "two sticks and two slips a period; the first begins at t = 0"
+    );
     let (first, last) = (events[100], events[events.len() - 3]);
     let halves = ((last.time - first.time) / half_period).round();
     assert!(halves > 19_900.0);
@@ -215,7 +429,10 @@ fn a_scene_that_never_slips_reports_no_event() {
     let mut model = paper(0.25, 0.0);
     model.friction.static_force = 13.0; // above |b| <= K beta 2
     assert!(noiseless_events(&model, 1e6).is_empty());
-    assert!(noiseless_events(&paper(0.25, 0.0), 2.5).is_empty(), "the first slip is at 2.574");
+    assert!(
+        noiseless_events(&paper(0.25, 0.0), 2.5).is_empty(),
+        "the first slip is at 2.574"
+    );
 }
 
 #[test]
@@ -227,30 +444,66 @@ fn a_run_of_length_zero_is_observed_once_and_does_nothing() {
             .is_empty()
     );
     assert!(recorder.events.is_empty());
-    assert!(recorder.rows.iter().all(|row| (row.1, row.2, row.3, row.5) == (0.0, 6.0, 0.0, true)));
+    assert!(
+        recorder
+            .rows
+            .iter()
+            .all(|row| (row.1, row.2, row.3, row.5) == (0.0, 6.0, 0.0, true))
+    );
 }
 
 #[test]
 fn without_any_friction_it_is_the_plain_oscillator() {
     let mut model = paper(0.25, 0.0);
-    model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
+    model.friction = Friction {
+        static_force: 0.0,
+        dynamic_force: 0.0,
+    };
     model.initial_displacement = 0.0;
-    let line = Timeline { end: 50.0, output_step: 0.7, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 50.0,
+        output_step: 0.7,
+        period: None,
+        after: 0.0,
+    };
     let mut recorder = Recorder::default();
-    assert!(EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut recorder).is_empty());
+    assert!(
+        EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+            .simulate(0, &[0], &mut recorder)
+            .is_empty()
+    );
     for &(_, t, x, v, _, _) in &recorder.rows {
         // x'' + x = 6 cos(t/4), x(0) = x'(0) = 0: x = 6.4 (cos(t/4) - cos t).
-        assert!((x - 6.4 * ((0.25 * t).cos() - t.cos())).abs() < 1e-12, "{t}");
-        assert!((v - 6.4 * (t.sin() - 0.25 * (0.25 * t).sin())).abs() < 1e-12, "{t}");
+        assert!(
+            (x - 6.4 * ((0.25 * t).cos() - t.cos())).abs() < 1e-12,
+            "{t}"
+        );
+        assert!(
+            (v - 6.4 * (t.sin() - 0.25 * (0.25 * t).sin())).abs() < 1e-12,
+            "{t}"
+        );
     }
 }
 
 #[test]
 fn observing_does_not_touch_a_noiseless_path() {
     let (mut coarse, mut fine) = (Recorder::default(), Recorder::default());
-    let line = |output_step| Timeline { end: 60.0, output_step, period: Some(8.0 * std::f64::consts::PI), after: 0.0 };
-    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(60.0), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut coarse);
-    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(0.37), DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut fine);
+    let line = |output_step| Timeline {
+        end: 60.0,
+        output_step,
+        period: Some(8.0 * std::f64::consts::PI),
+        after: 0.0,
+    };
+    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(60.0), DEFAULT_TOLERANCE).simulate(
+        0,
+        &[0, 1],
+        &mut coarse,
+    );
+    EventDrivenSimulation::new(&paper(0.25, 0.0), &line(0.37), DEFAULT_TOLERANCE).simulate(
+        0,
+        &[0, 1],
+        &mut fine,
+    );
     assert_eq!(coarse.events, fine.events);
     assert_eq!(coarse.events[0], coarse.events[1]);
     for &(_, t, x, v, temperature, is_static) in &fine.rows {
@@ -266,7 +519,12 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
-        noises: vec![Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }],
+        noises: vec![Noise {
+            intensity: 0.5,
+            relaxation_rate: 0.5,
+            diffusion: 0.0,
+            initial: InitialNoise::At(2.0),
+        }],
         ..Temperature::default()
     };
     let events = noiseless_events(&model, 60.0);
@@ -295,10 +553,21 @@ impl Observer for TemperatureMoments {
         if instant == Instant::End {
             return;
         }
-        let about: Vec<f64> = s.temperature.iter().map(|t| t - (self.mean)(s.time)).collect();
+        let about: Vec<f64> = s
+            .temperature
+            .iter()
+            .map(|t| t - (self.mean)(s.time))
+            .collect();
         self.previous.resize(about.len(), 0.0);
         let product = about.iter().zip(&self.previous).map(|(a, b)| a * b).sum();
-        self.sums.push((s.time, [about.iter().sum(), about.iter().map(|a| a * a).sum(), product]));
+        self.sums.push((
+            s.time,
+            [
+                about.iter().sum(),
+                about.iter().map(|a| a * a).sum(),
+                product,
+            ],
+        ));
         self.previous = about;
     }
 }
@@ -312,34 +581,68 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
     let (rho, theta, sigma, lag, paths) = (0.25, 0.5, 2.0, 0.7, 100_000u64);
     let stationary: f64 = rho * rho * sigma * sigma / (2.0 * theta);
     let (numbers, n): (Vec<u64>, f64) = ((0..paths).collect(), paths as f64);
-    let line = Timeline { end: 6.3, output_step: lag, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 6.3,
+        output_step: lag,
+        period: None,
+        after: 0.0,
+    };
     for dilatation in [0.0, 1e-25] {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
             let mut model = paper(0.25, 0.0);
             model.oscillator.drive = Drive::Dilatation(dilatation);
-            model.temperature.noises =
-                vec![Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial }];
+            model.temperature.noises = vec![Noise {
+                intensity: rho,
+                relaxation_rate: theta,
+                diffusion: sigma,
+                initial,
+            }];
             let is_stationary = initial == InitialNoise::Stationary;
-            let variance = |t: f64| if is_stationary { stationary } else { -stationary * (-2.0 * theta * t).exp_m1() };
+            let variance = |t: f64| {
+                if is_stationary {
+                    stationary
+                } else {
+                    -stationary * (-2.0 * theta * t).exp_m1()
+                }
+            };
             let mean = if is_stationary {
                 |t: f64| (0.25 * t).cos()
             } else {
                 |t: f64| (0.25 * t).cos() + 0.5 * (-0.5 * t).exp()
             };
             for quasi in [false, true] {
-                let mut moments = TemperatureMoments { mean, previous: Vec::new(), sums: Vec::new() };
+                let mut moments = TemperatureMoments {
+                    mean,
+                    previous: Vec::new(),
+                    sums: Vec::new(),
+                };
                 let failed = if quasi {
-                    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(
+                        11,
+                        &numbers,
+                        &mut moments,
+                    )
                 } else {
-                    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(11, &numbers, &mut moments)
+                    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(
+                        11,
+                        &numbers,
+                        &mut moments,
+                    )
                 };
                 assert!(failed.is_empty());
                 assert_eq!(moments.sums.len(), 10);
                 for (row, &(t, sums)) in moments.sums.iter().enumerate() {
-                    let (var, before) = (variance(t), if row == 0 { 0.0 } else { variance(t - lag) });
+                    let (var, before) =
+                        (variance(t), if row == 0 { 0.0 } else { variance(t - lag) });
                     let covariance = before * (-theta * lag).exp();
-                    let errors = [var.sqrt(), 2f64.sqrt() * var, (var * before + covariance * covariance).sqrt()];
-                    for ((sum, want), sd) in sums.into_iter().zip([0.0, var, covariance]).zip(errors) {
+                    let errors = [
+                        var.sqrt(),
+                        2f64.sqrt() * var,
+                        (var * before + covariance * covariance).sqrt(),
+                    ];
+                    for ((sum, want), sd) in
+                        sums.into_iter().zip([0.0, var, covariance]).zip(errors)
+                    {
                         let (got, error) = (sum / n, sd / n.sqrt());
                         // At the first row nothing fluctuates yet, and T differs from its mean by
                         // rounding.
@@ -359,8 +662,14 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
     // The reference is Van Loan's block exponential and spectral sums in 220-digit arithmetic
     // (tests/reference/slip_transition.py). Entries that have decayed to less than 1e-100 of their
     // natural scale are left out, because whatever they are added to is not changed by them.
-    for line in include_str!("../reference/slip_transition.csv").lines().skip(1) {
-        let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
+    for line in include_str!("../reference/slip_transition.csv")
+        .lines()
+        .skip(1)
+    {
+        let row: Vec<f64> = line
+            .split(',')
+            .map(|f| f.parse().expect("a number"))
+            .collect();
         let (w0, theta, alpha, h) = (row[0], row[1], row[2], row[3]);
         let step = DrivenOscillator::new(1.0, alpha, w0, theta, 1.0, &[]).transition(h, &mut []);
         let ([xx, xv, xn, _], [vx, vv, vn, _]) = (step.x, step.v);
@@ -391,7 +700,11 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
         // The law of v and x given n reproduces the covariance. Its standard deviations are
         // positive, although the condition number of the covariance is h^-4.
         let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
-        assert!(v_sd > 0.0 && x_sd > 0.0, "{w0} {theta} {alpha} {h}: {:?}", step.given_noise);
+        assert!(
+            v_sd > 0.0 && x_sd > 0.0,
+            "{w0} {theta} {alpha} {h}: {:?}",
+            step.given_noise
+        );
         let (vn, xn) = (v_on_n * sn, x_on_n * sn);
         for (got, want, scale) in [
             (vn * sn, row[12], sn * sv),
@@ -400,7 +713,10 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
             (xn * vn + x_on_v * v_sd, row[15], sv * sx),
             (xn * xn + x_on_v * x_on_v + x_sd * x_sd, row[16], sx * sx),
         ] {
-            assert!((got - want).abs() <= 1e-10 * scale, "{w0} {theta} {alpha} {h}");
+            assert!(
+                (got - want).abs() <= 1e-10 * scale,
+                "{w0} {theta} {alpha} {h}"
+            );
         }
     }
 }
@@ -409,21 +725,50 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
 fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
     // The noiseless sub-phase by series and doubling compared with divided differences of the
     // exponential, at resonance as well.
-    for (alpha, w) in [(0.0, 1.0), (0.0, 0.25), (0.1, 1.75), (1.0, 0.25), (4.0, 0.0)] {
+    for (alpha, w) in [
+        (0.0, 1.0),
+        (0.0, 0.25),
+        (0.1, 1.75),
+        (1.0, 0.25),
+        (4.0, 0.0),
+    ] {
         let free = ImpulseResponse::new(alpha, 1.0);
         let oscillator = DrivenOscillator::new(1.0, alpha, 1.0, 1.0, 0.0, &[w]);
         for h in [1e-6, 0.01, 0.3, 1.0, 7.0, 100.0] {
-            let mut responses = [HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) }];
+            let mut responses = [HarmonicResponse {
+                x: (0.0, 0.0),
+                v: (0.0, 0.0),
+                turn: (1.0, 0.0),
+            }];
             let step = oscillator.transition(h, &mut responses);
-            let (x, z) = (free.exponential(Complex::new(0.0, w), h), Complex::new(0.0, w));
+            let (x, z) = (
+                free.exponential(Complex::new(0.0, w), h),
+                Complex::new(0.0, w),
+            );
             let v = z * x + Complex::new(free.impulse(h), 0.0);
-            let [HarmonicResponse { x: got_x, v: got_v, turn }] = responses;
+            let [
+                HarmonicResponse {
+                    x: got_x,
+                    v: got_v,
+                    turn,
+                },
+            ] = responses;
             // The phase has a rounding error proportional to h.
-            let close = |got: f64, want: f64, scale: f64| (got - want).abs() <= 1e-13 * scale * h.max(1.0);
-            assert!(close(got_x.0, x.re, x.abs()) && close(got_x.1, x.im, x.abs()), "{alpha} {w} {h}");
-            assert!(close(got_v.0, v.re, 1.0) && close(got_v.1, v.im, 1.0), "{alpha} {w} {h}");
+            let close =
+                |got: f64, want: f64, scale: f64| (got - want).abs() <= 1e-13 * scale * h.max(1.0);
+            assert!(
+                close(got_x.0, x.re, x.abs()) && close(got_x.1, x.im, x.abs()),
+                "{alpha} {w} {h}"
+            );
+            assert!(
+                close(got_v.0, v.re, 1.0) && close(got_v.1, v.im, 1.0),
+                "{alpha} {w} {h}"
+            );
             assert!(close(turn.0, (w * h).cos(), 1.0) && close(step.x[1], free.impulse(h), 1.0));
-            assert!(close(step.x[3], free.exponential(Complex::ZERO, h).re, step.x[3]), "{alpha} {w} {h}");
+            assert!(
+                close(step.x[3], free.exponential(Complex::ZERO, h).re, step.x[3]),
+                "{alpha} {w} {h}"
+            );
         }
     }
 }
@@ -478,7 +823,10 @@ impl Observer for Folds {
 
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
         if instant == Instant::End {
-            self.0.iter_mut().zip(s.displacement).for_each(|(path, &x)| path.displacement_end = x);
+            self.0
+                .iter_mut()
+                .zip(s.displacement)
+                .for_each(|(path, &x)| path.displacement_end = x);
         }
     }
 }
@@ -489,7 +837,10 @@ fn folds(model: &Model, line: &Timeline, tolerance: f64, seed: u64, paths: u64) 
     for first in (0..paths).step_by(256) {
         let numbers: Vec<u64> = (first..paths.min(first + 256)).collect();
         let mut observer = Folds(vec![Fold::default(); numbers.len()]);
-        assert!(scheme.simulate(seed, &numbers, &mut observer).is_empty(), "no path is given up");
+        assert!(
+            scheme.simulate(seed, &numbers, &mut observer).is_empty(),
+            "no path is given up"
+        );
         all.extend(observer.0);
     }
     all
@@ -508,14 +859,29 @@ fn ratio(paths: &[Fold], f: impl Fn(&Fold) -> f64, g: impl Fn(&Fold) -> f64) -> 
 fn statistics(paths: &[Fold]) -> [(&'static str, (f64, f64)); 8] {
     let one = |_: &Fold| 1.0;
     [
-        ("stick_duration_mean", ratio(paths, |p| p.stick_time, |p| p.sticks)),
+        (
+            "stick_duration_mean",
+            ratio(paths, |p| p.stick_time, |p| p.sticks),
+        ),
         ("sticks_per_path", ratio(paths, |p| p.sticks, one)),
         ("slips_per_path", ratio(paths, |p| p.slips, one)),
-        ("displacement_end_mean", ratio(paths, |p| p.displacement_end, one)),
-        ("sub_phases_mean", ratio(paths, |p| p.sub_phases, |p| p.slips)),
-        ("sub_phases_multiple_share", ratio(paths, |p| p.multiple, |p| p.slips)),
+        (
+            "displacement_end_mean",
+            ratio(paths, |p| p.displacement_end, one),
+        ),
+        (
+            "sub_phases_mean",
+            ratio(paths, |p| p.sub_phases, |p| p.slips),
+        ),
+        (
+            "sub_phases_multiple_share",
+            ratio(paths, |p| p.multiple, |p| p.slips),
+        ),
         ("jump_abs_mean", ratio(paths, |p| p.jumps, |p| p.slips)),
-        ("first_stick_duration_mean", ratio(paths, |p| p.first_stick, one)),
+        (
+            "first_stick_duration_mean",
+            ratio(paths, |p| p.first_stick, one),
+        ),
     ]
 }
 
@@ -529,7 +895,13 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
         "first_stick_duration_mean" => (0.775576827665, 0.0),
         _ => reference::limit(name),
     };
-    let paths = folds(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE, 2024, 200_000);
+    let paths = folds(
+        &paper(0.25, 0.25),
+        &timeline(60.0),
+        DEFAULT_TOLERANCE,
+        2024,
+        200_000,
+    );
     for (name, (value, error)) in statistics(&paths) {
         let (want, known_to) = reference(name);
         println!("{name}: {value} +- {error}, reference {want} +- {known_to}");
@@ -543,18 +915,45 @@ fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
     // Null hypothesis: every statistic has the same value for each tolerance and output grid. All
     // statistics exist in this scene, which has three whole forcing periods. Sample size: 25 000 paths
     // on either side, seeds 1 to 5. False-alarm rate: 1e-4 for each of 84 comparisons.
-    let line = |output_step| Timeline { end: 76.0, output_step, period: Some(8.0 * std::f64::consts::PI), after: 0.0 };
-    let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 25_000);
-    let others = [(0.5, 60.0, 2), (2.0, 60.0, 3), (1.0, 0.7, 4), (16.0, 0.3, 5)];
+    let line = |output_step| Timeline {
+        end: 76.0,
+        output_step,
+        period: Some(8.0 * std::f64::consts::PI),
+        after: 0.0,
+    };
+    let standard = event_driven_summary(
+        &paper(0.25, 0.25),
+        &line(60.0),
+        DEFAULT_TOLERANCE,
+        1,
+        25_000,
+    );
+    let others = [
+        (0.5, 60.0, 2),
+        (2.0, 60.0, 3),
+        (1.0, 0.7, 4),
+        (16.0, 0.3, 5),
+    ];
     for (factor, output_step, seed) in others {
-        let other =
-            event_driven_summary(&paper(0.25, 0.25), &line(output_step), factor * DEFAULT_TOLERANCE, seed, 25_000);
+        let other = event_driven_summary(
+            &paper(0.25, 0.25),
+            &line(output_step),
+            factor * DEFAULT_TOLERANCE,
+            seed,
+            25_000,
+        );
         for statistic in Statistic::asked_by(&Record::NOTHING) {
             let ((a, sa), (b, sb)) = (estimate(&standard, statistic), estimate(&other, statistic));
             let name = statistic.name();
-            println!("x{factor}, every {output_step}: {name} {a} {b} ({:+.1} se)", (b - a) / sa.hypot(sb));
+            println!(
+                "x{factor}, every {output_step}: {name} {a} {b} ({:+.1} se)",
+                (b - a) / sa.hypot(sb)
+            );
             assert!(sa > 0.0 && sb > 0.0, "{name} exists");
-            assert!((a - b).abs() <= FALSE_ALARM * sa.hypot(sb), "x{factor}, every {output_step}: {name} {a} {b}");
+            assert!(
+                (a - b).abs() <= FALSE_ALARM * sa.hypot(sb),
+                "x{factor}, every {output_step}: {name} {a} {b}"
+            );
         }
     }
 }
@@ -566,7 +965,12 @@ impl Observer for EndStates {
     fn event(&mut self, _: usize, _: Event) {}
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
         if instant == Instant::End {
-            self.0.extend(s.displacement.iter().copied().zip(s.velocity.iter().copied()));
+            self.0.extend(
+                s.displacement
+                    .iter()
+                    .copied()
+                    .zip(s.velocity.iter().copied()),
+            );
         }
     }
 }
@@ -577,9 +981,15 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
     // Null hypothesis: (x, x') still has the law of a linear system, the mean and covariance of one
     // exact transition over the whole time. Sample size: 30 000 paths in each of three cases.
     // False-alarm rate: 1e-4 for each of 5 moments in a case.
-    for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)].into_iter().enumerate() {
+    for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)]
+        .into_iter()
+        .enumerate()
+    {
         let mut model = paper(0.25, rho);
-        model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
+        model.friction = Friction {
+            static_force: 0.0,
+            dynamic_force: 0.0,
+        };
         model.oscillator.damping = alpha;
         for noise in &mut model.temperature.noises {
             noise.relaxation_rate = theta;
@@ -589,14 +999,33 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
         let mut states = EndStates(Vec::new());
         for first in (0..30_000).step_by(250) {
             let numbers: Vec<u64> = (first..first + 250).collect();
-            assert!(scheme.simulate(case as u64, &numbers, &mut states).is_empty());
+            assert!(
+                scheme
+                    .simulate(case as u64, &numbers, &mut states)
+                    .is_empty()
+            );
         }
-        let mut response = [HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) }];
-        let law = DrivenOscillator::new(1.0, alpha, 1.0, theta, 6.0 * rho, &[0.25]).transition(end, &mut response);
-        let (mx, mv) = (6.0 * law.x[0] + 6.0 * response[0].x.0, 6.0 * law.v[0] + 6.0 * response[0].v.0);
+        let mut response = [HarmonicResponse {
+            x: (0.0, 0.0),
+            v: (0.0, 0.0),
+            turn: (1.0, 0.0),
+        }];
+        let law = DrivenOscillator::new(1.0, alpha, 1.0, theta, 6.0 * rho, &[0.25])
+            .transition(end, &mut response);
+        let (mx, mv) = (
+            6.0 * law.x[0] + 6.0 * response[0].x.0,
+            6.0 * law.v[0] + 6.0 * response[0].v.0,
+        );
         let [_, _, _, vv, vx, xx] = law.covariance;
         let n = states.0.len() as f64;
-        let mean = |f: &dyn Fn(f64, f64) -> f64| states.0.iter().map(|&(x, v)| f(x - mx, v - mv)).sum::<f64>() / n;
+        let mean = |f: &dyn Fn(f64, f64) -> f64| {
+            states
+                .0
+                .iter()
+                .map(|&(x, v)| f(x - mx, v - mv))
+                .sum::<f64>()
+                / n
+        };
         for (name, got, want, sd) in [
             ("mean x", mean(&|x, _| x), 0.0, xx.sqrt()),
             ("mean v", mean(&|_, v| v), 0.0, vv.sqrt()),
@@ -613,9 +1042,16 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
 
 fn path_events(model: &Model, end: f64, seed: u64, numbers: &[u64]) -> Vec<Vec<Event>> {
     let mut recorder = Recorder::default();
-    let line = Timeline { end, output_step: 0.7, period: None, after: 0.0 };
+    let line = Timeline {
+        end,
+        output_step: 0.7,
+        period: None,
+        after: 0.0,
+    };
     assert!(
-        EventDrivenSimulation::new(model, &line, DEFAULT_TOLERANCE).simulate(seed, numbers, &mut recorder).is_empty()
+        EventDrivenSimulation::new(model, &line, DEFAULT_TOLERANCE)
+            .simulate(seed, numbers, &mut recorder)
+            .is_empty()
     );
     recorder.events
 }
@@ -651,8 +1087,18 @@ impl Observer for Reported {
     }
 
     fn snapshot(&mut self, _: Instant, s: Snapshot<'_>) {
-        let lanes = s.displacement.iter().zip(s.velocity).zip(s.temperature).zip(s.is_static);
-        self.rows.push((s.time, lanes.map(|(((x, v), t), is_static)| (*x, *v, *t, *is_static)).collect()));
+        let lanes = s
+            .displacement
+            .iter()
+            .zip(s.velocity)
+            .zip(s.temperature)
+            .zip(s.is_static);
+        self.rows.push((
+            s.time,
+            lanes
+                .map(|(((x, v), t), is_static)| (*x, *v, *t, *is_static))
+                .collect(),
+        ));
     }
 }
 
@@ -662,14 +1108,23 @@ impl Observer for Reported {
 #[test]
 fn looking_at_a_path_does_not_change_it() {
     let mut forced = paper(0.25, 0.25);
-    let own = Expression::parse("-0.02*x^3 + 0.3*sin(t) - 0.1*xdot*abs(xdot)", &[]).expect("an expression");
+    let own = Expression::parse("-0.02*x^3 + 0.3*sin(t) - 0.1*xdot*abs(xdot)", &[])
+        .expect("an expression");
     forced.force = Some(Force::new(own));
     let numbers: Vec<u64> = (0..200).collect();
-    let scenes =
-        [(Kind::EventDriven, paper(0.25, 0.25)), (Kind::QuasiStatic, paper(0.25, 0.25)), (Kind::EventDriven, forced)];
+    let scenes = [
+        (Kind::EventDriven, paper(0.25, 0.25)),
+        (Kind::QuasiStatic, paper(0.25, 0.25)),
+        (Kind::EventDriven, forced),
+    ];
     for (kind, model) in scenes {
         let reported = |end: f64, output_step: f64, period: Option<f64>| {
-            let line = Timeline { end, after: 0.0, output_step, period };
+            let line = Timeline {
+                end,
+                after: 0.0,
+                output_step,
+                period,
+            };
             let mut reported = Reported::default();
             let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line);
             assert!(simulation.simulate(5, &numbers, &mut reported).is_empty());
@@ -677,36 +1132,79 @@ fn looking_at_a_path_does_not_change_it() {
         };
         let seldom = reported(60.0, 60.0, None);
         assert!(seldom.events.iter().map(Vec::len).sum::<usize>() > 200 * 10);
-        for (output_step, period) in [(0.5, None), (0.07, Some(8.0 * std::f64::consts::PI)), (1.0, Some(0.3))] {
+        for (output_step, period) in [
+            (0.5, None),
+            (0.07, Some(8.0 * std::f64::consts::PI)),
+            (1.0, Some(0.3)),
+        ] {
             let often = reported(60.0, output_step, period);
             assert_eq!(often.events, seldom.events, "{kind:?}, every {output_step}");
-            assert_eq!(often.rows.last(), seldom.rows.last(), "{kind:?}, every {output_step}");
+            assert_eq!(
+                often.rows.last(),
+                seldom.rows.last(),
+                "{kind:?}, every {output_step}"
+            );
         }
         let (half, whole) = (reported(60.0, 0.5, None), reported(60.0, 0.25, None));
-        for (row, same) in half.rows.iter().zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0)) {
+        for (row, same) in half
+            .rows
+            .iter()
+            .zip(whole.rows.iter().filter(|row| (2.0 * row.0).fract() == 0.0))
+        {
             assert_eq!(row, same, "{kind:?}");
         }
         // A finer output grid passes through the states of a coarser one, also inside cells.
         let coarse = reported(60.0, 0.7, None);
-        let line = Timeline { end: 60.0, after: 0.0, output_step: 0.1, period: None };
+        let line = Timeline {
+            end: 60.0,
+            after: 0.0,
+            output_step: 0.1,
+            period: None,
+        };
         let mut close = Reported::default();
-        let simulation = kind.with(DEFAULT_TOLERANCE).simulation(&model, &line).looked_at_closer(7);
+        let simulation = kind
+            .with(DEFAULT_TOLERANCE)
+            .simulation(&model, &line)
+            .looked_at_closer(7);
         assert!(simulation.simulate(5, &numbers, &mut close).is_empty());
         assert_eq!(close.events, seldom.events, "{kind:?}");
-        for (row, same) in coarse.rows.iter().zip(close.rows.iter().step_by(7)).take(86) {
+        for (row, same) in coarse
+            .rows
+            .iter()
+            .zip(close.rows.iter().step_by(7))
+            .take(86)
+        {
             assert!((row.0 - same.0).abs() < 1e-12, "{} {}", row.0, same.0);
             for (a, b) in row.1.iter().zip(&same.1) {
-                let off = (a.0 - b.0).abs().max((a.1 - b.1).abs()).max((a.2 - b.2).abs());
-                assert!(off < 1e-9 && a.3 == b.3, "{kind:?}, t = {}: {a:?} {b:?}", row.0);
+                let off = (a.0 - b.0)
+                    .abs()
+                    .max((a.1 - b.1).abs())
+                    .max((a.2 - b.2).abs());
+                assert!(
+                    off < 1e-9 && a.3 == b.3,
+                    "{kind:?}, t = {}: {a:?} {b:?}",
+                    row.0
+                );
             }
         }
         for end in [31.3, 0.3] {
             let short = reported(end, end, None);
-            assert!(short.events.iter().any(|events| !events.is_empty()), "{kind:?}, {end}");
+            assert!(
+                short.events.iter().any(|events| !events.is_empty()),
+                "{kind:?}, {end}"
+            );
             for (lane, long) in seldom.events.iter().enumerate() {
-                let until: Vec<Event> = long.iter().copied().filter(|event| event.time <= end).collect();
+                let until: Vec<Event> = long
+                    .iter()
+                    .copied()
+                    .filter(|event| event.time <= end)
+                    .collect();
                 let none = Vec::new();
-                assert_eq!(*short.events.get(lane).unwrap_or(&none), until, "{kind:?}, {end}");
+                assert_eq!(
+                    *short.events.get(lane).unwrap_or(&none),
+                    until,
+                    "{kind:?}, {end}"
+                );
             }
         }
     }
@@ -722,14 +1220,29 @@ fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
     let mut model = paper(w, 1e-11);
     let phase = w * (2.574_004_435_173_137_6 - exit);
     model.temperature.harmonics[0].phase = phase;
-    let line = Timeline { end: 3.0, output_step: row, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 3.0,
+        output_step: row,
+        period: None,
+        after: 0.0,
+    };
     let mut reported = Reported::default();
     let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE);
-    assert!(simulation.simulate(3, &(0..20).collect::<Vec<_>>(), &mut reported).is_empty());
+    assert!(
+        simulation
+            .simulate(3, &(0..20).collect::<Vec<_>>(), &mut reported)
+            .is_empty()
+    );
     for (x, v, temperature, is_static) in &reported.rows[1].1 {
-        assert!(!is_static && *x <= 6.0 && (x - 6.0).abs() < 1e-15, "{x} {is_static}");
+        assert!(
+            !is_static && *x <= 6.0 && (x - 6.0).abs() < 1e-15,
+            "{x} {is_static}"
+        );
         assert!((v / (-0.2 * 1e-9) - 1.0).abs() < 0.5, "{v}");
-        assert!((temperature - (w * row + phase).cos()).abs() < 1e-9, "{temperature}");
+        assert!(
+            (temperature - (w * row + phase).cos()).abs() < 1e-9,
+            "{temperature}"
+        );
     }
 }
 
@@ -743,32 +1256,59 @@ fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
 fn under_weak_noise_rows_inside_a_cell_show_the_noise_that_moves_the_body() {
     let (w, lag) = (0.25, 0.05);
     for rho in [1e-3, 1e-5, 1e-7] {
-        let line = Timeline { end: 20.0, output_step: lag, period: None, after: 0.0 };
+        let line = Timeline {
+            end: 20.0,
+            output_step: lag,
+            period: None,
+            after: 0.0,
+        };
         let simulation = EventDrivenSimulation::new(&paper(w, rho), &line, DEFAULT_TOLERANCE);
         let mut reported = Reported::default();
-        assert!(simulation.simulate(11, &(0..100).collect::<Vec<_>>(), &mut reported).is_empty());
+        assert!(
+            simulation
+                .simulate(11, &(0..100).collect::<Vec<_>>(), &mut reported)
+                .is_empty()
+        );
         let v = |(t, seen): &(f64, Vec<State>), lane: usize| (seen[lane].2 - (w * t).cos()) / rho;
         let (decay, variance) = ((-lag).exp(), 0.5 * (1.0 - (-2.0 * lag).exp()));
         let rows = &reported.rows[..=400];
-        let squares = rows
-            .windows(2)
-            .flat_map(|pair| (0..100).map(|lane| (v(&pair[1], lane) - decay * v(&pair[0], lane)).powi(2) / variance));
+        let squares = rows.windows(2).flat_map(|pair| {
+            (0..100).map(|lane| (v(&pair[1], lane) - decay * v(&pair[0], lane)).powi(2) / variance)
+        });
         let mean = squares.sum::<f64>() / 40_000.0;
         println!("rho = {rho:e}: {mean}");
-        assert!((mean - 1.0).abs() < 4.0 * (2.0 / 40_000.0_f64).sqrt(), "rho = {rho:e}: {mean}");
+        assert!(
+            (mean - 1.0).abs() < 4.0 * (2.0 / 40_000.0_f64).sqrt(),
+            "rho = {rho:e}: {mean}"
+        );
     }
 }
 
 /// Moments of the states at one instant, each with its standard error: of x, x', T and of whether
 /// the path is static, of the noise where it is static, and of x' where it slips.
-fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: u64) -> Vec<Vec<(f64, f64)>> {
-    let line = Timeline { end: times[times.len() - 1], after: 0.0, output_step: times[0], period: None };
+fn seen_moments(
+    model: &Model,
+    tolerance: f64,
+    times: &[f64],
+    seed: u64,
+    paths: u64,
+) -> Vec<Vec<(f64, f64)>> {
+    let line = Timeline {
+        end: times[times.len() - 1],
+        after: 0.0,
+        output_step: times[0],
+        period: None,
+    };
     let simulation = EventDrivenSimulation::new(model, &line, tolerance);
     let mut rows: Vec<Vec<State>> = vec![Vec::new(); times.len() + 1];
     for first in (0..paths).step_by(250) {
         let numbers: Vec<u64> = (first..first + 250).collect();
         let mut reported = Reported::default();
-        assert!(simulation.simulate(seed, &numbers, &mut reported).is_empty());
+        assert!(
+            simulation
+                .simulate(seed, &numbers, &mut reported)
+                .is_empty()
+        );
         for (row, (_, seen)) in rows.iter_mut().zip(reported.rows) {
             row.extend(seen);
         }
@@ -785,15 +1325,22 @@ fn seen_moments(model: &Model, tolerance: f64, times: &[f64], seed: u64, paths: 
         |s| f64::from(u8::from(s.3)) * (6.0 * s.2 - s.0).powi(2),
         |s| f64::from(u8::from(!s.3)) * s.1 * (6.0 * s.2 - s.0),
     ];
-    let moments =
-        |row: &Vec<State>| measures.iter().map(|f| mean_and_error(&row.iter().map(f).collect::<Vec<_>>())).collect();
+    let moments = |row: &Vec<State>| {
+        measures
+            .iter()
+            .map(|f| mean_and_error(&row.iter().map(f).collect::<Vec<_>>()))
+            .collect()
+    };
     rows[1..].iter().map(moments).collect()
 }
 
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
+    (
+        mean,
+        (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt(),
+    )
 }
 
 /// Null hypothesis: a state that is drawn inside a cell has the same law as one at the end of a
@@ -814,7 +1361,10 @@ fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
         for (i, ((a, ea), (b, eb))) in inside.into_iter().zip(ends).enumerate() {
             let z = (a - b) / ea.hypot(eb).max(1e-300);
             worst = worst.max(z.abs());
-            assert!(z.abs() <= FALSE_ALARM, "t = {time}, moment {i}: {a} +- {ea}, {b} +- {eb}");
+            assert!(
+                z.abs() <= FALSE_ALARM,
+                "t = {time}, moment {i}: {a} +- {ea}, {b} +- {eb}"
+            );
         }
     }
     println!("largest difference: {worst:.1} standard errors");
@@ -856,17 +1406,35 @@ fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
     model.temperature.harmonics.clear();
     model.initial_displacement = 1e9;
     let (step, numbers): (f64, Vec<u64>) = (0.01, (0..500).collect());
-    let line = Timeline { end: 0.4, output_step: step, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 0.4,
+        output_step: step,
+        period: None,
+        after: 0.0,
+    };
     let variance = 0.25 * 0.25 * -(-2.0 * step).exp_m1() / 2.0;
     for closeness in [1, 5] {
         let before = vec![0.0; numbers.len()];
-        let mut increments = Increments { rate: step, variance, before, squares: Vec::new() };
-        let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).looked_at_closer(closeness);
-        assert!(simulation.simulate(12, &numbers, &mut increments).is_empty());
+        let mut increments = Increments {
+            rate: step,
+            variance,
+            before,
+            squares: Vec::new(),
+        };
+        let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+            .looked_at_closer(closeness);
+        assert!(
+            simulation
+                .simulate(12, &numbers, &mut increments)
+                .is_empty()
+        );
         let (mean, error) = mean_and_error(&increments.squares);
         println!("closeness {closeness}: {mean:.4} +- {error:.4}");
         assert_eq!(increments.squares.len(), 40 * 500);
-        assert!((mean - 1.0).abs() <= FALSE_ALARM * error, "closeness {closeness}: {mean} +- {error}");
+        assert!(
+            (mean - 1.0).abs() <= FALSE_ALARM * error,
+            "closeness {closeness}: {mean} +- {error}"
+        );
     }
 }
 
@@ -875,12 +1443,25 @@ fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
 /// gains are known to some 5 %; each must reach nine tenths of a target.
 #[test]
 fn two_scenes_see_the_same_noise() {
-    let runs = [0.25, 0.2525].map(|rho| folds(&paper(0.25, rho), &timeline(60.0), DEFAULT_TOLERANCE, 17, 20_000));
-    let mean = |paths: &[Fold], f: &dyn Fn(&Fold) -> f64| paths.iter().map(f).sum::<f64>() / paths.len() as f64;
+    let runs = [0.25, 0.2525].map(|rho| {
+        folds(
+            &paper(0.25, rho),
+            &timeline(60.0),
+            DEFAULT_TOLERANCE,
+            17,
+            20_000,
+        )
+    });
+    let mean = |paths: &[Fold], f: &dyn Fn(&Fold) -> f64| {
+        paths.iter().map(f).sum::<f64>() / paths.len() as f64
+    };
     // The contribution of a path to a ratio of means, to first order.
     let shares = |paths: &[Fold], f: fn(&Fold) -> f64, g: fn(&Fold) -> f64| -> Vec<f64> {
         let (below, ratio) = (mean(paths, &g), mean(paths, &f) / mean(paths, &g));
-        paths.iter().map(|p| (f(p) - ratio * g(p)) / below).collect()
+        paths
+            .iter()
+            .map(|p| (f(p) - ratio * g(p)) / below)
+            .collect()
     };
     let variance = |values: &[f64]| {
         let (_, error) = mean_and_error(values);
@@ -938,24 +1519,39 @@ fn units_do_not_matter_path_by_path() {
     let (length, time) = (4.0, 2.0);
     scaled.oscillator.mass = time * time;
     scaled.oscillator.drive = Drive::Dilatation(model.oscillator.rest_position(length));
-    scaled.friction = Friction { static_force: 1.2 * length, dynamic_force: length };
+    scaled.friction = Friction {
+        static_force: 1.2 * length,
+        dynamic_force: length,
+    };
     scaled.initial_displacement *= length;
     scaled.temperature.harmonics[0].angular_frequency /= time;
     for noise in &mut scaled.temperature.noises {
         (noise.relaxation_rate, noise.diffusion) = (1.0 / time, 1.0 / f64::sqrt(time));
     }
-    let line = |unit: f64| Timeline { end: 60.0 * unit, output_step: 60.0 * unit, period: None, after: 0.0 };
+    let line = |unit: f64| Timeline {
+        end: 60.0 * unit,
+        output_step: 60.0 * unit,
+        period: None,
+        after: 0.0,
+    };
     let events = |model: &Model, unit| {
         let mut recorder = Recorder::default();
         let numbers: Vec<u64> = (0..100).collect();
-        EventDrivenSimulation::new(model, &line(unit), DEFAULT_TOLERANCE).simulate(3, &numbers, &mut recorder);
+        EventDrivenSimulation::new(model, &line(unit), DEFAULT_TOLERANCE).simulate(
+            3,
+            &numbers,
+            &mut recorder,
+        );
         recorder.events
     };
     for (a, b) in events(&model, 1.0).iter().zip(&events(&scaled, time)) {
         assert_eq!(a.len(), b.len());
         for (a, b) in a.iter().zip(b) {
             assert_eq!(a.kind, b.kind);
-            assert!((a.time - b.time / time).abs() < 1e-7 && (a.displacement - b.displacement / length).abs() < 1e-7);
+            assert!(
+                (a.time - b.time / time).abs() < 1e-7
+                    && (a.displacement - b.displacement / length).abs() < 1e-7
+            );
         }
     }
 }
@@ -987,11 +1583,22 @@ fn equal_thresholds_under_noise_have_a_stated_resolution() {
     model.friction.static_force = 1.0;
     let scheme = EventDrivenSimulation::new(&model, &timeline(60.0), DEFAULT_TOLERANCE);
     let resolution = scheme.resolution().expect("stated");
-    assert!(resolution.static_force > 1.0 && resolution.static_force < 1.01 && resolution.shortest_slip > 0.0);
+    assert!(
+        resolution.static_force > 1.0
+            && resolution.static_force < 1.01
+            && resolution.shortest_slip > 0.0
+    );
     let paths = folds(&model, &timeline(60.0), DEFAULT_TOLERANCE, 1, 256);
     let (sticks, _) = ratio(&paths, |p| p.sticks, |_| 1.0);
-    assert!(sticks > 50.0 && sticks < 1e4, "many, but not without bound: {sticks}");
-    assert!(EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE).resolution().is_none());
+    assert!(
+        sticks > 50.0 && sticks < 1e4,
+        "many, but not without bound: {sticks}"
+    );
+    assert!(
+        EventDrivenSimulation::new(&paper(0.25, 0.25), &timeline(60.0), DEFAULT_TOLERANCE)
+            .resolution()
+            .is_none()
+    );
 }
 
 /// The number of evaluations of a path is bounded by what happens on it and not by how extreme its
@@ -1014,7 +1621,10 @@ fn extreme_scenes_end_in_bounded_work() {
         ((0.25, 1.0, 1.2, 1.0, 0.0, 0.0), 1),
     ] {
         let mut model = paper(0.25, rho);
-        model.friction = Friction { static_force: f_s, dynamic_force: f_d };
+        model.friction = Friction {
+            static_force: f_s,
+            dynamic_force: f_d,
+        };
         model.oscillator.damping = alpha;
         for noise in &mut model.temperature.noises {
             noise.relaxation_rate = theta;
@@ -1027,17 +1637,26 @@ fn extreme_scenes_end_in_bounded_work() {
             (simulated, folds.0)
         };
         let (simulated, folds) = counted(&scheme);
-        println!("{rho} {theta} {f_s} {f_d} {alpha} {end}: {} evaluations a path", simulated.evaluations / 8);
+        println!(
+            "{rho} {theta} {f_s} {f_d} {alpha} {end}: {} evaluations a path",
+            simulated.evaluations / 8
+        );
         assert!(
             simulated.lost.is_empty() && folds.iter().all(|p| p.displacement_end.is_finite()),
             "{rho} {theta} {f_s} {f_d} {alpha}"
         );
         let each = simulated.evaluations / 8;
-        assert!((most / 4..=most.max(1)).contains(&each), "{rho} {theta} {f_s} {f_d} {alpha}: {each}");
+        assert!(
+            (most / 4..=most.max(1)).contains(&each),
+            "{rho} {theta} {f_s} {f_d} {alpha}: {each}"
+        );
         let limit = simulated.evaluations / 8 / 4;
         let (limited, _) = counted(&scheme.with_work_limit(limit));
         assert!(limited.evaluations <= 8 * limit, "{limit} {limited:?}");
-        assert!(limited.lost.len() == 8 || simulated.evaluations < 8 * 8, "{limit} {limited:?}");
+        assert!(
+            limited.lost.len() == 8 || simulated.evaluations < 8 * 8,
+            "{limit} {limited:?}"
+        );
     }
 }
 
@@ -1047,19 +1666,40 @@ fn the_viaduct_slips_seldom_and_briefly() {
     // temperature hardly changes meanwhile: its noise moves the force by s sqrt(pi/w0) = 300 N, 0.6
     // % of f_s - f_d.
     let mut recorder = Recorder::default();
-    let line = Timeline { end: 2.592e7, output_step: 3600.0, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 2.592e7,
+        output_step: 3600.0,
+        period: None,
+        after: 0.0,
+    };
     let numbers: Vec<u64> = (0..16).collect();
     let clock = std::time::Instant::now();
     let scheme = EventDrivenSimulation::new(&shipped_model("viaduct"), &line, DEFAULT_TOLERANCE);
     assert!(scheme.simulate(1, &numbers, &mut recorder).is_empty());
-    println!("{:?} a path, {} events", clock.elapsed() / 16, recorder.events[0].len());
+    println!(
+        "{:?} a path, {} events",
+        clock.elapsed() / 16,
+        recorder.events[0].len()
+    );
     assert!(scheme.resolution().is_none());
     for events in &recorder.events {
         assert!(events.len() > 200, "{}", events.len());
-        for pair in events.windows(2).filter(|pair| pair[1].kind == EventKind::StickEntered) {
-            let (duration, jump) = (pair[1].time - pair[0].time, pair[1].displacement - pair[0].displacement);
-            assert!((duration / (std::f64::consts::PI / 1888f64.sqrt()) - 1.0).abs() < 4e-2, "{duration}");
-            assert!((jump.abs() / (2.0 * 0.047e6 / 1.888e8) - 1.0).abs() < 4e-2, "{jump}");
+        for pair in events
+            .windows(2)
+            .filter(|pair| pair[1].kind == EventKind::StickEntered)
+        {
+            let (duration, jump) = (
+                pair[1].time - pair[0].time,
+                pair[1].displacement - pair[0].displacement,
+            );
+            assert!(
+                (duration / (std::f64::consts::PI / 1888f64.sqrt()) - 1.0).abs() < 4e-2,
+                "{duration}"
+            );
+            assert!(
+                (jump.abs() / (2.0 * 0.047e6 / 1.888e8) - 1.0).abs() < 4e-2,
+                "{jump}"
+            );
         }
     }
 }
@@ -1073,26 +1713,44 @@ fn the_quasi_static_recursion_is_the_paper_s() {
     // From 6, jumps of 0.4 would meet the extremum of the forcing to the last digit.
     model.initial_displacement = 5.9;
     let mut recorder = Recorder::default();
-    let line = Timeline { end: 10_000.0, output_step: 100.0, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 10_000.0,
+        output_step: 100.0,
+        period: None,
+        after: 0.0,
+    };
     assert!(
-        QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(0, &[0, 1], &mut recorder).is_empty()
+        QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+            .simulate(0, &[0, 1], &mut recorder)
+            .is_empty()
     );
     assert_eq!(recorder.events[0], recorder.events[1]);
     let (mut x, mut t): (f64, f64) = (5.9, 0.0);
     for pair in recorder.events[0].chunks_exact(2) {
         // The next time after t at which 6 cos(w t) leaves [x - f_s, x + f_s]: the earlier of the
         // crossings of the two thresholds.
-        let crossings = [x - f_s, x + f_s].into_iter().filter(|level: &f64| level.abs() <= 6.0).flat_map(|level| {
-            let angle = (level / 6.0).acos();
-            let turn = std::f64::consts::TAU;
-            [angle, turn - angle].map(|a| (a + turn * ((w * t - a) / turn).ceil().max(0.0)) / w)
-        });
+        let crossings = [x - f_s, x + f_s]
+            .into_iter()
+            .filter(|level: &f64| level.abs() <= 6.0)
+            .flat_map(|level| {
+                let angle = (level / 6.0).acos();
+                let turn = std::f64::consts::TAU;
+                [angle, turn - angle].map(|a| (a + turn * ((w * t - a) / turn).ceil().max(0.0)) / w)
+            });
         // A stick that begins outside the stick band has no duration.
         let outside = (6.0 * (w * t).cos() - x).abs() > f_s;
-        let exit = if outside { t } else { crossings.fold(f64::INFINITY, f64::min) };
+        let exit = if outside {
+            t
+        } else {
+            crossings.fold(f64::INFINITY, f64::min)
+        };
         let eps = (6.0 * (w * exit).cos() - x).signum();
         (x, t) = (x + eps * jump, exit + std::f64::consts::PI);
-        assert!((pair[0].time - exit).abs() < 1e-9, "{} {exit}", pair[0].time);
+        assert!(
+            (pair[0].time - exit).abs() < 1e-9,
+            "{} {exit}",
+            pair[0].time
+        );
         assert!((pair[1].time - t).abs() < 1e-9 && (pair[1].displacement - x).abs() < 1e-12);
     }
     assert!(recorder.events[0].len() > 60);
@@ -1103,8 +1761,17 @@ fn quasi_static_with_equal_thresholds_never_moves() {
     let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.0;
     let mut recorder = Recorder::default();
-    let line = Timeline { end: 60.0, output_step: 0.5, period: None, after: 0.0 };
-    assert!(QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &[0], &mut recorder).is_empty());
+    let line = Timeline {
+        end: 60.0,
+        output_step: 0.5,
+        period: None,
+        after: 0.0,
+    };
+    assert!(
+        QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+            .simulate(1, &[0], &mut recorder)
+            .is_empty()
+    );
     assert!(recorder.rows.iter().all(|row| row.2 == 6.0 && row.3 == 0.0));
     assert!(!recorder.events[0].is_empty());
 }
@@ -1115,14 +1782,27 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
     // displacement. Sample size: 400 paths on either side. False-alarm rate: 1e-4 for each
     // comparison. The laws differ by the work of the noise during a slip of 0.07 s, which is far
     // too small to be seen with 400 paths.
-    let line = Timeline { end: 2.592e7, output_step: 2.592e7, period: None, after: 0.0 };
+    let line = Timeline {
+        end: 2.592e7,
+        output_step: 2.592e7,
+        period: None,
+        after: 0.0,
+    };
     let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Model, line: &Timeline| {
         let numbers: Vec<u64> = numbers.collect();
         let mut observer = Folds(vec![Fold::default(); numbers.len()]);
         let failed = if quasi {
-            QuasiStaticSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+            QuasiStaticSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(
+                1,
+                &numbers,
+                &mut observer,
+            )
         } else {
-            EventDrivenSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut observer)
+            EventDrivenSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(
+                1,
+                &numbers,
+                &mut observer,
+            )
         };
         assert!(failed.is_empty());
         observer.0
@@ -1131,12 +1811,25 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
     let quasi = fold(400..800, true, &shipped_model("viaduct"), &line);
     let measures: [fn(&Fold) -> f64; 3] = [|p| p.slips, |p| p.displacement_end, |p| p.jumps];
     for (i, measure) in measures.into_iter().enumerate() {
-        let ((a, sa), (b, sb)) = (ratio(&exact, measure, |_| 1.0), ratio(&quasi, measure, |_| 1.0));
+        let ((a, sa), (b, sb)) = (
+            ratio(&exact, measure, |_| 1.0),
+            ratio(&quasi, measure, |_| 1.0),
+        );
         println!("measure {i}: event-driven {a} +- {sa}, quasi-static {b} +- {sb}");
-        assert!((a - b).abs() <= FALSE_ALARM * sa.hypot(sb), "{i}: {a} +- {sa}, {b} +- {sb}");
+        assert!(
+            (a - b).abs() <= FALSE_ALARM * sa.hypot(sb),
+            "{i}: {a} +- {sa}, {b} +- {sb}"
+        );
     }
     // At w = w0/4 slips move by 12 and not by 0.4.
-    let jump = |quasi| ratio(&fold(0..64, quasi, &paper(0.25, 0.0), &timeline(139.0)), |p| p.jumps, |p| p.slips).0;
+    let jump = |quasi| {
+        ratio(
+            &fold(0..64, quasi, &paper(0.25, 0.0), &timeline(139.0)),
+            |p| p.jumps,
+            |p| p.slips,
+        )
+        .0
+    };
     assert!(jump(false) > 12.0 && (jump(true) - 0.4).abs() < 1e-12);
 }
 
@@ -1147,19 +1840,26 @@ fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
     let mut excesses = Vec::new();
     for w in [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25] {
         let line = timeline(10.0 * std::f64::consts::TAU / w);
-        let jump = |quasi: bool| {
-            let mut observer = Folds(vec![Fold::default()]);
-            let failed = if quasi {
-                QuasiStaticSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
-            } else {
-                EventDrivenSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE).simulate(0, &[0], &mut observer)
+        let jump =
+            |quasi: bool| {
+                let mut observer = Folds(vec![Fold::default()]);
+                let failed =
+                    if quasi {
+                        QuasiStaticSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE)
+                            .simulate(0, &[0], &mut observer)
+                    } else {
+                        EventDrivenSimulation::new(&paper(w, 0.0), &line, DEFAULT_TOLERANCE)
+                            .simulate(0, &[0], &mut observer)
+                    };
+                assert!(failed.is_empty());
+                ratio(&observer.0, |p| p.jumps, |p| p.slips).0
             };
-            assert!(failed.is_empty());
-            ratio(&observer.0, |p| p.jumps, |p| p.slips).0
-        };
         println!("| {w} | {:.4} | {:.4} |", jump(false), jump(true));
         excesses.push(jump(false) / jump(true) - 1.0);
     }
-    assert!(excesses.windows(2).all(|pair| pair[1] > pair[0]), "the faster, the worse: {excesses:?}");
+    assert!(
+        excesses.windows(2).all(|pair| pair[1] > pair[0]),
+        "the faster, the worse: {excesses:?}"
+    );
     assert!(excesses[0] < 0.01 && excesses[6] > 10.0);
 }

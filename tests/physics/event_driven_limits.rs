@@ -7,8 +7,8 @@
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use stickslip::model::*;
 use stickslip::scheme::{
-    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, QuasiStaticSimulation,
-    Simulate as _, Snapshot, Timeline,
+    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer,
+    QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
 };
 use stickslip::stats::{Record, Statistic};
 
@@ -76,7 +76,12 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
     model.initial_displacement = 0.0;
     let rho = theta * intensity.sqrt() / model.oscillator.rest_position(1.0);
     model.temperature = Temperature {
-        noises: vec![Noise { intensity: rho, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) }],
+        noises: vec![Noise {
+            intensity: rho,
+            relaxation_rate: theta,
+            diffusion: 1.0,
+            initial: InitialNoise::At(0.0),
+        }],
         ..Temperature::default()
     };
     model
@@ -107,9 +112,15 @@ fn fast_noise_moves_the_free_oscillator_as_white_noise_does() {
     // 1/theta, of relative size 1/(theta t) = 6e-4, while the standard error is 1.4 %. Sample size:
     // 1e4 paths, seed 31. False-alarm rate: 1e-4 for each of 5 comparisons.
     let (t, q): (f64, f64) = (8.0, 4.0);
-    let free = Friction { static_force: 0.0, dynamic_force: 0.0 };
+    let free = Friction {
+        static_force: 0.0,
+        dynamic_force: 0.0,
+    };
     let end = works(&nearly_white(200.0, q, free), t, 31, 10_000).end;
-    let (xx, vv) = (q * (0.5 * t - 0.25 * (2.0 * t).sin()), q * (0.5 * t + 0.25 * (2.0 * t).sin()));
+    let (xx, vv) = (
+        q * (0.5 * t - 0.25 * (2.0 * t).sin()),
+        q * (0.5 * t + 0.25 * (2.0 * t).sin()),
+    );
     let xv = 0.5 * q * t.sin().powi(2);
     type Moment = fn(&(f64, f64)) -> f64;
     let moments: [(&str, Moment, f64); 5] = [
@@ -122,7 +133,10 @@ fn fast_noise_moves_the_free_oscillator_as_white_noise_does() {
     for (name, moment, want) in moments {
         let (got, error) = mean_and_error(&end.iter().map(moment).collect::<Vec<_>>());
         println!("{name}: {got} +- {error}, white noise {want}");
-        assert!((got - want).abs() <= FALSE_ALARM * error, "{name}: {got} +- {error}, white noise {want}");
+        assert!(
+            (got - want).abs() <= FALSE_ALARM * error,
+            "{name}: {got} +- {error}, white noise {want}"
+        );
     }
 }
 
@@ -139,20 +153,51 @@ fn fast_noise_does_the_work_of_white_noise_against_friction() {
     // %. Sample size: 5000 paths, seed 32. False-alarm rate: 1e-4 for one comparison. The friction
     // work is computed from the events, and is a third or more of the sum.
     let (t, q) = (10.0, 4.0);
-    let work = works(&nearly_white(400.0, q, Friction { static_force: 1.2, dynamic_force: 1.0 }), t, 32, 5_000);
-    let balance: Vec<f64> = work.work.iter().zip(&work.end).map(|(w, (x, v))| w + 0.5 * (x * x + v * v)).collect();
+    let work = works(
+        &nearly_white(
+            400.0,
+            q,
+            Friction {
+                static_force: 1.2,
+                dynamic_force: 1.0,
+            },
+        ),
+        t,
+        32,
+        5_000,
+    );
+    let balance: Vec<f64> = work
+        .work
+        .iter()
+        .zip(&work.end)
+        .map(|(w, (x, v))| w + 0.5 * (x * x + v * v))
+        .collect();
     let ((got, error), (by_friction, _)) = (mean_and_error(&balance), mean_and_error(&work.work));
-    println!("{got} +- {error}, of which {by_friction} to friction; white noise {}", 0.5 * q * t);
+    println!(
+        "{got} +- {error}, of which {by_friction} to friction; white noise {}",
+        0.5 * q * t
+    );
     assert!(by_friction > got / 3.0);
-    assert!((got - 0.5 * q * t).abs() <= FALSE_ALARM * error, "{got} +- {error}");
+    assert!(
+        (got - 0.5 * q * t).abs() <= FALSE_ALARM * error,
+        "{got} +- {error}"
+    );
 }
 
 /// The scene under x -> -x, T -> -T.
 fn mirrored(model: &Model) -> Model {
     let mut mirrored = model.clone();
     mirrored.initial_displacement = -model.initial_displacement;
-    mirrored.temperature.harmonics.iter_mut().for_each(|h| h.amplitude = -h.amplitude);
-    if let Some(Noise { initial: InitialNoise::At(v), .. }) = mirrored.temperature.noises.first_mut() {
+    mirrored
+        .temperature
+        .harmonics
+        .iter_mut()
+        .for_each(|h| h.amplitude = -h.amplitude);
+    if let Some(Noise {
+        initial: InitialNoise::At(v),
+        ..
+    }) = mirrored.temperature.noises.first_mut()
+    {
         *v = -*v;
     }
     mirrored
@@ -170,11 +215,17 @@ fn kept(model: &Model, seed: u64, paths: u64) -> Keep {
 fn without_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_path() {
     // Every operation is odd or even in (x, T), so the bits are the same except for the signs.
     for w in [0.25, 0.5] {
-        let (path, image) = (kept(&paper(w, 0.0), 0, 1), kept(&mirrored(&paper(w, 0.0)), 0, 1));
+        let (path, image) = (
+            kept(&paper(w, 0.0), 0, 1),
+            kept(&mirrored(&paper(w, 0.0)), 0, 1),
+        );
         assert_eq!(path.events[0].len(), image.events[0].len());
         assert!(path.events[0].len() > 7);
         for (a, b) in path.events[0].iter().zip(&image.events[0]) {
-            assert_eq!((a.time, a.displacement, a.force), (b.time, -b.displacement, -b.force));
+            assert_eq!(
+                (a.time, a.displacement, a.force),
+                (b.time, -b.displacement, -b.force)
+            );
         }
         for (a, b) in path.rows[0].iter().zip(&image.rows[0]) {
             assert_eq!(*a, (b.0, -b.1, -b.2, -b.3, b.4));
@@ -207,7 +258,12 @@ fn with_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_law() {
     for noise in &mut model.temperature.noises {
         noise.initial = InitialNoise::At(0.5);
     }
-    let line = Timeline { end: 76.0, output_step: 76.0, period: model.temperature.period(), after: 0.0 };
+    let line = Timeline {
+        end: 76.0,
+        output_step: 76.0,
+        period: model.temperature.period(),
+        after: 0.0,
+    };
     let scene = event_driven_summary(&model, &line, DEFAULT_TOLERANCE, 41, 40_000);
     let image = event_driven_summary(&mirrored(&model), &line, DEFAULT_TOLERANCE, 42, 40_000);
     for statistic in Statistic::asked_by(&Record::NOTHING) {
@@ -219,8 +275,16 @@ fn with_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_law() {
             _ => 1.0,
         };
         let ((a, sa), (b, sb)) = (estimate(&scene, statistic), estimate(&image, statistic));
-        println!("{}: {a} {b} ({:+.1} se)", statistic.name(), (sign * b - a) / sa.hypot(sb));
-        assert!((a - sign * b).abs() <= FALSE_ALARM * sa.hypot(sb), "{}: {a} {b}", statistic.name());
+        println!(
+            "{}: {a} {b} ({:+.1} se)",
+            statistic.name(),
+            (sign * b - a) / sa.hypot(sb)
+        );
+        assert!(
+            (a - sign * b).abs() <= FALSE_ALARM * sa.hypot(sb),
+            "{}: {a} {b}",
+            statistic.name()
+        );
     }
 }
 
@@ -238,14 +302,20 @@ fn extrapolated(rows: &[(f64, f64, f64)]) -> (f64, f64, f64) {
     }
     // The inverse by cofactors with cyclic indices.
     let m = |i: usize, j: usize| normal[i % 3][j % 3];
-    let cofactor = |i: usize, j: usize| m(i + 1, j + 1) * m(i + 2, j + 2) - m(i + 1, j + 2) * m(i + 2, j + 1);
+    let cofactor =
+        |i: usize, j: usize| m(i + 1, j + 1) * m(i + 2, j + 2) - m(i + 1, j + 2) * m(i + 2, j + 1);
     let determinant: f64 = (0..3).map(|k| m(0, k) * cofactor(0, k)).sum();
-    let fit = [0, 1, 2].map(|i| (0..3).map(|j| cofactor(i, j) * right[j]).sum::<f64>() / determinant);
+    let fit =
+        [0, 1, 2].map(|i| (0..3).map(|j| cofactor(i, j) * right[j]).sum::<f64>() / determinant);
     let chi_square = rows.iter().map(|&(h, value, error)| {
         let fitted: f64 = basis(h).iter().zip(fit).map(|(p, c)| p * c).sum();
         ((value - fitted) / error).powi(2)
     });
-    (fit[0], (cofactor(0, 0) / determinant).sqrt(), chi_square.sum())
+    (
+        fit[0],
+        (cofactor(0, 0) / determinant).sqrt(),
+        chi_square.sum(),
+    )
 }
 
 #[test]
@@ -265,10 +335,20 @@ fn the_discrete_inequality_extrapolates_to_it() {
     let exact = event_driven_summary(&model, &line, DEFAULT_TOLERANCE, 51, 20_000);
     let summaries = [0.01, 0.005, 0.0025, 0.00125, 0.000625].map(|h| {
         let scheme = DiscreteSimulation::new(&model, &line, h);
-        (h, summary_of(&model, &line, 10_000, |numbers, observer| scheme.simulate(52, numbers, observer)))
+        (
+            h,
+            summary_of(&model, &line, 10_000, |numbers, observer| {
+                scheme.simulate(52, numbers, observer)
+            }),
+        )
     });
     use Statistic::*;
-    for statistic in [StickDurationMean, SubPhasesMean, SubPhasesMultipleShare, StickingFraction] {
+    for statistic in [
+        StickDurationMean,
+        SubPhasesMean,
+        SubPhasesMultipleShare,
+        StickingFraction,
+    ] {
         let rows: Vec<_> = summaries
             .iter()
             .map(|(h, summary)| {
@@ -276,14 +356,23 @@ fn the_discrete_inequality_extrapolates_to_it() {
                 (*h, value, error)
             })
             .collect();
-        let ((limit, limit_error, chi_square), (value, error)) = (extrapolated(&rows), estimate(&exact, statistic));
+        let ((limit, limit_error, chi_square), (value, error)) =
+            (extrapolated(&rows), estimate(&exact, statistic));
         let name = statistic.name();
-        println!("{name}: {limit} +- {limit_error}, chi square {chi_square}; event-driven {value} +- {error}");
-        assert!((limit - value).abs() <= FALSE_ALARM * limit_error.hypot(error), "{name}: {limit} {value}");
+        println!(
+            "{name}: {limit} +- {limit_error}, chi square {chi_square}; event-driven {value} +- {error}"
+        );
+        assert!(
+            (limit - value).abs() <= FALSE_ALARM * limit_error.hypot(error),
+            "{name}: {limit} {value}"
+        );
         assert!(chi_square < 18.4, "{name}: {chi_square}, {rows:?}");
         // The value at the coarsest step is far from the limit, so that the extrapolation is
         // tested.
-        assert!((rows[0].1 - value).abs() > 5.0 * rows[0].2.hypot(error), "{name}: {rows:?}");
+        assert!(
+            (rows[0].1 - value).abs() > 5.0 * rows[0].2.hypot(error),
+            "{name}: {rows:?}"
+        );
     }
 }
 
@@ -315,8 +404,18 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
     // number of zeros from t = 40, when the effect of the start has decayed to e^{-20}, to 140.
     // Sample size: 1500 paths, so that the mean is known to some 2e-4. False-alarm rate: 2e-4 for
     // three scenes at 4 standard errors. If a zero is missed, so is the next one.
-    for (case, (alpha, theta)) in [(0.5, 1.0), (0.5, 10.0), (2.0, 40.0)].into_iter().enumerate() {
-        let mut model = nearly_white(theta, 1.0, Friction { static_force: 0.0, dynamic_force: 0.0 });
+    for (case, (alpha, theta)) in [(0.5, 1.0), (0.5, 10.0), (2.0, 40.0)]
+        .into_iter()
+        .enumerate()
+    {
+        let mut model = nearly_white(
+            theta,
+            1.0,
+            Friction {
+                static_force: 0.0,
+                dynamic_force: 0.0,
+            },
+        );
         model.oscillator.damping = alpha;
         let (vv, xn): (f64, f64) = (0.5 / alpha, 1.0 / theta);
         let (xx, nn) = (vv + xn, 1.0 / theta + 2.0 * alpha + theta);
@@ -324,14 +423,34 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
         let (after, end, paths) = (40.0, 140.0, 1500);
         let expected = (end - after) * (slope / vv).sqrt() / std::f64::consts::PI;
         let scheme = EventDrivenSimulation::new(&model, &timeline(end, end), DEFAULT_TOLERANCE);
-        let mut zeros = Zeros { after, count: vec![0; paths as usize] };
-        assert!(scheme.simulate(41 + case as u64, &(0..paths).collect::<Vec<u64>>(), &mut zeros).is_empty());
-        let (mean, error) = mean_and_error(&zeros.count.iter().map(|&n| f64::from(n)).collect::<Vec<f64>>());
+        let mut zeros = Zeros {
+            after,
+            count: vec![0; paths as usize],
+        };
+        assert!(
+            scheme
+                .simulate(
+                    41 + case as u64,
+                    &(0..paths).collect::<Vec<u64>>(),
+                    &mut zeros
+                )
+                .is_empty()
+        );
+        let (mean, error) = mean_and_error(
+            &zeros
+                .count
+                .iter()
+                .map(|&n| f64::from(n))
+                .collect::<Vec<f64>>(),
+        );
         println!(
             "alpha = {alpha}, theta = {theta}: {mean:.3} +- {error:.3} zeros, not {expected:.3}: {:+.1} se",
             (mean - expected) / error
         );
-        assert!((mean - expected).abs() < 4.0 * error, "{alpha} {theta}: {mean} +- {error}, not {expected}");
+        assert!(
+            (mean - expected).abs() < 4.0 * error,
+            "{alpha} {theta}: {mean} +- {error}, not {expected}"
+        );
     }
 }
 
@@ -342,11 +461,27 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
 #[test]
 fn noise_that_hardly_relaxes_takes_bounded_work() {
     let simulated = |theta: f64, is_quasi_static: bool| {
-        let noise = Noise { intensity: 1.0, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+        let noise = Noise {
+            intensity: 1.0,
+            relaxation_rate: theta,
+            diffusion: 1.0,
+            initial: InitialNoise::At(0.0),
+        };
         let model = Model {
-            oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
-            friction: Friction { static_force: 2.0, dynamic_force: 1.0 },
-            temperature: Temperature { noises: vec![noise], ..Temperature::default() },
+            oscillator: Oscillator {
+                mass: 1.0,
+                stiffness: 1.0,
+                damping: 0.0,
+                drive: Drive::Dilatation(1.0),
+            },
+            friction: Friction {
+                static_force: 2.0,
+                dynamic_force: 1.0,
+            },
+            temperature: Temperature {
+                noises: vec![noise],
+                ..Temperature::default()
+            },
             force: None,
             initial_displacement: 0.0,
             initial_velocity: 0.0,
@@ -363,8 +498,16 @@ fn noise_that_hardly_relaxes_takes_bounded_work() {
                 .with_work_limit(20_000)
                 .simulate(1, &numbers, &mut keep)
         };
-        assert!(lost.is_empty(), "theta {theta}: {} paths take more work", lost.len());
-        keep.events.iter().flatten().filter(|event| event.time <= 40.0).count()
+        assert!(
+            lost.is_empty(),
+            "theta {theta}: {} paths take more work",
+            lost.len()
+        );
+        keep.events
+            .iter()
+            .flatten()
+            .filter(|event| event.time <= 40.0)
+            .count()
     };
     for is_quasi_static in [false, true] {
         let slow = [1e-6, 1e-9, 1e-12].map(|theta| simulated(theta, is_quasi_static));

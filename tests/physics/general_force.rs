@@ -17,7 +17,9 @@ fn scenario(text: &str) -> Scenario {
 /// The events of the one path without noise.
 fn events(scenario: &Scenario) -> Vec<Event> {
     let mut keep = Keep::lanes(1);
-    let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+    let simulation = scenario
+        .scheme
+        .simulation(&scenario.model, &scenario.timeline());
     assert_eq!(simulation.simulate(1, &[0], &mut keep), Vec::<usize>::new());
     keep.events.remove(0)
 }
@@ -39,16 +41,30 @@ fn body(friction: [f64; 2], x0: f64, end: f64, more: &str) -> String {
 /// atan((f_s - f_d) w0/(K V)))/w0, and the body jumps by V times their sum.
 #[test]
 fn a_body_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form() {
-    let belt = scenario(&body([1.2, 1.0], 0.0, 100.0, "temperature = { trend = 0.1 }"));
+    let belt = scenario(&body(
+        [1.2, 1.0],
+        0.0,
+        100.0,
+        "temperature = { trend = 0.1 }",
+    ));
     let events = events(&belt);
     let settled = &events[10..];
     assert!(settled.len() > 10);
     let slip = 2.0 * (std::f64::consts::PI - (0.2f64 / 0.1).atan());
     for pair in settled.windows(2) {
-        let (took, way) = (pair[1].time - pair[0].time, pair[1].displacement - pair[0].displacement);
-        let (duration, jump) =
-            if pair[0].kind == EventKind::StickEntered { (4.0, 0.0) } else { (slip, 0.1 * (4.0 + slip)) };
-        assert!((took - duration).abs() < 1e-11 && (way - jump).abs() < 1e-11, "{pair:?}");
+        let (took, way) = (
+            pair[1].time - pair[0].time,
+            pair[1].displacement - pair[0].displacement,
+        );
+        let (duration, jump) = if pair[0].kind == EventKind::StickEntered {
+            (4.0, 0.0)
+        } else {
+            (slip, 0.1 * (4.0 + slip))
+        };
+        assert!(
+            (took - duration).abs() < 1e-11 && (way - jump).abs() < 1e-11,
+            "{pair:?}"
+        );
     }
     assert!((slip - 4.068_887_871_591_405).abs() < 1e-14);
 }
@@ -57,15 +73,32 @@ fn a_body_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form() {
 /// (f_s - b)/(K V), whatever the thresholds.
 #[test]
 fn a_stick_on_a_belt_lasts_as_long_as_the_force_takes_to_grow() {
-    for (f_s, f_d, damping, v) in [(1.7, 0.4, 0.0, 0.3), (2.0, 1.9, 0.1, 0.05), (1.0, 0.0, 0.0, 0.2)] {
-        let text = body([f_s, f_d], 0.3, 200.0, &format!("temperature = {{ trend = {v} }}"));
-        let text = text.replace("stiffness = 1,", &format!("stiffness = 1, damping = {damping},"));
+    for (f_s, f_d, damping, v) in [
+        (1.7, 0.4, 0.0, 0.3),
+        (2.0, 1.9, 0.1, 0.05),
+        (1.0, 0.0, 0.0, 0.2),
+    ] {
+        let text = body(
+            [f_s, f_d],
+            0.3,
+            200.0,
+            &format!("temperature = {{ trend = {v} }}"),
+        );
+        let text = text.replace(
+            "stiffness = 1,",
+            &format!("stiffness = 1, damping = {damping},"),
+        );
         let events = events(&scenario(&text));
-        let sticks = events.windows(2).filter(|pair| pair[0].kind == EventKind::StickEntered);
+        let sticks = events
+            .windows(2)
+            .filter(|pair| pair[0].kind == EventKind::StickEntered);
         let mut count = 0;
         for pair in sticks {
             let wanted = (f_s - pair[0].force) / v;
-            assert!((pair[1].time - pair[0].time - wanted).abs() < 1e-10, "{pair:?}");
+            assert!(
+                (pair[1].time - pair[0].time - wanted).abs() < 1e-10,
+                "{pair:?}"
+            );
             count += 1;
         }
         assert!(count > 5, "{count}");
@@ -74,11 +107,20 @@ fn a_stick_on_a_belt_lasts_as_long_as_the_force_takes_to_grow() {
 
 /// The amplitude of the settled motion without sticks under the force 6 cos wt, with f = 1.
 fn settled_amplitude(w: f64, damping: f64, end: f64, force: &str) -> f64 {
-    let harmonic = format!("temperature = {{ harmonics = [{{ amplitude = 6, angular_frequency = {w} }}] }}");
+    let harmonic =
+        format!("temperature = {{ harmonics = [{{ amplitude = 6, angular_frequency = {w} }}] }}");
     let text = body([1.0, 1.0], 0.0, end, &format!("{harmonic}\n{force}"));
-    let text = text.replace("stiffness = 1,", &format!("stiffness = 1, damping = {damping},"));
+    let text = text.replace(
+        "stiffness = 1,",
+        &format!("stiffness = 1, damping = {damping},"),
+    );
     let events = events(&scenario(&text));
-    let last: Vec<f64> = events.iter().rev().take(2).map(|event| event.displacement).collect();
+    let last: Vec<f64> = events
+        .iter()
+        .rev()
+        .take(2)
+        .map(|event| event.displacement)
+        .collect();
     0.5 * (last[0] - last[1]).abs()
 }
 
@@ -94,7 +136,10 @@ fn a_forced_body_settles_to_the_amplitude_of_den_hartog() {
         (1.2, 0.0, 13.276_974_424_498_324, 20_000.0, 1e-5),
     ] {
         let found = settled_amplitude(w, damping, end, "");
-        assert!((found - amplitude).abs() < most, "w = {w}, alpha = {damping}: {found} {amplitude}");
+        assert!(
+            (found - amplitude).abs() < most,
+            "w = {w}, alpha = {damping}: {found} {amplitude}"
+        );
     }
     // The same with the damping as a force of the user's own. It is followed to a tolerance.
     let own = "force = { expression = \"-0.2*xdot + 0*abs(xdot)\" }";
@@ -126,12 +171,23 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
     ];
     assert_eq!(found.len(), 15, "{found:?}");
     for (event, (time, x)) in found.iter().zip(wanted) {
-        println!("{event:?}: off by {:e} {:e}", event.time - time, event.displacement - x);
-        assert!((event.time - time).abs() < 1e-7 && (event.displacement - x).abs() < 1e-10, "{event:?}");
+        println!(
+            "{event:?}: off by {:e} {:e}",
+            event.time - time,
+            event.displacement - x
+        );
+        assert!(
+            (event.time - time).abs() < 1e-7 && (event.displacement - x).abs() < 1e-10,
+            "{event:?}"
+        );
     }
     let noisy = text.replace("dilatation = 0", "force_per_temperature = 1");
     let noisy = scenario(&noisy.replace("[force]", "temperature.noise.intensity = 1\n[force]"));
-    let warns = |of: &Scenario| of.warnings().iter().any(|warning| warning.name() == "stiff-damping");
+    let warns = |of: &Scenario| {
+        of.warnings()
+            .iter()
+            .any(|warning| warning.name() == "stiff-damping")
+    };
     assert!(warns(&noisy) && !warns(&scenario(text)));
 }
 
@@ -141,18 +197,39 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
 fn a_body_with_negative_damping_runs_away_beyond_its_unstable_cycle() {
     const CYCLE: f64 = 12.742_671_918_388_782;
     let from = |x0: f64, damping: &str, force: &str| {
-        let text = body([1.0, 1.0], x0, 800.0, force).replace("stiffness = 1,", &format!("stiffness = 1,{damping}"));
+        let text = body([1.0, 1.0], x0, 800.0, force)
+            .replace("stiffness = 1,", &format!("stiffness = 1,{damping}"));
         scenario(&text)
     };
     let below = from(CYCLE * (1.0 - 1e-9), " damping = -0.05,", "");
-    assert!((below.model.runaway_amplitude(0.0).expect("negative damping") - CYCLE).abs() < 1e-13);
-    for (damping, own) in [(" damping = -0.05,", ""), ("", "force = { expression = \"0.1*xdot + 0*abs(xdot)\" }")] {
+    assert!(
+        (below
+            .model
+            .runaway_amplitude(0.0)
+            .expect("negative damping")
+            - CYCLE)
+            .abs()
+            < 1e-13
+    );
+    for (damping, own) in [
+        (" damping = -0.05,", ""),
+        ("", "force = { expression = \"0.1*xdot + 0*abs(xdot)\" }"),
+    ] {
         let inside = events(&from(CYCLE * (1.0 - 1e-9), damping, own));
         let last = inside.last().expect("slips");
         assert_eq!(last.kind, EventKind::StickEntered, "{last:?}");
         let outside = events(&from(CYCLE * (1.0 + 1e-9), damping, own));
-        let far = outside.iter().map(|event| event.displacement.abs()).fold(0.0, f64::max);
-        assert!(far > 100.0 && outside.iter().all(|event| event.kind != EventKind::StickEntered), "{far}");
+        let far = outside
+            .iter()
+            .map(|event| event.displacement.abs())
+            .fold(0.0, f64::max);
+        assert!(
+            far > 100.0
+                && outside
+                    .iter()
+                    .all(|event| event.kind != EventKind::StickEntered),
+            "{far}"
+        );
     }
 }
 
@@ -163,12 +240,25 @@ fn a_path_that_runs_away_is_counted_as_diverged() {
         .replace("{ end", "{ output_step = 100, end")
         .replace("stiffness = 1,", "stiffness = 1, damping = -0.05,");
     let grows = scenario(&format!("{text}\nensemble = {{ paths = 3 }}"));
-    let noisy = format!("{text}\ntemperature = {{ noise = {{ intensity = 0.1 }} }}\nensemble = {{ paths = 3 }}");
+    let noisy = format!(
+        "{text}\ntemperature = {{ noise = {{ intensity = 0.1 }} }}\nensemble = {{ paths = 3 }}"
+    );
     let mut schemes = vec![grows.clone(), scenario(&noisy)];
-    schemes.push(grows.with_scheme(DiscreteVi { step: 0.05 }).expect("whole steps"));
+    schemes.push(
+        grows
+            .with_scheme(DiscreteVi { step: 0.05 })
+            .expect("whole steps"),
+    );
     for scenario in schemes {
-        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
-        assert_eq!(simulation.simulate(1, &[0, 1, 2], &mut ()), [0, 1, 2], "{}", scenario.scheme);
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline());
+        assert_eq!(
+            simulation.simulate(1, &[0, 1, 2], &mut ()),
+            [0, 1, 2],
+            "{}",
+            scenario.scheme
+        );
     }
 }
 
@@ -178,16 +268,28 @@ fn a_path_that_runs_away_is_counted_as_diverged() {
 fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
     let spring = "force.expression = \"-k3*x^3\"\nparameters = { k3 = 0.5 }";
     let first = events(&scenario(&body([1.0, 1.0], 3.0, 10.0, spring)))[1];
-    assert!((first.displacement + 2.594_562_116_631_153).abs() < 1e-11, "{first:?}");
-    assert!((first.time - 1.594_630_367_679_260_4).abs() < 1e-11, "{first:?}");
+    assert!(
+        (first.displacement + 2.594_562_116_631_153).abs() < 1e-11,
+        "{first:?}"
+    );
+    assert!(
+        (first.time - 1.594_630_367_679_260_4).abs() < 1e-11,
+        "{first:?}"
+    );
 
     let drag = "temperature = { offset = 3 }\nforce = { expression = \"-0.5*xdot*abs(xdot)\" }";
     let falls = body([1.0, 1.0], 0.0, 4.0, drag).replace("stiffness = 1,", "stiffness = 0,");
     let falls = scenario(&format!("{falls}\nensemble = {{ paths = 1 }}"));
     let mut keep = Keep::lanes(1);
-    falls.scheme.simulation(&falls.model, &timeline(4.0, 4.0)).simulate(1, &[0], &mut keep);
+    falls
+        .scheme
+        .simulation(&falls.model, &timeline(4.0, 4.0))
+        .simulate(1, &[0], &mut keep);
     let (_, x, v, ..) = keep.rows[0][1];
-    assert!((x - 6.614_376_451_625_901).abs() < 1e-10 && (v - 1.998_658_599_478_134).abs() < 1e-10, "{x} {v}");
+    assert!(
+        (x - 6.614_376_451_625_901).abs() < 1e-10 && (v - 1.998_658_599_478_134).abs() < 1e-10,
+        "{x} {v}"
+    );
 }
 
 /// A body without a spring under a constant force, with and without damping, has its closed form,
@@ -196,21 +298,38 @@ fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
 fn a_body_without_a_spring_falls() {
     for gamma in [0.0f64, 0.3, 20.0] {
         let text = body([1.0, 0.5], 0.0, 10.0, "temperature = { offset = 1.5 }");
-        let text = text.replace("stiffness = 1,", &format!("stiffness = 0, damping = {gamma},"));
+        let text = text.replace(
+            "stiffness = 1,",
+            &format!("stiffness = 0, damping = {gamma},"),
+        );
         let falls = scenario(&text);
-        let wanted =
-            if gamma == 0.0 { 50.0 } else { (10.0 + (-20.0 * gamma).exp_m1() / (2.0 * gamma)) / (2.0 * gamma) };
+        let wanted = if gamma == 0.0 {
+            50.0
+        } else {
+            (10.0 + (-20.0 * gamma).exp_m1() / (2.0 * gamma)) / (2.0 * gamma)
+        };
         let end = |scheme: Scheme, model: &Model| {
             let mut keep = Keep::lanes(1);
-            scheme.simulation(model, &timeline(10.0, 10.0)).simulate(1, &[0], &mut keep);
+            scheme
+                .simulation(model, &timeline(10.0, 10.0))
+                .simulate(1, &[0], &mut keep);
             keep.rows[0][1].1
         };
         let exact = end(falls.scheme, &falls.model);
-        assert!((exact / wanted - 1.0).abs() < 1e-12, "gamma = {gamma}: {exact} {wanted}");
-        for kind in [stickslip::scheme::Kind::DiscreteVi, stickslip::scheme::Kind::CorrectedVi] {
+        assert!(
+            (exact / wanted - 1.0).abs() < 1e-12,
+            "gamma = {gamma}: {exact} {wanted}"
+        );
+        for kind in [
+            stickslip::scheme::Kind::DiscreteVi,
+            stickslip::scheme::Kind::CorrectedVi,
+        ] {
             let [coarse, fine] = [1e-2, 5e-3].map(|h| end(kind.with(h), &falls.model));
             let extrapolated = 2.0 * fine - coarse;
-            assert!((extrapolated / wanted - 1.0).abs() < 1e-3, "gamma = {gamma}: {extrapolated} {wanted}");
+            assert!(
+                (extrapolated / wanted - 1.0).abs() < 1e-3,
+                "gamma = {gamma}: {extrapolated} {wanted}"
+            );
         }
     }
 }
@@ -222,16 +341,25 @@ fn a_line_is_the_series_of_its_ends() {
     for noise in ["", ", noise = { intensity = 0.3 }"] {
         for scheme in ["event-driven", "discrete-vi", "corrected-vi"] {
             let with = |temperature: &str| {
-                let text = body([1.2, 1.0], 0.0, 20.0, &format!("temperature = {{ {temperature}{noise} }}"));
-                let text =
-                    text.replace("\"event-driven\"", &format!("\"{scheme}\"")).replace("{ end", "{ step = 0.01, end");
+                let text = body(
+                    [1.2, 1.0],
+                    0.0,
+                    20.0,
+                    &format!("temperature = {{ {temperature}{noise} }}"),
+                );
+                let text = text
+                    .replace("\"event-driven\"", &format!("\"{scheme}\""))
+                    .replace("{ end", "{ step = 0.01, end");
                 let mut scenario = scenario(&text);
                 if temperature == "offset = 0" {
                     let series = Series::new(vec![0.0, 20.0], vec![0.5, 6.5]).expect("a series");
                     scenario.model.temperature.series = Some(std::sync::Arc::new(series));
                 }
                 let mut keep = Keep::lanes(3);
-                scenario.scheme.simulation(&scenario.model, &timeline(20.0, 0.7)).simulate(1, &[0, 1, 2], &mut keep);
+                scenario
+                    .scheme
+                    .simulation(&scenario.model, &timeline(20.0, 0.7))
+                    .simulate(1, &[0, 1, 2], &mut keep);
                 keep
             };
             let [line, series] = ["offset = 0.5, trend = 0.3", "offset = 0"].map(with);
@@ -240,7 +368,10 @@ fn a_line_is_the_series_of_its_ends() {
             }
             let rows = line.rows.iter().flatten().zip(series.rows.iter().flatten());
             for (a, b) in rows {
-                assert!((a.1 - b.1).abs() < 1e-9 && (a.3 - b.3).abs() < 1e-9, "{scheme}{noise}: {a:?} {b:?}");
+                assert!(
+                    (a.1 - b.1).abs() < 1e-9 && (a.3 - b.3).abs() < 1e-9,
+                    "{scheme}{noise}: {a:?} {b:?}"
+                );
             }
         }
     }
@@ -290,9 +421,14 @@ const SCENES: [(&str, &str); 5] = [
 
 /// A scene of the table; what it does not give is that of the paper's noisy scene.
 fn noisy(scene: &str) -> Scenario {
-    let text = SCENES.iter().find(|(name, _)| *name == scene).expect("a scene").1;
-    let mut text =
-        format!("oscillator.mass = 1\noscillator.stiffness = 1\n{text}\ntime = {{ end = 60, output_step = 30 }}\n");
+    let text = SCENES
+        .iter()
+        .find(|(name, _)| *name == scene)
+        .expect("a scene")
+        .1;
+    let mut text = format!(
+        "oscillator.mass = 1\noscillator.stiffness = 1\n{text}\ntime = {{ end = 60, output_step = 30 }}\n"
+    );
     if !text.contains("friction") {
         text.push_str("friction = { static = 1.2, dynamic = 1.0 }\n");
     }
@@ -306,7 +442,12 @@ fn noisy(scene: &str) -> Scenario {
 fn summary(scenario: &Scenario, scheme: Scheme, paths: u64) -> Summary {
     let mut scenario = scenario.with_scheme(scheme).expect("goes together");
     scenario.ensemble.paths = paths;
-    Run::of(&scenario).threads(2).without_bias().simulate().expect("a run").summary
+    Run::of(&scenario)
+        .threads(2)
+        .without_bias()
+        .simulate()
+        .expect("a run")
+        .summary
 }
 
 /// The name of each statistic of a scene in the table, with its value and standard error.
@@ -316,7 +457,11 @@ fn table(scene: &str) -> Vec<(&'static str, f64, f64)> {
     let read = |row: &'static str| {
         let mut cells = row.split(',');
         let mut next = || cells.next().expect("four cells");
-        (next(), next().parse().expect("a number"), next().parse().expect("a number"))
+        (
+            next(),
+            next().parse().expect("a number"),
+            next().parse().expect("a number"),
+        )
     };
     of_scene.map(read).collect()
 }
@@ -327,14 +472,18 @@ fn beside_table(scene: &str, summary: &Summary) -> Vec<(&'static str, f64, f64, 
     let found = |name: &str| {
         if name == "x_half" {
             let band = &summary.bands.displacement;
-            return (band.mean[1], band.sd[1] / (summary.completed_paths as f64).sqrt());
+            return (
+                band.mean[1],
+                band.sd[1] / (summary.completed_paths as f64).sqrt(),
+            );
         }
         let estimate = summary.estimate(Statistic::from_name(name).expect("a statistic"));
         let error = estimate.standard_error;
         (estimate.estimate, if error.is_nan() { 0.0 } else { error })
     };
     let rows = table(scene).into_iter();
-    rows.map(|(name, value, error)| (name, found(name).0, found(name).1.hypot(error), value)).collect()
+    rows.map(|(name, value, error)| (name, found(name).0, found(name).1.hypot(error), value))
+        .collect()
 }
 
 /// The statistics of five noisy scenes are those of an independent program (fixed steps of 0.001
@@ -347,7 +496,11 @@ fn noisy_scenes_have_the_statistics_of_an_independent_program() {
         let scenario = noisy(scene);
         let found = summary(&scenario, scenario.scheme, 6000);
         for (name, value, error, wanted) in beside_table(scene, &found) {
-            let off = if value == wanted { 0.0 } else { (value - wanted) / error };
+            let off = if value == wanted {
+                0.0
+            } else {
+                (value - wanted) / error
+            };
             println!("{scene}: {name} {value} {wanted}, {off:.2} standard errors");
             // Slips with more than one sub-phase are so rare on a belt that the program saw none.
             let is_rare = name.starts_with("sub_phases") && error < 1e-4;
@@ -364,16 +517,32 @@ fn noisy_scenes_have_the_statistics_of_an_independent_program() {
 #[test]
 fn the_steps_agree_with_the_independent_program_once_their_bias_is_taken_off() {
     for (scene, _) in SCENES {
-        for scheme in [Scheme::from(DiscreteVi { step: 0.005 }), CorrectedVi { step: 0.005 }.into()] {
+        for scheme in [
+            Scheme::from(DiscreteVi { step: 0.005 }),
+            CorrectedVi { step: 0.005 }.into(),
+        ] {
             let scenario = noisy(scene).with_scheme(scheme).expect("goes together");
-            let found = Run::of(&scenario).paths(4096).threads(2).simulate().expect("a run").summary;
+            let found = Run::of(&scenario)
+                .paths(4096)
+                .threads(2)
+                .simulate()
+                .expect("a run")
+                .summary;
             for (name, value, error, wanted) in beside_table(scene, &found) {
-                let Some(bias) = Statistic::from_name(name).and_then(|statistic| found.estimate(statistic).bias) else {
+                let Some(bias) =
+                    Statistic::from_name(name).and_then(|statistic| found.estimate(statistic).bias)
+                else {
                     continue;
                 };
                 let off = (value - bias.estimate - wanted) / error.hypot(bias.uncertainty / 1.96);
-                println!("{scene}, {scheme}: {name} {value} - {}, {wanted}: {off:.2}", bias.estimate);
-                assert!(off.is_nan() || off.abs() <= 4.0, "{scene}, {scheme}: {name}");
+                println!(
+                    "{scene}, {scheme}: {name} {value} - {}, {wanted}: {off:.2}",
+                    bias.estimate
+                );
+                assert!(
+                    off.is_nan() || off.abs() <= 4.0,
+                    "{scene}, {scheme}: {name}"
+                );
             }
         }
     }
@@ -386,18 +555,32 @@ fn whole_and_half() -> [Scenario; 2] {
     let mut half = whole.clone();
     let gain = whole.model.oscillator.force_per_temperature();
     (half.model.oscillator.stiffness, half.model.oscillator.drive) = (0.5, Drive::Force(gain));
-    half.model.force = Some(Force::new(Expression::parse("-0.5*x + 0*abs(x)", &[]).expect("an expression")));
+    half.model.force = Some(Force::new(
+        Expression::parse("-0.5*x + 0*abs(x)", &[]).expect("an expression"),
+    ));
     half.ensemble.seed = 2;
     [whole, half]
 }
 
 /// The differences of two summaries: name, difference, its standard error, and the second estimate.
 fn differences(a: &Summary, b: &Summary) -> Vec<(&'static str, f64, f64, f64)> {
-    let pairs = a.estimates.iter().zip(&b.estimates).filter(|(a, _)| a.standard_error > 0.0);
+    let pairs = a
+        .estimates
+        .iter()
+        .zip(&b.estimates)
+        .filter(|(a, _)| a.standard_error > 0.0);
     pairs
         .map(|(a, b)| {
-            let (off, error) = (a.estimate - b.estimate, a.standard_error.hypot(b.standard_error));
-            println!("{}: {:.2} standard errors, {off:.1e} of {}", a.statistic.name(), off / error, b.estimate);
+            let (off, error) = (
+                a.estimate - b.estimate,
+                a.standard_error.hypot(b.standard_error),
+            );
+            println!(
+                "{}: {:.2} standard errors, {off:.1e} of {}",
+                a.statistic.name(),
+                off / error,
+                b.estimate
+            );
             (a.statistic.name(), off, error, b.estimate)
         })
         .collect()
@@ -444,7 +627,10 @@ fn the_tolerance_under_a_force_of_ones_own_is_kept() {
         scenario.ensemble.seed = 2;
         let fine = summary(&scenario, EventDriven { tolerance: 1e-5 }.into(), 100_000);
         for (name, off, error, value) in differences(&usual, &fine) {
-            assert!(off.abs() < 3.5 * error || off.abs() < 1e-3 * value.abs(), "{scene}: {name}");
+            assert!(
+                off.abs() < 3.5 * error || off.abs() < 1e-3 * value.abs(),
+                "{scene}: {name}"
+            );
         }
     }
 }
@@ -459,8 +645,17 @@ fn the_temperature_in_a_slip_is_that_of_the_noise_under_a_force_of_ones_own() {
     let mut keep = Keep::lanes(4000);
     let numbers: Vec<u64> = (0..4000).collect();
     let line = timeline(30.1, 30.1);
-    assert!(scenario.scheme.simulation(&scenario.model, &line).simulate(5, &numbers, &mut keep).is_empty());
-    let v = keep.rows.iter().map(|rows| (rows[1].3 - (0.25f64 * 30.1).cos()) / 0.25);
+    assert!(
+        scenario
+            .scheme
+            .simulation(&scenario.model, &line)
+            .simulate(5, &numbers, &mut keep)
+            .is_empty()
+    );
+    let v = keep
+        .rows
+        .iter()
+        .map(|rows| (rows[1].3 - (0.25f64 * 30.1).cos()) / 0.25);
     let variance = v.map(|v| v * v).sum::<f64>() / 4000.0;
     assert!((variance / 0.5 - 1.0).abs() < 4.5 * 0.0224, "{variance}");
 }
@@ -487,11 +682,14 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
         let scenario = scenario(&text);
         let numbers: Vec<u64> = (0..4000).collect();
         let mut keep = Keep::lanes(numbers.len());
-        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline());
         assert!(simulation.simulate(1, &numbers, &mut keep).is_empty());
         let rows: Vec<_> = keep.rows.iter().flat_map(|rows| &rows[3..]).collect();
-        let mean =
-            |of: &dyn Fn(f64, f64) -> f64| rows.iter().map(|row| of(row.1, row.2)).sum::<f64>() / rows.len() as f64;
+        let mean = |of: &dyn Fn(f64, f64) -> f64| {
+            rows.iter().map(|row| of(row.1, row.2)).sum::<f64>() / rows.len() as f64
+        };
         [mean(&|x, _| x * x), mean(&|_, v| v * v)]
     };
     let [slow, fast] = [10.0, 20.0].map(moments);
@@ -499,7 +697,10 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
     println!("{slow:?} {fast:?}: {x} {v}");
     // 44 000 states, of which some 20 000 are independent: 0.02 with the factor of the
     // extrapolation.
-    assert!((x - 0.579_204_77).abs() < 0.03 && (v - 1.0).abs() < 0.06, "{x} {v}");
+    assert!(
+        (x - 0.579_204_77).abs() < 0.03 && (v - 1.0).abs() < 0.06,
+        "{x} {v}"
+    );
 }
 
 /// The error of the events follows the tolerance. With noise that is too feeble to be seen, the
@@ -509,21 +710,35 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
 fn without_noise_the_error_under_a_force_of_ones_own_follows_the_tolerance() {
     let events = |expression: &str, intensity: f64, tolerance: f64| {
         let mut scenario = noisy("cubic spring");
-        scenario.model.force = Some(Force::new(Expression::parse(expression, &[]).expect("an expression")));
+        scenario.model.force = Some(Force::new(
+            Expression::parse(expression, &[]).expect("an expression"),
+        ));
         for noise in &mut scenario.model.temperature.noises {
             noise.intensity = intensity;
         }
-        events(&scenario.with_scheme(EventDriven { tolerance }).expect("goes together"))
+        events(
+            &scenario
+                .with_scheme(EventDriven { tolerance })
+                .expect("goes together"),
+        )
     };
     for (expression, most) in [("-0.3*x^3", 1e-4), ("-1000*max(x-3,0)", 1e-4)] {
         let exact = events(expression, 0.0, 1e-3);
         let error = |tolerance: f64| {
-            let pairs = events(expression, 1e-9, tolerance).into_iter().zip(&exact).take(12);
-            pairs.map(|(a, b)| (a.time - b.time).abs()).fold(0.0, f64::max)
+            let pairs = events(expression, 1e-9, tolerance)
+                .into_iter()
+                .zip(&exact)
+                .take(12);
+            pairs
+                .map(|(a, b)| (a.time - b.time).abs())
+                .fold(0.0, f64::max)
         };
         let [usual, coarse, fine] = [1e-3, 1e-4, 1e-5].map(error);
         println!("{expression}: {usual:e} {coarse:e} {fine:e}");
-        assert!(exact.len() > 12 && fine < most && fine < coarse / 4.0, "{expression}: {coarse:e} {fine:e}");
+        assert!(
+            exact.len() > 12 && fine < most && fine < coarse / 4.0,
+            "{expression}: {coarse:e} {fine:e}"
+        );
     }
 }
 
@@ -537,14 +752,21 @@ fn a_stiff_stop_throws_no_path_away() {
         let run = |tolerance: f64, seed: u64| {
             let mut scenario = noisy("stop at 3");
             let stop = format!("-{stiffness:?}*max(x - 3, 0)");
-            scenario.model.force = Some(Force::new(Expression::parse(&stop, &[]).expect("an expression")));
+            scenario.model.force = Some(Force::new(
+                Expression::parse(&stop, &[]).expect("an expression"),
+            ));
             scenario.model.initial_displacement = 2.9;
             let scheme = Scheme::from(EventDriven { tolerance });
             let numbers: Vec<u64> = (0..1000).collect();
             let mut keep = Keep::lanes(numbers.len());
             let simulation = scheme.simulation(&scenario.model, &timeline(30.0, 30.0));
             assert!(simulation.simulate(seed, &numbers, &mut keep).is_empty());
-            let farthest = keep.events.iter().flatten().map(|event| event.displacement.abs()).fold(0.0, f64::max);
+            let farthest = keep
+                .events
+                .iter()
+                .flatten()
+                .map(|event| event.displacement.abs())
+                .fold(0.0, f64::max);
             let ends: Vec<f64> = keep.rows.iter().map(|rows| rows[1].1).collect();
             let mean = ends.iter().sum::<f64>() / ends.len() as f64;
             let variance = ends.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / ends.len() as f64;
@@ -553,7 +775,10 @@ fn a_stiff_stop_throws_no_path_away() {
         let (usual, fine) = (run(1e-3, 1), run(1e-5, 2));
         println!("{stiffness:e}: {usual:?} {fine:?}");
         assert!((usual.0 / fine.0 - 1.0).abs() < 0.2, "{usual:?} {fine:?}");
-        assert!((usual.1 - fine.1).abs() < 4.0 * usual.2.hypot(fine.2), "{usual:?} {fine:?}");
+        assert!(
+            (usual.1 - fine.1).abs() < 4.0 * usual.2.hypot(fine.2),
+            "{usual:?} {fine:?}"
+        );
     }
 }
 
@@ -564,17 +789,24 @@ fn stiff_forces_take_no_energy() {
     for expression in ["-10*x^3", "-100*x*abs(x)", "-100*x^3", "-exp(5*x)"] {
         let work = |intensity: f64| {
             let mut scenario = noisy("cubic spring");
-            scenario.model.force = Some(Force::new(Expression::parse(expression, &[]).expect("an expression")));
+            scenario.model.force = Some(Force::new(
+                Expression::parse(expression, &[]).expect("an expression"),
+            ));
             scenario.model.initial_displacement = 2.0;
             scenario.time.end = 10.0;
             scenario.time.output_step = 10.0;
             for noise in &mut scenario.model.temperature.noises {
                 noise.intensity = intensity;
             }
-            summary(&scenario, scenario.scheme, 16).estimate(Statistic::FrictionWorkMean).estimate
+            summary(&scenario, scenario.scheme, 16)
+                .estimate(Statistic::FrictionWorkMean)
+                .estimate
         };
         let (exact, found) = (work(0.0), work(1e-4));
         println!("{expression}: {found} {exact}");
-        assert!((found / exact - 1.0).abs() < 0.01, "{expression}: {found} {exact}");
+        assert!(
+            (found / exact - 1.0).abs() < 0.01,
+            "{expression}: {found} {exact}"
+        );
     }
 }

@@ -16,8 +16,14 @@ const NOISE: &str = "temperature.noise = { intensity = 0.5, relaxation_rate = 1,
 /// recursion.
 const SCENES: [(&str, &str); 7] = [
     ("plain", "friction = { static = 1.2, dynamic = 1.0 }"),
-    ("load", "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\" }"),
-    ("load in time", "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*cos(0.7*t)\" }"),
+    (
+        "load",
+        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\" }",
+    ),
+    (
+        "load in time",
+        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*cos(0.7*t)\" }",
+    ),
     (
         "direction",
         "friction = { static = { forward = 1.2, backward = 1.4 }, dynamic = { forward = 1.0, backward = 1.1 } }",
@@ -39,7 +45,12 @@ const SCENES: [(&str, &str); 7] = [
     ),
 ];
 
-const SCHEMES: [&str; 4] = ["event-driven", "discrete-vi", "corrected-vi", "quasi-static"];
+const SCHEMES: [&str; 4] = [
+    "event-driven",
+    "discrete-vi",
+    "corrected-vi",
+    "quasi-static",
+];
 
 /// Every scene with and without noise in every scheme that suits it, as a name and lines.
 fn cases() -> Vec<(String, String)> {
@@ -50,9 +61,16 @@ fn cases() -> Vec<(String, String)> {
                 if scheme == "quasi-static" && name != "plain" {
                     continue;
                 }
-                let step = if scheme.ends_with("vi") { "time.step = 0.01" } else { "" };
+                let step = if scheme.ends_with("vi") {
+                    "time.step = 0.01"
+                } else {
+                    ""
+                };
                 let lines = format!("{lines}\n{noise}\nscheme.kind = {scheme:?}\n{step}");
-                cases.push((format!("{name}, {scheme}, noise: {}", !noise.is_empty()), lines));
+                cases.push((
+                    format!("{name}, {scheme}, noise: {}", !noise.is_empty()),
+                    lines,
+                ));
             }
         }
     }
@@ -61,7 +79,11 @@ fn cases() -> Vec<(String, String)> {
 
 /// A scenario of one path over this time, of which the part from `after` on counts.
 fn scene(name: &str, lines: &str, seed: u64, [after, end]: [f64; 2]) -> Scenario {
-    let initial = if lines.contains("initial.velocity") { "" } else { "initial.velocity = 0" };
+    let initial = if lines.contains("initial.velocity") {
+        ""
+    } else {
+        "initial.velocity = 0"
+    };
     let text = format!(
         "oscillator = {{ mass = 1, stiffness = 1, damping = 0.1, force_per_temperature = 1 }}
          initial.displacement = 0
@@ -75,17 +97,30 @@ fn scene(name: &str, lines: &str, seed: u64, [after, end]: [f64; 2]) -> Scenario
          {lines}"
     );
     let times: Vec<f64> = (0..60).map(|i| 0.5 * f64::from(i)).collect();
-    let values = times.iter().map(|t| (3.0 * t).sin() + (1.3 * t).cos()).collect();
+    let values = times
+        .iter()
+        .map(|t| (3.0 * t).sin() + (1.3 * t).cos())
+        .collect();
     let series = Series::new(times, values).expect("a series").into();
-    let inputs = [NamedSeries { name: "input.s".into(), series }];
-    let inputs = if lines.contains('s') && lines.contains("*s\"") { &inputs[..] } else { &[] };
-    Scenario::parse_measured("test", &text, &[], inputs).unwrap_or_else(|error| panic!("{name}: {error}"))
+    let inputs = [NamedSeries {
+        name: "input.s".into(),
+        series,
+    }];
+    let inputs = if lines.contains('s') && lines.contains("*s\"") {
+        &inputs[..]
+    } else {
+        &[]
+    };
+    Scenario::parse_measured("test", &text, &[], inputs)
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// The time below an edge.
 fn below(curve: &DensityCurve, edge: f64) -> f64 {
     let bins = curve.edges.windows(2).zip(&curve.density);
-    bins.filter(|(pair, _)| pair[1] <= edge).map(|(pair, density)| density * (pair[1] - pair[0])).sum()
+    bins.filter(|(pair, _)| pair[1] <= edge)
+        .map(|(pair, density)| density * (pair[1] - pair[0]))
+        .sum()
 }
 
 fn densities(summary: &Summary) -> &Densities {
@@ -120,28 +155,48 @@ fn totals_are_additive_over_time() {
             let [whole, first, second] = summaries.each_ref().map(of);
             for (i, statistic) in works.iter().enumerate() {
                 let off = (whole[i] - (first[i] + second[i])) / friction;
-                assert!(off.abs() < 1e-12, "{name}, {nearest}: {} is off by {off:e}", statistic.name());
+                assert!(
+                    off.abs() < 1e-12,
+                    "{name}, {nearest}: {} is off by {off:e}",
+                    statistic.name()
+                );
                 let left = second[5] / friction;
-                assert!(is_stepping || left.abs() < 1e-9, "{name}, {nearest}: {left:e} is left of the balance");
+                assert!(
+                    is_stepping || left.abs() < 1e-9,
+                    "{name}, {nearest}: {left:e} is left of the balance"
+                );
             }
             if is_stepping {
                 assert_eq!(of(&counted([between, end])), second, "{name}, {between}");
             }
             let apart = |of: &dyn Fn(&Summary) -> f64| {
-                let [whole, first, second] = [0, 1, 2].map(|i| of(&summaries[i]) * (windows[i][1] - windows[i][0]));
+                let [whole, first, second] =
+                    [0, 1, 2].map(|i| of(&summaries[i]) * (windows[i][1] - windows[i][0]));
                 (whole - (first + second)).abs() / end
             };
-            let sticking = |summary: &Summary| summary.estimate(Statistic::StickingFraction).estimate;
+            let sticking =
+                |summary: &Summary| summary.estimate(Statistic::StickingFraction).estimate;
             let off = apart(&sticking);
-            assert!(off < 1e-12, "{name}, {nearest}: the time at rest is off by {off:e}");
+            assert!(
+                off < 1e-12,
+                "{name}, {nearest}: the time at rest is off by {off:e}"
+            );
             let [rest, sticks] = [densities(&summaries[2]).at_rest, sticking(&summaries[2])];
-            assert!((rest - sticks).abs() < 1e-9, "{name}, {nearest}: {rest} at rest, {sticks} in sticks");
-            let curves: [fn(&Summary) -> &DensityCurve; 2] =
-                [|summary| &densities(summary).displacement, |summary| &densities(summary).velocity];
+            assert!(
+                (rest - sticks).abs() < 1e-9,
+                "{name}, {nearest}: {rest} at rest, {sticks} in sticks"
+            );
+            let curves: [fn(&Summary) -> &DensityCurve; 2] = [
+                |summary| &densities(summary).displacement,
+                |summary| &densities(summary).velocity,
+            ];
             for curve in curves {
                 for edge in &curve(&summaries[0]).edges {
                     let off = apart(&|summary| below(curve(summary), *edge));
-                    assert!(off < 1e-9, "{name}, {nearest}: the time below {edge} is off by {off:e}");
+                    assert!(
+                        off < 1e-9,
+                        "{name}, {nearest}: the time below {edge} is off by {off:e}"
+                    );
                 }
             }
         }
@@ -174,34 +229,57 @@ fn dense_output_has_no_gaps() {
         let end = if name.contains("vi,") { 20.04 } else { 20.037 };
         let scenario = scene(&name, &lines, 1, [6.7081, end]);
         let mut kept = Kept(vec![Default::default(); 8]);
-        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
-        assert!(simulation.simulate(1, &[0, 1, 2, 3, 4, 5, 6, 7], &mut kept).is_empty());
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline());
+        assert!(
+            simulation
+                .simulate(1, &[0, 1, 2, 3, 4, 5, 6, 7], &mut kept)
+                .is_empty()
+        );
         for (events, segments) in &kept.0 {
             // (t, x, x') at which the motion may begin and end.
             let at_event = |time: f64, x: f64| {
-                events.iter().any(|event| (event.time - time).abs() < 1e-9 && (event.displacement - x).abs() < 1e-9)
+                events.iter().any(|event| {
+                    (event.time - time).abs() < 1e-9 && (event.displacement - x).abs() < 1e-9
+                })
             };
             let mut last: Option<[f64; 3]> = None;
             for segment in segments.iter().filter(|segment| segment.start < end) {
                 let from = [segment.start, segment.displacement, segment.velocity[0]];
-                let goes_on = last.is_some_and(|last| from.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-9));
+                let goes_on = last
+                    .is_some_and(|last| from.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-9));
                 let ends = last.is_none_or(|[t, x, _]| at_event(t, x));
-                assert!(goes_on || (ends && at_event(from[0], from[1])), "{name}: {last:?} {from:?}");
-                let to = [segment.end(), segment.displacement + segment.way, segment.velocity[1]];
+                assert!(
+                    goes_on || (ends && at_event(from[0], from[1])),
+                    "{name}: {last:?} {from:?}"
+                );
+                let to = [
+                    segment.end(),
+                    segment.displacement + segment.way,
+                    segment.velocity[1],
+                ];
                 last = Some(to);
             }
             let [t, x, _] = last.expect("the body moves");
             assert!(t > end - 1e-9 || at_event(t, x), "{name}: {last:?}");
-            let moving =
-                events.last().is_some_and(|event| matches!(event.kind.phase(), stickslip::model::Phase::Slip(_)));
-            assert!(!moving || t > end - 1e-9, "{name}: the last slip is followed until {t}");
+            let moving = events.last().is_some_and(|event| {
+                matches!(event.kind.phase(), stickslip::model::Phase::Slip(_))
+            });
+            assert!(
+                !moving || t > end - 1e-9,
+                "{name}: the last slip is followed until {t}"
+            );
         }
     }
 }
 
 /// The largest difference between the share of time below each edge and a function of the edge.
 fn off(curve: &DensityCurve, share: impl Fn(f64) -> f64) -> f64 {
-    let ends = curve.edges.iter().map(|edge| (below(curve, *edge) - share(*edge)).abs());
+    let ends = curve
+        .edges
+        .iter()
+        .map(|edge| (below(curve, *edge) - share(*edge)).abs());
     ends.fold(0.0, f64::max)
 }
 
@@ -217,21 +295,34 @@ fn densities_of_a_free_flight_are_its_closed_form() {
          record.density = true
          ensemble.paths = 3
          scheme.kind = \"event-driven\"";
-    let summary = run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
+    let summary =
+        run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
     let found = densities(&summary);
     let counted = 9.5 - 0.37;
     let flight = |t: f64| (t.clamp(0.37, 6.1) - 0.37) / counted;
     let arrives = |x: f64| 6.1 - (6.1 * 6.1 - 2.0 * x).max(0.0).sqrt();
     let at_x = |x: f64| if x > 18.605 { 1.0 } else { flight(arrives(x)) };
-    assert!(off(&found.displacement, at_x) < 1e-9, "{}", off(&found.displacement, at_x));
+    assert!(
+        off(&found.displacement, at_x) < 1e-9,
+        "{}",
+        off(&found.displacement, at_x)
+    );
     let at_v = |v: f64| flight(6.1) - flight(6.1 - v);
-    assert!(off(&found.velocity, at_v) < 1e-9, "{}", off(&found.velocity, at_v));
+    assert!(
+        off(&found.velocity, at_v) < 1e-9,
+        "{}",
+        off(&found.velocity, at_v)
+    );
     assert!((found.at_rest - 3.4 / counted).abs() < 1e-9);
     for ((i, j), density) in found.joint.indexed_iter() {
-        let [[a, b], [low, high]] = [(0, i), (1, j)].map(|(axis, k)| [0, 1].map(|n| found.joint_edges[axis][k + n]));
+        let [[a, b], [low, high]] =
+            [(0, i), (1, j)].map(|(axis, k)| [0, 1].map(|n| found.joint_edges[axis][k + n]));
         let (from, to) = (arrives(a).max(6.1 - high), arrives(b).min(6.1 - low));
         let expected = (flight(to) - flight(from)).max(0.0);
-        assert!((density * (b - a) * (high - low) - expected).abs() < 1e-9, "{a} {low}: {density}, not {expected}");
+        assert!(
+            (density * (b - a) * (high - low) - expected).abs() < 1e-9,
+            "{a} {low}: {density}, not {expected}"
+        );
     }
 }
 
@@ -247,11 +338,15 @@ fn densities_of_a_sine_are_its_closed_form() {
          record.density = true
          ensemble.paths = 1
          scheme.kind = \"event-driven\"";
-    let summary = run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
+    let summary =
+        run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
     let found = densities(&summary);
     // The time until t during which cos is below a share.
     let below = |share: f64, t: f64| {
-        let (turns, rest) = ((t / std::f64::consts::TAU).floor(), t.rem_euclid(std::f64::consts::TAU));
+        let (turns, rest) = (
+            (t / std::f64::consts::TAU).floor(),
+            t.rem_euclid(std::f64::consts::TAU),
+        );
         let first = share.clamp(-1.0, 1.0).acos();
         let length = std::f64::consts::TAU - 2.0 * first;
         turns * length + (rest - first).clamp(0.0, length)
@@ -259,7 +354,9 @@ fn densities_of_a_sine_are_its_closed_form() {
     let quarter = 0.5 * std::f64::consts::PI;
     let at_x = |x: f64| (below(x / 2.0, 17.3) - below(x / 2.0, 1.234)) / (17.3 - 1.234);
     // x' = -2 sin t = 2 cos(t + pi/2).
-    let at_v = |v: f64| (below(v / 2.0, 17.3 + quarter) - below(v / 2.0, 1.234 + quarter)) / (17.3 - 1.234);
+    let at_v = |v: f64| {
+        (below(v / 2.0, 17.3 + quarter) - below(v / 2.0, 1.234 + quarter)) / (17.3 - 1.234)
+    };
     let [x, v] = [off(&found.displacement, at_x), off(&found.velocity, at_v)];
     assert!(x < 1e-9 && v < 1e-9, "{x} {v}");
 }
@@ -269,27 +366,47 @@ fn densities_of_a_sine_are_its_closed_form() {
 #[test]
 fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
     for scheme in ["discrete-vi", "corrected-vi"] {
-        let lines = format!("{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01", SCENES[1].1);
+        let lines = format!(
+            "{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01",
+            SCENES[1].1
+        );
         let mut scenario = scene(scheme, &lines, 4, [5.0, 20.0]);
         (scenario.time.output_step, scenario.record.trajectories) = (0.01, 1);
         let (summary, column) = recorded(&scenario);
         let (x, v, held) = (column("displacement"), column("velocity"), 500..2000);
         let resting: Vec<bool> = column("static").iter().map(|is| *is > 0.0).collect();
         let found = densities(&summary);
-        let count = |of: &dyn Fn(usize) -> bool| held.clone().filter(|n| of(*n)).count() as f64 / 1500.0;
+        let count =
+            |of: &dyn Fn(usize) -> bool| held.clone().filter(|n| of(*n)).count() as f64 / 1500.0;
         let at_x = off(&found.displacement, |edge| count(&|n| x[n] < edge));
-        let at_v = off(&found.velocity, |edge| count(&|n| !resting[n] && v[n] < edge));
+        let at_v = off(&found.velocity, |edge| {
+            count(&|n| !resting[n] && v[n] < edge)
+        });
         assert!(at_x < 1e-9 && at_v < 1e-9, "{scheme}: {at_x} {at_v}");
-        assert!((found.at_rest - count(&|n| resting[n])).abs() < 1e-9, "{scheme}");
+        assert!(
+            (found.at_rest - count(&|n| resting[n])).abs() < 1e-9,
+            "{scheme}"
+        );
         let temperature = column("temperature");
-        let sum = |force: &dyn Fn(usize) -> f64| held.clone().map(|n| force(n) * (x[n + 1] - x[n])).sum::<f64>();
+        let sum = |force: &dyn Fn(usize) -> f64| {
+            held.clone()
+                .map(|n| force(n) * (x[n + 1] - x[n]))
+                .sum::<f64>()
+        };
         for (statistic, expected) in [
             (Statistic::TemperatureWorkMean, sum(&|n| temperature[n])),
             (Statistic::DampingWorkMean, sum(&|n| 0.2 * v[n])),
-            (Statistic::FrictionWorkMean, sum(&|n| (x[n + 1] - x[n]).signum() * (1.0 + 0.3 * (2.0 * x[n]).sin()))),
+            (
+                Statistic::FrictionWorkMean,
+                sum(&|n| (x[n + 1] - x[n]).signum() * (1.0 + 0.3 * (2.0 * x[n]).sin())),
+            ),
         ] {
             let found = summary.estimate(statistic).estimate;
-            assert!((found / expected - 1.0).abs() < 1e-12, "{scheme}: {found} {expected}, {}", statistic.name());
+            assert!(
+                (found / expected - 1.0).abs() < 1e-12,
+                "{scheme}: {found} {expected}, {}",
+                statistic.name()
+            );
         }
     }
 }
@@ -297,7 +414,8 @@ fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
 /// The part of a segment between two places of it during which x (0) or x' (1) is below an edge: places
 /// 1/100 apart, and halvings between two of them on different sides.
 fn part_below(segment: &Segment, variable: usize, edge: f64, [from, to]: [f64; 2]) -> f64 {
-    let is_below = |part: f64| [segment.displacement, 0.0][variable] + segment.at(part)[variable] < edge;
+    let is_below =
+        |part: f64| [segment.displacement, 0.0][variable] + segment.at(part)[variable] < edge;
     let (mut sum, mut left, mut was_below) = (0.0, from, is_below(from));
     for i in 1..=100 {
         let right = from + (to - from) * f64::from(i) / 100.0;
@@ -305,7 +423,11 @@ fn part_below(segment: &Segment, variable: usize, edge: f64, [from, to]: [f64; 2
         let (mut low, mut high) = (left, right);
         while was_below != now_below && high - low > 1e-12 {
             let middle = 0.5 * (low + high);
-            *(if is_below(middle) == was_below { &mut low } else { &mut high }) = middle;
+            *(if is_below(middle) == was_below {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
         }
         sum += match (was_below, now_below) {
             (true, true) => right - left,
@@ -325,10 +447,19 @@ fn densities_under_noise_are_times_of_the_same_motion() {
     let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[1].1);
     let scenario = scene("noise", &lines, 4, [6.7081, 20.037]);
     let (timeline, paths) = (scenario.timeline(), [0, 1, 2, 3]);
-    let record = Record { density: true, ..Record::NOTHING };
+    let record = Record {
+        density: true,
+        ..Record::NOTHING
+    };
     let block = BlockObserver::new(&scenario.model, &timeline, &record, &paths, Replicate::Path);
     let mut both = (Kept(vec![Default::default(); 4]), block);
-    assert!(scenario.scheme.simulation(&scenario.model, &timeline).simulate(4, &paths, &mut both).is_empty());
+    assert!(
+        scenario
+            .scheme
+            .simulation(&scenario.model, &timeline)
+            .simulate(4, &paths, &mut both)
+            .is_empty()
+    );
     let summary = both.1.finish(0, 4, Vec::new()).totals.summary();
     let found = densities(&summary);
     let segments: Vec<&Segment> = both.0.0.iter().flat_map(|path| &path.1).collect();
@@ -336,7 +467,11 @@ fn densities_under_noise_are_times_of_the_same_motion() {
         let times = segments.iter().map(|segment| {
             let part = |time: f64| ((time - segment.start) / segment.length).clamp(0.0, 1.0);
             let [from, to] = [timeline.after, timeline.end].map(part);
-            if from < to { segment.length * part_below(segment, variable, edge, [from, to]) } else { 0.0 }
+            if from < to {
+                segment.length * part_below(segment, variable, edge, [from, to])
+            } else {
+                0.0
+            }
         });
         times.sum::<f64>() / (4.0 * timeline.counted())
     };
@@ -346,8 +481,12 @@ fn densities_under_noise_are_times_of_the_same_motion() {
     let area = (rows[1] - rows[0]) * (columns[1] - columns[0]);
     for (variable, edges) in [rows, columns].into_iter().enumerate() {
         for (k, edge) in edges.iter().enumerate() {
-            let cells = found.joint.indexed_iter().filter(|(cell, _)| [cell.0, cell.1][variable] < k);
-            let off = cells.map(|(_, density)| density * area).sum::<f64>() - expected(variable, *edge);
+            let cells = found
+                .joint
+                .indexed_iter()
+                .filter(|(cell, _)| [cell.0, cell.1][variable] < k);
+            let off =
+                cells.map(|(_, density)| density * area).sum::<f64>() - expected(variable, *edge);
             assert!(off.abs() < 1e-9, "{variable}, {edge}: {off:e}");
         }
     }
@@ -356,9 +495,17 @@ fn densities_under_noise_are_times_of_the_same_motion() {
 /// A run of a scenario, and the rows of its paths, one path after the other.
 fn recorded(scenario: &Scenario) -> (Summary, impl Fn(&str) -> Vec<f64>) {
     let mut recorder = Recorder::default();
-    let outcome = Run::of(scenario).without_bias().into_sink(&mut recorder).simulate().expect("no sink fails");
+    let outcome = Run::of(scenario)
+        .without_bias()
+        .into_sink(&mut recorder)
+        .simulate()
+        .expect("no sink fails");
     let dataset = recorder.into_dataset();
-    let column = move |name: &str| match &dataset.entry(&format!("trajectory_{name}")).expect("recorded").column {
+    let column = move |name: &str| match &dataset
+        .entry(&format!("trajectory_{name}"))
+        .expect("recorded")
+        .column
+    {
         Column::F64(values) => values.clone(),
         Column::I8(values) => values.iter().map(|value| f64::from(*value)).collect(),
         other => panic!("{other:?}"),
@@ -373,48 +520,76 @@ fn autocovariance_and_spectrum_are_plain_sums_over_the_rows() {
     let paths = 6;
     let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[0].1);
     let mut scenario = scene("spectrum", &lines, 5, [10.1, 310.0]);
-    (scenario.ensemble.paths, scenario.time.output_step, scenario.record.trajectories) =
-        (paths as u64, 0.2, paths as u64);
-    scenario.record = Record { spectrum: true, energy: false, density: false, ..scenario.record };
+    (
+        scenario.ensemble.paths,
+        scenario.time.output_step,
+        scenario.record.trajectories,
+    ) = (paths as u64, 0.2, paths as u64);
+    scenario.record = Record {
+        spectrum: true,
+        energy: false,
+        density: false,
+        ..scenario.record
+    };
     let (summary, column) = recorded(&scenario);
     let (rows, first) = (1551, 51);
     // The counted rows are in two segments of L = 1000 that overlap by half.
     let length = 1000;
     let spectrum = summary.spectrum.as_ref().expect("asked for");
     assert_eq!((spectrum.segments, spectrum.lag.len()), (2, length / 2));
-    let taper: Vec<f64> =
-        (0..length).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * (n as f64 + 0.5) / length as f64).cos()).collect();
-    for (values, found) in [(column("displacement"), &spectrum.displacement), (column("velocity"), &spectrum.velocity)]
-    {
+    let taper: Vec<f64> = (0..length)
+        .map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * (n as f64 + 0.5) / length as f64).cos())
+        .collect();
+    for (values, found) in [
+        (column("displacement"), &spectrum.displacement),
+        (column("velocity"), &spectrum.velocity),
+    ] {
         let at = |path: usize, row: usize| values[path * rows + row];
-        let mean: Vec<f64> = (0..rows).map(|row| (0..paths).map(|p| at(p, row)).sum::<f64>() / paths as f64).collect();
+        let mean: Vec<f64> = (0..rows)
+            .map(|row| (0..paths).map(|p| at(p, row)).sum::<f64>() / paths as f64)
+            .collect();
         let mut segments = Vec::new();
         for path in 0..paths {
             for start in [first, first + length / 2] {
-                let tapered = (0..length).map(|n| taper[n] * (at(path, start + n) - mean[start + n]));
+                let tapered =
+                    (0..length).map(|n| taper[n] * (at(path, start + n) - mean[start + n]));
                 segments.push(tapered.collect::<Vec<f64>>());
             }
         }
         let weight = 2.0 * (paths as f64 - 1.0);
-        let product = |a: &[f64], lag: usize| a.iter().zip(&a[lag..]).map(|(a, b)| a * b).sum::<f64>();
+        let product =
+            |a: &[f64], lag: usize| a.iter().zip(&a[lag..]).map(|(a, b)| a * b).sum::<f64>();
         let variance = found.autocovariance[0];
         for lag in [0, 1, length / 4, length / 2 - 1] {
             let sum: f64 = segments.iter().map(|segment| product(segment, lag)).sum();
             let expected = sum / weight / product(&taper, lag);
             let off = (found.autocovariance[lag] - expected).abs() / variance;
-            assert!(off < 1e-12, "lag {lag}: {} {expected}", found.autocovariance[lag]);
+            assert!(
+                off < 1e-12,
+                "lag {lag}: {} {expected}",
+                found.autocovariance[lag]
+            );
         }
         for k in [0, 1, 37, spectrum.frequency.len() - 1] {
             let turn = spectrum.frequency[k] * 0.2;
             let power = |segment: &Vec<f64>| {
                 let part = |wave: fn(f64) -> f64| -> f64 {
-                    segment.iter().enumerate().map(|(n, y)| y * wave(turn * n as f64)).sum()
+                    segment
+                        .iter()
+                        .enumerate()
+                        .map(|(n, y)| y * wave(turn * n as f64))
+                        .sum()
                 };
                 part(f64::cos).powi(2) + part(f64::sin).powi(2)
             };
-            let expected = 0.2 * segments.iter().map(power).sum::<f64>() / weight / product(&taper, 0);
+            let expected =
+                0.2 * segments.iter().map(power).sum::<f64>() / weight / product(&taper, 0);
             let off = (found.spectrum[k] - expected).abs() / (found.spectrum[k] + 1e-12 * variance);
-            assert!(off < 1e-9, "frequency {k}: {} {expected}", found.spectrum[k]);
+            assert!(
+                off < 1e-9,
+                "frequency {k}: {} {expected}",
+                found.spectrum[k]
+            );
         }
     }
 }

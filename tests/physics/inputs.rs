@@ -9,29 +9,40 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::Simulate as _;
 
 /// m = K = 1 and nothing else that moves the body.
-const BODY: &str = "oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }\ninitial.displacement = 0
+const BODY: &str =
+    "oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }\ninitial.displacement = 0
                     scheme.kind = \"event-driven\"\ntime.output_step = 1\n";
 
 fn input(name: &str, times: Vec<f64>, values: Vec<f64>) -> NamedSeries {
-    NamedSeries { name: format!("input.{name}"), series: Series::new(times, values).expect("a series").into() }
+    NamedSeries {
+        name: format!("input.{name}"),
+        series: Series::new(times, values).expect("a series").into(),
+    }
 }
 
 #[track_caller]
 fn scenario(lines: &str, inputs: &[NamedSeries], set: &[Override]) -> Scenario {
-    Scenario::parse_measured("test", &format!("{BODY}{lines}"), set, inputs).unwrap_or_else(|error| panic!("{error}"))
+    Scenario::parse_measured("test", &format!("{BODY}{lines}"), set, inputs)
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn events(scenario: &Scenario) -> Vec<Event> {
     let mut keep = Keep::lanes(1);
-    let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+    let simulation = scenario
+        .scheme
+        .simulation(&scenario.model, &scenario.timeline());
     assert_eq!(simulation.simulate(1, &[0], &mut keep), Vec::<usize>::new());
     keep.events.remove(0)
 }
 
 /// The coarse samples of tests/reference/load.py, with kinks of up to 8 in the slope.
 fn coarse() -> NamedSeries {
-    let times = vec![0.0, 1.3, 2.1, 3.7, 4.4, 6.2, 7.7, 9.1, 11.4, 12.0, 14.3, 16.8, 18.5, 20.0];
-    let values = vec![0.0, 2.6, -0.4, -2.9, 1.1, 2.4, -1.8, 2.2, -2.7, 0.3, 3.1, -2.2, 1.9, -0.6];
+    let times = vec![
+        0.0, 1.3, 2.1, 3.7, 4.4, 6.2, 7.7, 9.1, 11.4, 12.0, 14.3, 16.8, 18.5, 20.0,
+    ];
+    let values = vec![
+        0.0, 2.6, -0.4, -2.9, 1.1, 2.4, -1.8, 2.2, -2.7, 0.3, 3.1, -2.2, 1.9, -0.6,
+    ];
     input("s", times, values)
 }
 
@@ -40,15 +51,24 @@ fn coarse() -> NamedSeries {
 #[test]
 fn a_coarse_input_gives_every_event_of_an_independent_program() {
     for (name, lines) in [
-        ("input in the force", "friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"s\""),
+        (
+            "input in the force",
+            "friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"s\"",
+        ),
         (
             "input in the load",
             "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.25*s\" }
              temperature.harmonics = [{ amplitude = 3, angular_frequency = 0.5 }]",
         ),
     ] {
-        let found = events(&scenario(&format!("{lines}\ntime.end = 20"), &[coarse()], &[]));
-        let rows = include_str!("../reference/load.csv").lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let found = events(&scenario(
+            &format!("{lines}\ntime.end = 20"),
+            &[coarse()],
+            &[],
+        ));
+        let rows = include_str!("../reference/load.csv")
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
         let wanted: Vec<Vec<&str>> = rows.filter(|row| row[0] == name).collect();
         assert_eq!(found.len(), wanted.len(), "{name}");
         for (event, row) in found.iter().zip(&wanted) {
@@ -59,7 +79,10 @@ fn a_coarse_input_gives_every_event_of_an_independent_program() {
             };
             let [t, x, b] = [2, 3, 4].map(|i| row[i].parse::<f64>().expect("a number"));
             let off = [event.time - t, event.displacement - x, event.force - b].map(f64::abs);
-            assert!(kind == row[1] && off.iter().all(|off| *off < 1e-9), "{name}: {event:?}, off by {off:?}");
+            assert!(
+                kind == row[1] && off.iter().all(|off| *off < 1e-9),
+                "{name}: {event:?}, off by {off:?}"
+            );
         }
     }
 }
@@ -70,12 +93,21 @@ fn a_coarse_input_gives_every_event_of_an_independent_program() {
 fn an_input_acts_as_the_same_samples_of_a_temperature_do() {
     let friction = "friction = { static = 1.2, dynamic = 1.0 }\ntime.end = 20";
     let NamedSeries { series, .. } = coarse();
-    let air = NamedSeries { name: "temperature.series".into(), series };
-    let by_input = events(&scenario(&format!("{friction}\nforce.expression = \"s\""), &[coarse()], &[]));
+    let air = NamedSeries {
+        name: "temperature.series".into(),
+        series,
+    };
+    let by_input = events(&scenario(
+        &format!("{friction}\nforce.expression = \"s\""),
+        &[coarse()],
+        &[],
+    ));
     let by_series = events(&scenario(friction, &[air], &[]));
     assert_eq!(by_input.len(), by_series.len());
     for (a, b) in by_input.iter().zip(&by_series) {
-        let off = (a.time - b.time).abs().max((a.displacement - b.displacement).abs());
+        let off = (a.time - b.time)
+            .abs()
+            .max((a.displacement - b.displacement).abs());
         assert!(a.kind == b.kind && off < 1e-10, "{a:?} {b:?}");
     }
 }
@@ -92,12 +124,17 @@ fn a_finely_sampled_cosine_is_that_cosine() {
             "friction = {{ static = 1.2, dynamic = 1.0 }}\ntime.end = 40\nforce.expression = \"-0.02*x^3 + {force}\""
         )
     };
-    let [by_input, written] =
-        [scenario(&lines("s"), &sampled, &[]), scenario(&lines("3*cos(0.5*t)"), &[], &[])].map(|one| events(&one));
+    let [by_input, written] = [
+        scenario(&lines("s"), &sampled, &[]),
+        scenario(&lines("3*cos(0.5*t)"), &[], &[]),
+    ]
+    .map(|one| events(&one));
     assert_eq!(by_input.len(), written.len());
     assert!(by_input.len() > 10);
     for (a, b) in by_input.iter().zip(&written) {
-        let off = (a.time - b.time).abs().max((a.displacement - b.displacement).abs());
+        let off = (a.time - b.time)
+            .abs()
+            .max((a.displacement - b.displacement).abs());
         assert!(a.kind == b.kind && off < 1e-6, "{a:?} {b:?}");
     }
 }
@@ -117,7 +154,9 @@ fn a_block_on_an_incline_slides_as_newmark_says() {
         - a * (duration - start).powi(2) / 2.0;
     let wanted = during + v * v / (2.0 * a);
     let (stop, parts) = (duration + v / a, 4000);
-    let mut times: Vec<f64> = (0..=parts).map(|i| duration * f64::from(i) / f64::from(parts)).collect();
+    let mut times: Vec<f64> = (0..=parts)
+        .map(|i| duration * f64::from(i) / f64::from(parts))
+        .collect();
     let mut values: Vec<f64> = times.iter().map(|t| strong * (w * t).sin()).collect();
     times.push(3.0);
     values[parts as usize] = 0.0;
@@ -128,15 +167,27 @@ fn a_block_on_an_incline_slides_as_newmark_says() {
         2.0 * hold
     );
     let values = values.into_iter().map(|value| -value).collect();
-    let body = BODY
-        .replace("oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }", "oscillator.dilatation = 0");
+    let body = BODY.replace(
+        "oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }",
+        "oscillator.dilatation = 0",
+    );
     let inputs = [input("ag", times, values)];
     let scenario = Scenario::parse_measured("test", &format!("{body}{lines}"), &[], &inputs);
     let found = events(&scenario.unwrap_or_else(|error| panic!("{error}")));
-    let [first, last] = &found[..] else { panic!("{found:?}") };
-    let off = [first.time - start, last.time - stop, last.displacement - wanted].map(f64::abs);
+    let [first, last] = &found[..] else {
+        panic!("{found:?}")
+    };
+    let off = [
+        first.time - start,
+        last.time - stop,
+        last.displacement - wanted,
+    ]
+    .map(f64::abs);
     println!("{wanted} off by {off:?}");
-    assert!(wanted > 0.05 && off.iter().all(|off| *off < 1e-6), "{found:?} {start} {stop} {wanted}");
+    assert!(
+        wanted > 0.05 && off.iter().all(|off| *off < 1e-6),
+        "{found:?} {start} {stop} {wanted}"
+    );
 }
 
 /// With noise: the mean of x at the end under the input is that under the same force written out.
@@ -147,9 +198,11 @@ fn every_scheme_knows_an_input() {
     let times: Vec<f64> = (0..=2000).map(|i| f64::from(i) * 0.01).collect();
     let values = times.iter().map(|t| 3.0 * (0.5 * t).cos()).collect();
     let sampled = [input("s", times, values)];
-    for (scheme, step) in
-        [("event-driven", ""), ("discrete-vi", "time.step = 1e-3"), ("corrected-vi", "time.step = 1e-3")]
-    {
+    for (scheme, step) in [
+        ("event-driven", ""),
+        ("discrete-vi", "time.step = 1e-3"),
+        ("corrected-vi", "time.step = 1e-3"),
+    ] {
         let lines = |force: &str| {
             format!(
                 "friction = {{ static = 1.2, dynamic = 1.0 }}\ntime.end = 20\n{step}\ntemperature.noise.intensity = 0.05
@@ -158,8 +211,14 @@ fn every_scheme_knows_an_input() {
         };
         let end = |of: Scenario| {
             let (mut keep, numbers) = (Keep::lanes(256), (0..256).collect::<Vec<u64>>());
-            of.scheme.simulation(&of.model, &timeline(20.0, 20.0)).simulate(1, &numbers, &mut keep);
-            let ends: Vec<f64> = keep.rows.iter().map(|rows| rows.last().expect("a row").1).collect();
+            of.scheme
+                .simulation(&of.model, &timeline(20.0, 20.0))
+                .simulate(1, &numbers, &mut keep);
+            let ends: Vec<f64> = keep
+                .rows
+                .iter()
+                .map(|rows| rows.last().expect("a row").1)
+                .collect();
             let mean = ends.iter().sum::<f64>() / 256.0;
             let variance = ends.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 255.0;
             [mean, (variance / 256.0).sqrt()]
@@ -167,7 +226,11 @@ fn every_scheme_knows_an_input() {
         let set = [Override::flag("--scheme", "scheme.kind", scheme)];
         let [a, error] = end(scenario(&lines("s"), &sampled, &set));
         let [b, _] = end(scenario(&lines("3*cos(0.5*t)"), &[], &set));
-        let allowed = if scheme == "event-driven" { 6.0 * error } else { 1e-3 };
+        let allowed = if scheme == "event-driven" {
+            6.0 * error
+        } else {
+            1e-3
+        };
         println!("{scheme}: {a} {b} {error}");
         assert!((a - b).abs() < allowed, "{scheme}: {a} {b}");
     }
@@ -180,20 +243,40 @@ fn every_scheme_knows_an_input() {
 #[test]
 fn a_pulse_between_distant_samples_is_not_stepped_over() {
     let (height, half, friction) = (500.0, 1e-3, 0.05);
-    let pulse = [input("ag", vec![0.0, 10.0, 10.0 + half, 10.0 + 2.0 * half, 60.0], vec![0.0, 0.0, height, 0.0, 0.0])];
+    let pulse = [input(
+        "ag",
+        vec![0.0, 10.0, 10.0 + half, 10.0 + 2.0 * half, 60.0],
+        vec![0.0, 0.0, height, 0.0, 0.0],
+    )];
     let block = |lines: &str| {
         let body = BODY.replace("stiffness = 1", "stiffness = 0");
         let text = format!("{body}force.expression = \"ag\"\ntime.end = 60\n{lines}");
-        events(&Scenario::parse_measured("test", &text, &[], &pulse).unwrap_or_else(|error| panic!("{error}")))
+        events(
+            &Scenario::parse_measured("test", &text, &[], &pulse)
+                .unwrap_or_else(|error| panic!("{error}")),
+        )
     };
     let moving = block("friction = { static = 0.05, dynamic = 0.05 }\ninitial.velocity = 2");
     let after = 2.0 - friction * (10.0 + 2.0 * half) + height * half;
-    let x = 2.0 * (10.0 + 2.0 * half) - 0.5 * friction * (10.0 + 2.0 * half).powi(2) + height * half * half;
-    let [time, place] = [10.0 + 2.0 * half + after / friction, x + 0.5 * after * after / friction];
-    let stop = moving.iter().find(|event| event.kind == EventKind::StickEntered && event.time > 0.0).expect("stops");
+    let x = 2.0 * (10.0 + 2.0 * half) - 0.5 * friction * (10.0 + 2.0 * half).powi(2)
+        + height * half * half;
+    let [time, place] = [
+        10.0 + 2.0 * half + after / friction,
+        x + 0.5 * after * after / friction,
+    ];
+    let stop = moving
+        .iter()
+        .find(|event| event.kind == EventKind::StickEntered && event.time > 0.0)
+        .expect("stops");
     let off = [stop.time - time, stop.displacement - place].map(f64::abs);
     assert!(off.iter().all(|off| *off < 1e-8), "{stop:?} off by {off:?}");
     let rested = block("friction = { static = 1, dynamic = 1 }");
-    let start = rested.iter().find(|event| matches!(event.kind, EventKind::SlipStarted(_))).expect("slips");
-    assert!((start.time - 10.0 - half / height).abs() < 1e-11, "{start:?}");
+    let start = rested
+        .iter()
+        .find(|event| matches!(event.kind, EventKind::SlipStarted(_)))
+        .expect("slips");
+    assert!(
+        (start.time - 10.0 - half / height).abs() < 1e-11,
+        "{start:?}"
+    );
 }

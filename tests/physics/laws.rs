@@ -11,8 +11,12 @@ use stickslip_files::dataset::{Column, Dataset, Recorder};
 /// The values of every law from the events of a run, in the order of the laws below.
 fn values(dataset: &Dataset) -> [Vec<f64>; 6] {
     let of = |name: &str| &dataset.entry(name).expect("recorded").column;
-    let (Column::F64(time), Column::F64(x)) = (of("event_time"), of("event_displacement")) else { panic!() };
-    let (Column::I8(kind), Column::U32(count)) = (of("event_kind"), of("event_count")) else { panic!() };
+    let (Column::F64(time), Column::F64(x)) = (of("event_time"), of("event_displacement")) else {
+        panic!()
+    };
+    let (Column::I8(kind), Column::U32(count)) = (of("event_kind"), of("event_count")) else {
+        panic!()
+    };
     let mut laws: [Vec<f64>; 6] = Default::default();
     let mut first = 0;
     for events in count {
@@ -39,7 +43,8 @@ fn values(dataset: &Dataset) -> [Vec<f64>; 6] {
         }
         first += *events as usize;
     }
-    laws.iter_mut().for_each(|law| law.sort_unstable_by(f64::total_cmp));
+    laws.iter_mut()
+        .for_each(|law| law.sort_unstable_by(f64::total_cmp));
     laws
 }
 
@@ -48,9 +53,19 @@ fn measured(static_force: f64, scheme: Scheme, paths: u64) -> (Summary, [Vec<f64
     scene.model.friction.static_force = static_force;
     let mut scene = scene.with_scheme(scheme).expect("suits");
     scene.ensemble.paths = paths;
-    scene.record = Record { laws: true, events: true, levels: PassageLevels::NONE, ..Record::NOTHING };
+    scene.record = Record {
+        laws: true,
+        events: true,
+        levels: PassageLevels::NONE,
+        ..Record::NOTHING
+    };
     let mut recorder = Recorder::default();
-    let summary = Run::of(&scene).without_bias().into_sink(&mut recorder).simulate().expect("no sink fails").summary;
+    let summary = Run::of(&scene)
+        .without_bias()
+        .into_sink(&mut recorder)
+        .simulate()
+        .expect("no sink fails")
+        .summary;
     (summary, values(&recorder.into_dataset()))
 }
 
@@ -67,16 +82,22 @@ fn law(summary: &Summary, law: PhaseLaw) -> &Distribution {
 fn more_paths_do_not_spoil_quantiles_over_decades() {
     for static_force in [1.0, 1.05, 1.1, 1.2] {
         for paths in [50, 500, 2000] {
-            let (summary, values) = measured(static_force, EventDriven { tolerance: 1e-3 }.into(), paths);
+            let (summary, values) =
+                measured(static_force, EventDriven { tolerance: 1e-3 }.into(), paths);
             for (name, sorted) in PhaseLaw::ALL.into_iter().zip(&values) {
                 let found = law(&summary, name);
                 assert_eq!(found.completed, sorted.len() as u64, "{}", name.name());
                 for (i, p) in QUANTILE_LEVELS.into_iter().enumerate() {
                     let rank = p * (sorted.len() - 1) as f64;
-                    let [below, above] = [rank.floor(), rank.ceil()].map(|rank| sorted[rank as usize]);
+                    let [below, above] =
+                        [rank.floor(), rank.ceil()].map(|rank| sorted[rank as usize]);
                     let exact = below + (above - below) * rank.fract();
                     let ends = found.quantile_ends.at(i);
-                    let error = if ends[0] > 0.0 && ends[1].is_finite() { (ends[1] - ends[0]) / 4.0 } else { 0.0 };
+                    let error = if ends[0] > 0.0 && ends[1].is_finite() {
+                        (ends[1] - ends[0]) / 4.0
+                    } else {
+                        0.0
+                    };
                     let off = (found.quantiles[i] - exact).abs();
                     assert!(
                         off <= (0.1 * error).max(0.005 * exact),
@@ -97,15 +118,24 @@ fn quantiles_of_whole_steps_are_exact() {
     let h = 0.01;
     for (static_force, paths) in [(1.05, 2000), (1.2, 50), (1.2, 500)] {
         let (summary, values) = measured(static_force, CorrectedVi { step: h }.into(), paths);
-        for (name, sorted) in
-            PhaseLaw::ALL.into_iter().zip(&values).filter(|(law, _)| matches!(law, PhaseLaw::Stick | PhaseLaw::Slip))
+        for (name, sorted) in PhaseLaw::ALL
+            .into_iter()
+            .zip(&values)
+            .filter(|(law, _)| matches!(law, PhaseLaw::Stick | PhaseLaw::Slip))
         {
             for (i, p) in QUANTILE_LEVELS.into_iter().enumerate() {
                 let rank = (p * sorted.len() as f64 * (1.0 - 1e-15)).ceil().max(1.0) as usize;
                 let steps = |time: f64| (time / h).round();
-                let (found, exact) = (steps(law(&summary, name).quantiles[i]), steps(sorted[rank - 1]));
+                let (found, exact) = (
+                    steps(law(&summary, name).quantiles[i]),
+                    steps(sorted[rank - 1]),
+                );
                 let tolerated = if exact <= 1024.0 { 0.0 } else { 2.0 };
-                assert!((found - exact).abs() <= tolerated, "{paths}, {}, {p}: {found} {exact}", name.name());
+                assert!(
+                    (found - exact).abs() <= tolerated,
+                    "{paths}, {}, {p}: {found} {exact}",
+                    name.name()
+                );
             }
         }
     }
@@ -118,10 +148,25 @@ fn the_median_jump_of_many_paths_is_that_of_few() {
     let medians = [60, 2000].map(|paths| {
         let mut scene = Scenario::shipped("rho025").expect("shipped");
         scene.model.friction.static_force = 1.1;
-        let mut scene = scene.with_scheme(EventDriven { tolerance: 1e-3 }).expect("suits");
-        (scene.ensemble.paths, scene.record) = (paths, Record { laws: true, ..Record::NOTHING });
-        run(&scene).estimate(stickslip::stats::Statistic::JumpAbsMedian).estimate
+        let mut scene = scene
+            .with_scheme(EventDriven { tolerance: 1e-3 })
+            .expect("suits");
+        (scene.ensemble.paths, scene.record) = (
+            paths,
+            Record {
+                laws: true,
+                ..Record::NOTHING
+            },
+        );
+        run(&scene)
+            .estimate(stickslip::stats::Statistic::JumpAbsMedian)
+            .estimate
     });
     println!("{medians:?}");
-    assert!(medians.iter().all(|median| (3.4e-4..5.8e-4).contains(median)), "{medians:?}");
+    assert!(
+        medians
+            .iter()
+            .all(|median| (3.4e-4..5.8e-4).contains(median)),
+        "{medians:?}"
+    );
 }

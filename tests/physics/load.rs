@@ -60,27 +60,48 @@ fn scenario(lines: &str, more: &str) -> Scenario {
                 initial.displacement = 0\ntime.end = 60\ntime.output_step = 1\nscheme.kind = \"event-driven\"";
     let key = |line: &str| line.split('=').next().unwrap_or("").trim().to_string();
     let own: Vec<String> = lines.lines().chain(more.lines()).map(key).collect();
-    let rest: Vec<&str> = base.lines().filter(|line| !own.contains(&key(line))).collect();
+    let rest: Vec<&str> = base
+        .lines()
+        .filter(|line| !own.contains(&key(line)))
+        .collect();
     let text = format!("{lines}\n{more}\n{}", rest.join("\n"));
     Scenario::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn scene(name: &str, more: &str) -> Scenario {
-    scenario(SCENES.iter().find(|(other, _)| *other == name).expect("a scene").1, more)
+    scenario(
+        SCENES
+            .iter()
+            .find(|(other, _)| *other == name)
+            .expect("a scene")
+            .1,
+        more,
+    )
 }
 
 fn events(scenario: &Scenario) -> Vec<Event> {
     let mut keep = Keep::lanes(1);
-    let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+    let simulation = scenario
+        .scheme
+        .simulation(&scenario.model, &scenario.timeline());
     assert_eq!(simulation.simulate(1, &[0], &mut keep), Vec::<usize>::new());
     keep.events.remove(0)
 }
 
 /// The cascade of an independent program.
 fn reference(name: &str) -> Vec<(u8, [f64; 3])> {
-    let rows = include_str!("../reference/load.csv").lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+    let rows = include_str!("../reference/load.csv")
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<_>>());
     let rows = rows.filter(|row| row[0] == name);
-    rows.map(|row| (row[1].parse().unwrap(), [2, 3, 4].map(|i| row[i].parse().unwrap()))).collect()
+    rows.map(|row| {
+        (
+            row[1].parse().unwrap(),
+            [2, 3, 4].map(|i| row[i].parse().unwrap()),
+        )
+    })
+    .collect()
 }
 
 fn kind(event: &Event) -> u8 {
@@ -100,10 +121,17 @@ fn without_noise_every_event_is_that_of_an_independent_program() {
         let (found, wanted) = (events(&scene(name, "")), reference(name));
         println!("{name}: {} events", found.len());
         let kinds: Vec<u8> = found.iter().map(kind).collect();
-        assert_eq!(kinds, wanted.iter().map(|row| row.0).collect::<Vec<_>>(), "{name}");
+        assert_eq!(
+            kinds,
+            wanted.iter().map(|row| row.0).collect::<Vec<_>>(),
+            "{name}"
+        );
         for (event, (_, [t, x, b])) in found.iter().zip(&wanted) {
             let off = [event.time - t, event.displacement - x, event.force - b].map(f64::abs);
-            assert!(off.iter().all(|off| *off < 1e-9), "{name}: {event:?}, off by {off:?}");
+            assert!(
+                off.iter().all(|off| *off < 1e-9),
+                "{name}: {event:?}, off by {off:?}"
+            );
         }
     }
 }
@@ -116,14 +144,26 @@ fn the_schemes_with_a_step_come_to_these_events_as_the_step_goes_to_zero() {
         let wanted = reference(name);
         let last = |scheme: Scheme| {
             let found = events(&scene(name, "").with_scheme(scheme).expect("a step"));
-            assert_eq!(found.iter().map(kind).collect::<Vec<_>>(), wanted.iter().map(|r| r.0).collect::<Vec<_>>());
-            let offs = found.iter().zip(&wanted).map(|(event, (_, [t, ..]))| (event.time - t).abs());
+            assert_eq!(
+                found.iter().map(kind).collect::<Vec<_>>(),
+                wanted.iter().map(|r| r.0).collect::<Vec<_>>()
+            );
+            let offs = found
+                .iter()
+                .zip(&wanted)
+                .map(|(event, (_, [t, ..]))| (event.time - t).abs());
             offs.fold(0.0, f64::max)
         };
-        for with in [|step| Scheme::from(DiscreteVi { step }), |step| Scheme::from(CorrectedVi { step })] {
+        for with in [
+            |step| Scheme::from(DiscreteVi { step }),
+            |step| Scheme::from(CorrectedVi { step }),
+        ] {
             let [coarse, fine] = [1e-3, 5e-4].map(|h| last(with(h)));
             println!("{name}: {coarse} {fine}");
-            assert!(coarse < 0.05 && fine < 0.7 * coarse + 5e-4, "{name}: {coarse} {fine}");
+            assert!(
+                coarse < 0.05 && fine < 0.7 * coarse + 5e-4,
+                "{name}: {coarse} {fine}"
+            );
         }
     }
 }
@@ -139,8 +179,14 @@ fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
     let distance = (-1.0 + (1.0 + c * v0 * v0 / f_d).sqrt()) / c;
     let energy = "record.energy = true";
     let measure = |scheme: Scheme| {
-        let scenario = scenario(lines, energy).with_scheme(scheme).expect("a scheme");
-        let summary = Run::of(&scenario).without_bias().simulate().expect("no sink").summary;
+        let scenario = scenario(lines, energy)
+            .with_scheme(scheme)
+            .expect("a scheme");
+        let summary = Run::of(&scenario)
+            .without_bias()
+            .simulate()
+            .expect("no sink")
+            .summary;
         let value = |statistic| summary.estimate(statistic).estimate;
         (
             value(Statistic::DisplacementEndMean),
@@ -153,11 +199,17 @@ fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
         (x - distance).abs() < 1e-10 && (work - 50.0).abs() < 1e-9 && residual.abs() < 1e-9,
         "{x} {work} {residual}"
     );
-    for with in [|step| Scheme::from(DiscreteVi { step }), |step| Scheme::from(CorrectedVi { step })] {
+    for with in [
+        |step| Scheme::from(DiscreteVi { step }),
+        |step| Scheme::from(CorrectedVi { step }),
+    ] {
         let [coarse, fine] = [2e-3, 1e-3].map(|h| measure(with(h)));
         let (x, work) = (2.0 * fine.0 - coarse.0, 2.0 * fine.1 - coarse.1);
         println!("{x} {distance}, {work}");
-        assert!((x - distance).abs() < 1e-3 && (work - 50.0).abs() < 1e-2, "{x} {distance}, {work}");
+        assert!(
+            (x - distance).abs() < 1e-3 && (work - 50.0).abs() < 1e-2,
+            "{x} {distance}, {work}"
+        );
     }
 }
 
@@ -167,22 +219,39 @@ fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
 #[test]
 fn a_moving_threshold_is_left_when_the_equivalent_force_leaves_a_constant_one() {
     for side in [1.0, -1.0] {
-        let noise =
-            format!("temperature.noise.intensity = 0.05\ninitial.displacement = {}\ntime.end = 20", -1.05 * side);
+        let noise = format!(
+            "temperature.noise.intensity = 0.05\ninitial.displacement = {}\ntime.end = 20",
+            -1.05 * side
+        );
         let load = "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.1*sin(3*t)\" }";
-        let force =
-            format!("friction = {{ static = 1.2, dynamic = 1.0 }}\nforce.expression = \"{}*0.12*sin(3*t)\"", -side);
+        let force = format!(
+            "friction = {{ static = 1.2, dynamic = 1.0 }}\nforce.expression = \"{}*0.12*sin(3*t)\"",
+            -side
+        );
         let first = |lines: &str| {
             let scenario = scenario(lines, &noise);
             let paths: Vec<u64> = (0..300).collect();
             let mut keep = Keep::lanes(paths.len());
-            scenario.scheme.simulation(&scenario.model, &timeline(20.0, 20.0)).simulate(7, &paths, &mut keep);
-            keep.events.iter().filter_map(|events| events.first().copied()).collect::<Vec<_>>()
+            scenario
+                .scheme
+                .simulation(&scenario.model, &timeline(20.0, 20.0))
+                .simulate(7, &paths, &mut keep);
+            keep.events
+                .iter()
+                .filter_map(|events| events.first().copied())
+                .collect::<Vec<_>>()
         };
         let (loaded, forced) = (first(load), first(&force));
-        assert!(loaded.len() == forced.len() && loaded.len() > 200, "{}", loaded.len());
+        assert!(
+            loaded.len() == forced.len() && loaded.len() > 200,
+            "{}",
+            loaded.len()
+        );
         for (a, b) in loaded.iter().zip(&forced) {
-            assert!((a.time - b.time).abs() < 1e-9 && a.kind == b.kind, "{a:?} {b:?}");
+            assert!(
+                (a.time - b.time).abs() < 1e-9 && a.kind == b.kind,
+                "{a:?} {b:?}"
+            );
         }
     }
 }
@@ -280,7 +349,10 @@ const WRITTEN: [Written; 8] = [
 
 impl Written {
     fn scenario(&self, more: &str) -> Scenario {
-        let lines = SCENES.iter().find(|(other, _)| *other == self.name).map_or(self.name, |(_, lines)| lines);
+        let lines = SCENES
+            .iter()
+            .find(|(other, _)| *other == self.name)
+            .map_or(self.name, |(_, lines)| lines);
         scenario(lines, &format!("{}\n{more}", self.more))
     }
 
@@ -288,7 +360,12 @@ impl Written {
     /// direction; in no direction, the mean of both.
     fn at_rest(&self, e: f64, x: f64, t: f64) -> f64 {
         let own = |e: f64| (self.own)(e, x, t);
-        (self.drive)(t) - self.stiffness * x + if e == 0.0 { 0.5 * (own(1.0) + own(-1.0)) } else { own(e) }
+        (self.drive)(t) - self.stiffness * x
+            + if e == 0.0 {
+                0.5 * (own(1.0) + own(-1.0))
+            } else {
+                own(e)
+            }
     }
 
     fn acceleration(&self, e: f64, [x, v]: [f64; 2], t: f64, noise: f64) -> f64 {
@@ -326,7 +403,9 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
              ensemble.paths = 1\nensemble.seed = 5";
         let scenario = written.scenario(text);
         let mut keep = Keep::lanes(1);
-        let simulation = scenario.scheme.simulation(&scenario.model, &timeline(20.0, SPACING));
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &timeline(20.0, SPACING));
         assert_eq!(simulation.simulate(5, &[0], &mut keep), Vec::<usize>::new());
         let (events, rows) = (&keep.events[0], &keep.rows[0]);
         let noise_at = |row: &OutputRow| (row.0, row.3 - (written.drive)(row.0));
@@ -339,11 +418,17 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
             let until = end.map_or(20.0, |event| event.time);
             let first = rows.partition_point(|row| row.0 <= start);
             let last = rows.partition_point(|row| row.0 < until).max(first);
-            let noise =
-                |event: &Event| (event.time, event.force - written.at_rest(0.0, event.displacement, event.time));
+            let noise = |event: &Event| {
+                (
+                    event.time,
+                    event.force - written.at_rest(0.0, event.displacement, event.time),
+                )
+            };
             let direction = began.and_then(|event| match event.kind {
                 EventKind::StickEntered => None,
-                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => Some(sign.value()),
+                EventKind::SlipStarted(sign) | EventKind::SubPhaseBoundary(sign) => {
+                    Some(sign.value())
+                }
             });
             let Some((e, event)) = direction.zip(began) else {
                 for row in &rows[first..last] {
@@ -353,11 +438,19 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
                     }
                     track(0, row.2.abs());
                 }
-                if let Some(Event { kind: EventKind::SlipStarted(sign), displacement: x, time, .. }) = end
+                if let Some(Event {
+                    kind: EventKind::SlipStarted(sign),
+                    displacement: x,
+                    time,
+                    ..
+                }) = end
                     && time > 0.0
                 {
                     let (e, n) = (sign.value(), noise(&end.expect("an event")).1);
-                    track(1, (e * (written.at_rest(e, x, time) + n) - (written.holds)(e, x, time)).abs());
+                    track(
+                        1,
+                        (e * (written.at_rest(e, x, time) + n) - (written.holds)(e, x, time)).abs(),
+                    );
                 }
                 began = end;
                 continue;
@@ -379,11 +472,18 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
             }
             began = end;
         }
-        let summary = Run::of(&scenario).without_bias().simulate().expect("a run").summary;
+        let summary = Run::of(&scenario)
+            .without_bias()
+            .simulate()
+            .expect("a run")
+            .summary;
         let told = summary.estimate(Statistic::FrictionWorkMean).estimate;
         println!("{name}: {slips} slips, off by {most:?}; work {work} {told}");
         assert!(slips > 0, "{name}");
-        assert!(most[0] < 1e-9 && most[1] < 1e-9 && most[2] < 5e-5 && most[3] < 5e-5, "{name}: {most:?}");
+        assert!(
+            most[0] < 1e-9 && most[1] < 1e-9 && most[2] < 5e-5 && most[3] < 5e-5,
+            "{name}: {most:?}"
+        );
         assert!((work / told - 1.0).abs() < 2e-5, "{name}: {work} {told}");
     }
 }
@@ -394,7 +494,11 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
 #[test]
 fn a_threshold_out_of_reach_takes_no_digits_off_the_other_one() {
     let scene = |far: &str, sign: f64, more: &str| {
-        let sides = if sign > 0.0 { ["0.82", far] } else { [far, "0.82"] };
+        let sides = if sign > 0.0 {
+            ["0.82", far]
+        } else {
+            [far, "0.82"]
+        };
         let lines = format!(
             "oscillator.stiffness = 0\nfriction.static = {{ forward = {}, backward = {} }}\nfriction.dynamic = 0.5
              force.expression = \"{sign:?}*0.82*sin(t)\"\nensemble.paths = 1",
@@ -405,30 +509,47 @@ fn a_threshold_out_of_reach_takes_no_digits_off_the_other_one() {
     let noise = "temperature.noise.intensity = 0.3\ntime.end = 20";
     for sign in [1.0, -1.0] {
         let wanted = events(&scene("30", sign, noise));
-        assert!(wanted.len() > 4 && wanted.iter().all(|event| event.kind != far_slip(sign)), "{wanted:?}");
+        assert!(
+            wanted.len() > 4 && wanted.iter().all(|event| event.kind != far_slip(sign)),
+            "{wanted:?}"
+        );
         for far in ["820", "1e4", "1e9", "inf"] {
             for scheme in [
                 Scheme::from(EventDriven { tolerance: 1e-3 }),
                 DiscreteVi { step: 0.01 }.into(),
                 CorrectedVi { step: 0.01 }.into(),
             ] {
-                let found = events(&scene(far, sign, "").with_scheme(scheme).expect("goes together"));
+                let found = events(
+                    &scene(far, sign, "")
+                        .with_scheme(scheme)
+                        .expect("goes together"),
+                );
                 assert_eq!(found, [], "{far} {scheme}");
             }
             let found = events(&scene(far, sign, noise));
             assert_eq!(found.len(), wanted.len(), "{far}");
             for (a, b) in found.iter().zip(&wanted) {
-                assert!((a.time - b.time).abs() < 1e-9 && a.kind == b.kind, "{far}: {a:?} {b:?}");
+                assert!(
+                    (a.time - b.time).abs() < 1e-9 && a.kind == b.kind,
+                    "{far}: {a:?} {b:?}"
+                );
             }
         }
     }
-    let held = events(&scenario("friction = { static = inf, dynamic = 1.0 }\ntemperature.trend = 10", ""));
+    let held = events(&scenario(
+        "friction = { static = inf, dynamic = 1.0 }\ntemperature.trend = 10",
+        "",
+    ));
     assert_eq!(held, []);
 }
 
 /// The start of a slip towards the far threshold.
 fn far_slip(sign: f64) -> EventKind {
-    EventKind::SlipStarted(if sign > 0.0 { Sign::Negative } else { Sign::Positive })
+    EventKind::SlipStarted(if sign > 0.0 {
+        Sign::Negative
+    } else {
+        Sign::Positive
+    })
 }
 
 /// The energies of a path with a load balance, and those under noise are told by the balance.
@@ -436,11 +557,18 @@ fn far_slip(sign: f64) -> EventKind {
 fn the_work_of_friction_with_a_load_closes_the_energy_balance() {
     for (name, _) in SCENES {
         let exact = scene(name, "record.energy = true\nensemble.paths = 1");
-        let summary = Run::of(&exact).without_bias().simulate().expect("a run").summary;
-        let [residual, work] =
-            [Statistic::EnergyResidualMean, Statistic::FrictionWorkMean].map(|which| summary.estimate(which).estimate);
+        let summary = Run::of(&exact)
+            .without_bias()
+            .simulate()
+            .expect("a run")
+            .summary;
+        let [residual, work] = [Statistic::EnergyResidualMean, Statistic::FrictionWorkMean]
+            .map(|which| summary.estimate(which).estimate);
         println!("{name}: {residual} of {work}");
-        assert!(residual.abs() < 1e-7 * work && work > 1.0, "{name}: {residual} of {work}");
+        assert!(
+            residual.abs() < 1e-7 * work && work > 1.0,
+            "{name}: {residual} of {work}"
+        );
     }
 }
 
@@ -449,19 +577,29 @@ fn the_work_of_friction_with_a_load_closes_the_energy_balance() {
 #[test]
 fn a_path_that_meets_a_negative_load_is_diverged() {
     for noise in ["", "temperature.noise.intensity = 0.01"] {
-        for scheme in [Scheme::from(EventDriven { tolerance: 1e-3 }), DiscreteVi { step: 0.01 }.into()] {
+        for scheme in [
+            Scheme::from(EventDriven { tolerance: 1e-3 }),
+            DiscreteVi { step: 0.01 }.into(),
+        ] {
             let lost = |least: &str| {
                 let load = format!(
                     "friction = {{ static = 0.4, dynamic = 0.2, load = \"1 + a*x\" }}
                      parameters = {{ a = {least} }}
                      oscillator.stiffness = 0\ntemperature.offset = -1\ntime.end = 2\n{noise}"
                 );
-                let scenario = scenario(&load, "").with_scheme(scheme).expect("goes together");
+                let scenario = scenario(&load, "")
+                    .with_scheme(scheme)
+                    .expect("goes together");
                 if let Some(given_up) = scenario.plan().why_lost(0, &AtomicBool::new(false)) {
                     println!("{given_up}");
-                    assert!((-1.02..-0.9).contains(&given_up.displacement), "{noise}: {given_up}");
+                    assert!(
+                        (-1.02..-0.9).contains(&given_up.displacement),
+                        "{noise}: {given_up}"
+                    );
                 }
-                let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+                let simulation = scenario
+                    .scheme
+                    .simulation(&scenario.model, &scenario.timeline());
                 simulation.simulate(1, &[0, 1, 2], &mut ())
             };
             // By t = 2 the body comes to about x = -1.8.
@@ -476,17 +614,29 @@ fn a_path_that_meets_a_negative_load_is_diverged() {
 fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
     let never = "friction = { static = { forward = 1, backward = inf }, dynamic = 1 }";
     let never_at_all = "friction = { static = inf, dynamic = 1 }";
-    for lines in SCENES.iter().map(|(_, lines)| *lines).chain([never, never_at_all]) {
+    for lines in SCENES
+        .iter()
+        .map(|(_, lines)| *lines)
+        .chain([never, never_at_all])
+    {
         let read = scenario(lines, "");
-        let again = Scenario::parse("again", &read.to_toml(), &[]).unwrap_or_else(|error| panic!("{lines}: {error}"));
+        let again = Scenario::parse("again", &read.to_toml(), &[])
+            .unwrap_or_else(|error| panic!("{lines}: {error}"));
         assert_eq!(again.to_toml(), read.to_toml(), "{lines}");
         assert_eq!(again.model, read.model, "{lines}");
-        assert_eq!(again.to_toml().contains("inf"), lines.contains("inf"), "{lines}");
+        assert_eq!(
+            again.to_toml().contains("inf"),
+            lines.contains("inf"),
+            "{lines}"
+        );
     }
     let base = "oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }\ninitial.displacement = 0
                 time.end = 1\nscheme.kind = \"event-driven\"\n";
     for (lines, words) in [
-        ("friction = { static = 1.2, dynamic = 1.0, load = \"1 + q\" }", "unknown name `q`"),
+        (
+            "friction = { static = 1.2, dynamic = 1.0, load = \"1 + q\" }",
+            "unknown name `q`",
+        ),
         (
             "friction = { static = 1.2, dynamic = 1.0, load = \"1\" }\nparameters = { q = 1 }",
             "`parameters.q` is not used",
@@ -495,30 +645,65 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
             "friction = { static = 1.2, dynamic = { forward = 1.0, backward = 1.3 } }",
             "`friction.dynamic` = 1.3 is above",
         ),
-        ("friction = { static = { forward = 1.2 }, dynamic = 1.0 }", "missing key `friction.static.backward`"),
-        ("friction = { static = { forward = 2, backward = 2, left = 2 }, dynamic = 1.0 }", "unknown key `left`"),
-        ("friction = { static = 1.2, dynamic = 1.0, load = 3 }", "`friction.load`"),
-        ("friction = { static = inf, dynamic = inf }", "`friction.dynamic` = inf is not finite"),
-        ("friction = { static = -inf, dynamic = 0 }", "`friction.static` = -inf is not finite"),
-        ("friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"-(x - T)^3\"", "k3*(V*t - x)^3"),
+        (
+            "friction = { static = { forward = 1.2 }, dynamic = 1.0 }",
+            "missing key `friction.static.backward`",
+        ),
+        (
+            "friction = { static = { forward = 2, backward = 2, left = 2 }, dynamic = 1.0 }",
+            "unknown key `left`",
+        ),
+        (
+            "friction = { static = 1.2, dynamic = 1.0, load = 3 }",
+            "`friction.load`",
+        ),
+        (
+            "friction = { static = inf, dynamic = inf }",
+            "`friction.dynamic` = inf is not finite",
+        ),
+        (
+            "friction = { static = -inf, dynamic = 0 }",
+            "`friction.static` = -inf is not finite",
+        ),
+        (
+            "friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"-(x - T)^3\"",
+            "k3*(V*t - x)^3",
+        ),
     ] {
-        let error = Scenario::parse("test", &format!("{lines}\n{base}"), &[]).expect_err(lines).to_string();
-        assert!(error.contains(words) && error.contains("fix:"), "{lines}: {error}");
+        let error = Scenario::parse("test", &format!("{lines}\n{base}"), &[])
+            .expect_err(lines)
+            .to_string();
+        assert!(
+            error.contains(words) && error.contains("fix:"),
+            "{lines}: {error}"
+        );
     }
     let load = scene("load in time", "");
-    let refused = load.with_scheme(stickslip::scheme::Kind::QuasiStatic.with(1e-3)).expect_err("a load").to_string();
-    assert!(refused.contains("load") && refused.contains("event-driven"), "{refused}");
+    let refused = load
+        .with_scheme(stickslip::scheme::Kind::QuasiStatic.with(1e-3))
+        .expect_err("a load")
+        .to_string();
+    assert!(
+        refused.contains("load") && refused.contains("event-driven"),
+        "{refused}"
+    );
 }
 
 /// A load that oscillates 1000 times as fast as the body is seen in sticks: discrete-vi at h = 2e-6
 /// has 173 sticks of the mean 0.0226791.
 #[test]
 fn what_oscillates_quickly_is_not_stepped_over() {
-    let alone = scenario(QUICK, "friction.load = \"1 + 0.3*cos(1e3*t)\"\nensemble.paths = 1");
+    let alone = scenario(
+        QUICK,
+        "friction.load = \"1 + 0.3*cos(1e3*t)\"\nensemble.paths = 1",
+    );
     let summary = Run::of(&alone).simulate().expect("a run").summary;
-    let [sticks, mean] =
-        [Statistic::SticksPerPath, Statistic::StickDurationMean].map(|which| summary.estimate(which).estimate);
-    assert!(sticks == 173.0 && (mean / 0.0226791 - 1.0).abs() < 1e-3, "{sticks} {mean}");
+    let [sticks, mean] = [Statistic::SticksPerPath, Statistic::StickDurationMean]
+        .map(|which| summary.estimate(which).estimate);
+    assert!(
+        sticks == 173.0 && (mean / 0.0226791 - 1.0).abs() < 1e-3,
+        "{sticks} {mean}"
+    );
 }
 
 /// A load that falls for 5 ms in a minute, and a force that pushes for as long, move a body that
@@ -528,7 +713,10 @@ fn what_oscillates_quickly_is_not_stepped_over() {
 fn a_short_pulse_is_not_stepped_over() {
     const BELL: &str = "exp(-((t - 20.3)/0.005)^2)";
     let bell = |t: f64| (-((t - 20.3) / 0.005).powi(2)).exp();
-    let cases = [("friction.load = \"1 - 0.95*", [-0.95, 0.0]), ("force.expression = \"8*", [0.0, 8.0])];
+    let cases = [
+        ("friction.load = \"1 - 0.95*", [-0.95, 0.0]),
+        ("force.expression = \"8*", [0.0, 8.0]),
+    ];
     for (line, [of_load, of_force]) in cases {
         let line = format!("{line}{BELL}\"");
         let load_and_force = |t: f64| [1.0 + of_load * bell(t), of_force * bell(t)];
@@ -548,15 +736,32 @@ fn a_short_pulse_is_not_stepped_over() {
             let step = |i: usize| h * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0;
             (t, x, v) = (t + h, x + step(0), v + step(1));
         }
-        for (noise, allowed) in [("ensemble.paths = 1", 1e-5), ("temperature.noise.intensity = 1e-3", 1e-2)] {
+        for (noise, allowed) in [
+            ("ensemble.paths = 1", 1e-5),
+            ("temperature.noise.intensity = 1e-3", 1e-2),
+        ] {
             let pushed = scenario(
                 "friction.static = 1.2\nfriction.dynamic = 1.0\ntemperature.offset = 0.7",
-                &format!("{line}\n{noise}\n{}", if noise.contains("paths") { "" } else { "ensemble.paths = 64" }),
+                &format!(
+                    "{line}\n{noise}\n{}",
+                    if noise.contains("paths") {
+                        ""
+                    } else {
+                        "ensemble.paths = 64"
+                    }
+                ),
             );
-            let summary = Run::of(&pushed).without_bias().simulate().expect("a run").summary;
+            let summary = Run::of(&pushed)
+                .without_bias()
+                .simulate()
+                .expect("a run")
+                .summary;
             let found = summary.estimate(Statistic::DisplacementEndMean).estimate;
             println!("{line}, {noise}: {found:e} {x:e}");
-            assert!((found / x - 1.0).abs() < allowed, "{line}, {noise}: {found:e} {x:e}");
+            assert!(
+                (found / x - 1.0).abs() < allowed,
+                "{line}, {noise}: {found:e} {x:e}"
+            );
         }
     }
 }
@@ -576,10 +781,22 @@ fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
     let load = "friction.load = \"1 - mu/f_d*(1 - exp(-direction*xdot/vs))\"";
     let [as_force, as_load] = [force, load].map(|line| scenario(line, more));
     for (a, b) in events(&as_force).iter().zip(&events(&as_load)) {
-        assert!(a.kind == b.kind && (a.time - b.time).abs() < 1e-9, "{a:?} {b:?}");
+        assert!(
+            a.kind == b.kind && (a.time - b.time).abs() < 1e-9,
+            "{a:?} {b:?}"
+        );
     }
-    let summaries = [&as_force, &as_load].map(|scene| Run::of(scene).without_bias().simulate().expect("a run").summary);
-    let [[friction, given, damping, left], [loaded, nothing, same, residual]] = summaries.each_ref().map(|of| {
+    let summaries = [&as_force, &as_load].map(|scene| {
+        Run::of(scene)
+            .without_bias()
+            .simulate()
+            .expect("a run")
+            .summary
+    });
+    let [
+        [friction, given, damping, left],
+        [loaded, nothing, same, residual],
+    ] = summaries.each_ref().map(|of| {
         [
             Statistic::FrictionWorkMean,
             Statistic::OwnForceWorkMean,
@@ -593,9 +810,16 @@ fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
         (friction - given - loaded).abs() < 1e-9 * friction && given > 0.25 * loaded,
         "{friction} {given} {loaded}"
     );
-    assert!(nothing == 0.0 && (damping - same).abs() < 1e-9 && (residual - left).abs() < 1e-9, "{nothing}");
+    assert!(
+        nothing == 0.0 && (damping - same).abs() < 1e-9 && (residual - left).abs() < 1e-9,
+        "{nothing}"
+    );
     // The energy is not asked for, and the work is the same.
     let alone = scenario(load, &more.replace("record.energy = true", ""));
-    let alone = Run::of(&alone).without_bias().simulate().expect("a run").summary;
+    let alone = Run::of(&alone)
+        .without_bias()
+        .simulate()
+        .expect("a run")
+        .summary;
     assert_eq!(alone.estimate(Statistic::FrictionWorkMean).estimate, loaded);
 }

@@ -12,11 +12,20 @@ pub fn scenario(text: &str) -> Scenario {
 }
 
 pub fn run(scenario: &Scenario) -> Summary {
-    Run::of(scenario).without_bias().simulate().expect("no sink").summary
+    Run::of(scenario)
+        .without_bias()
+        .simulate()
+        .expect("no sink")
+        .summary
 }
 
 /// m = 1 and c = 1. `spring` is K, `damping` alpha.
-pub fn body([spring, damping]: [f64; 2], [f_s, f_d]: [f64; 2], [end, after, row]: [f64; 3], more: &str) -> String {
+pub fn body(
+    [spring, damping]: [f64; 2],
+    [f_s, f_d]: [f64; 2],
+    [end, after, row]: [f64; 3],
+    more: &str,
+) -> String {
     format!(
         "oscillator = {{ mass = 1, stiffness = {spring:?}, damping = {damping:?}, force_per_temperature = 1 }}
          friction = {{ static = {f_s:?}, dynamic = {f_d:?} }}
@@ -30,7 +39,9 @@ pub fn body([spring, damping]: [f64; 2], [f_s, f_d]: [f64; 2], [end, after, row]
 /// Noise that is nearly white, of strength D: its correlation time is 1/theta.
 fn white(strength: f64, theta: f64) -> String {
     let sigma = theta * (2.0 * strength).sqrt();
-    format!("temperature.noise = {{ intensity = 1, relaxation_rate = {theta:?}, diffusion = {sigma:?} }}")
+    format!(
+        "temperature.noise = {{ intensity = 1, relaxation_rate = {theta:?}, diffusion = {sigma:?} }}"
+    )
 }
 
 /// A settled cycle on a belt: sticks of 2 (f_s - f_d)/(K V) = 4, slips of
@@ -54,17 +65,39 @@ fn on_a_belt_every_slip_jump_and_recurrence_is_the_same() {
         (Statistic::StickDurationCv, 0.0),
     ] {
         let found = summary.estimate(statistic).estimate;
-        assert!((found - expected).abs() < 1e-10, "{}: {found:?}, not {expected:?}", statistic.name());
+        assert!(
+            (found - expected).abs() < 1e-10,
+            "{}: {found:?}, not {expected:?}",
+            statistic.name()
+        );
     }
     let backward = summary.law(PhaseLaw::JumpBackward).expect("asked for");
-    assert_eq!((backward.completed, summary.law(PhaseLaw::Jump).expect("asked for").completed), (0, 2 * 43));
+    assert_eq!(
+        (
+            backward.completed,
+            summary.law(PhaseLaw::Jump).expect("asked for").completed
+        ),
+        (0, 2 * 43)
+    );
     let cycle = LimitCycle::of(&belt).expect("the scenario is deterministic");
     let repeats = cycle.repeats.expect("a belt repeats itself");
-    assert!((repeats.period - 4.0 - slip).abs() < 1e-9 && (repeats.advance - 0.1 * repeats.period).abs() < 1e-9);
-    assert_eq!((repeats.slips, repeats.sticks, repeats.forcing_periods), (1, 1, None));
-    assert!((repeats.at_rest - 4.0 / (4.0 + slip)).abs() < 1e-9, "{repeats:?}");
+    assert!(
+        (repeats.period - 4.0 - slip).abs() < 1e-9
+            && (repeats.advance - 0.1 * repeats.period).abs() < 1e-9
+    );
+    assert_eq!(
+        (repeats.slips, repeats.sticks, repeats.forcing_periods),
+        (1, 1, None)
+    );
+    assert!(
+        (repeats.at_rest - 4.0 / (4.0 + slip)).abs() < 1e-9,
+        "{repeats:?}"
+    );
     // Beside the belt the body swings about f_d/K, from (f_s - f_d)/K with the speed of the belt.
-    assert!((cycle.amplitude - 0.2f64.hypot(0.1)).abs() < 1e-10, "{cycle:?}");
+    assert!(
+        (cycle.amplitude - 0.2f64.hypot(0.1)).abs() < 1e-10,
+        "{cycle:?}"
+    );
 }
 
 /// A spring binds the body to a line of slope V, whatever the noise, so the drift velocity is V and
@@ -76,11 +109,22 @@ fn the_drift_on_a_belt_is_its_speed_and_nothing_spreads() {
     let more = format!(
         "temperature = {{ trend = 0.1, {noise} }}\nensemble = {{ paths = 2000, seed = 3 }}\nscheme = {{ kind = \"event-driven\" }}"
     );
-    let summary = run(&scenario(&body([1.0, 0.1], [1.2, 1.0], [400.0, 80.0, 400.0], &more)));
+    let summary = run(&scenario(&body(
+        [1.0, 0.1],
+        [1.2, 1.0],
+        [400.0, 80.0, 400.0],
+        &more,
+    )));
     assert_eq!(summary.periods.drift_limit, Some(0.1));
-    for (statistic, limit) in [(Statistic::DriftVelocity, 0.1), (Statistic::DiffusionCoefficient, 0.0)] {
+    for (statistic, limit) in [
+        (Statistic::DriftVelocity, 0.1),
+        (Statistic::DiffusionCoefficient, 0.0),
+    ] {
         let e = summary.estimate(statistic);
-        assert!(e.low <= limit && limit <= e.high && e.high - e.low < 0.003, "{e:?}");
+        assert!(
+            e.low <= limit && limit <= e.high && e.high - e.low < 0.003,
+            "{e:?}"
+        );
     }
     assert_eq!(summary.unsettled(), Some(Vec::new()));
 }
@@ -97,25 +141,49 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
         "{}\nrecord = {{ spectrum = true, paths = false }}\nensemble = {{ paths = 1000 }}\nscheme = {{ kind = \"event-driven\", tolerance = 0.01 }}",
         white(0.5, 100.0)
     );
-    let summary = run(&scenario(&body([0.0, 0.0], [1.0, 1.0], [60.0, 10.0, 0.1], &more)));
+    let summary = run(&scenario(&body(
+        [0.0, 0.0],
+        [1.0, 1.0],
+        [60.0, 10.0, 0.1],
+        &more,
+    )));
     let spectrum = summary.spectrum.as_ref().expect("asked for");
     let of = &spectrum.velocity;
-    for (w, expected) in [(0.1, 1.224402), (0.5, 0.842108), (1.0, 0.455961), (2.0, 0.174939), (5.0, 0.035678)] {
-        let k = spectrum.frequency.iter().position(|at| *at >= w).expect("in range");
+    for (w, expected) in [
+        (0.1, 1.224402),
+        (0.5, 0.842108),
+        (1.0, 0.455961),
+        (2.0, 0.174939),
+        (5.0, 0.035678),
+    ] {
+        let k = spectrum
+            .frequency
+            .iter()
+            .position(|at| *at >= w)
+            .expect("in range");
         let share = (w - spectrum.frequency[k - 1]) / spectrum.frequency[1];
         let at = |values: &[f64]| values[k - 1] + share * (values[k] - values[k - 1]);
         let error = (at(&of.spectrum_ends.high) - at(&of.spectrum_ends.low)) / (2.0 * 2.04);
         let found = at(&of.spectrum);
-        assert!((found - expected).abs() < 3.5 * error, "w = {w}: {found} +- {error}, not {expected}");
+        assert!(
+            (found - expected).abs() < 3.5 * error,
+            "w = {w}: {found} +- {error}, not {expected}"
+        );
         assert!(error < 0.06 * expected, "w = {w}: {error}");
     }
     // The integral of the spectrum is the variance, and that is 2 D^2/f^2.
     let integral = integral(&spectrum.frequency, &of.spectrum);
-    assert!((integral - of.autocovariance[0]).abs() < 1e-12, "{integral}");
+    assert!(
+        (integral - of.autocovariance[0]).abs() < 1e-12,
+        "{integral}"
+    );
     let [low, high] = of.autocovariance_ends.at(0);
     assert!(low < 0.5 && 0.5 < high && high - low < 0.06, "{low} {high}");
     let diffusion = summary.estimate(Statistic::DiffusionCoefficient);
-    assert!((diffusion.estimate - 0.636).abs() < 3.5 * diffusion.standard_error, "{diffusion:?}");
+    assert!(
+        (diffusion.estimate - 0.636).abs() < 3.5 * diffusion.standard_error,
+        "{diffusion:?}"
+    );
 }
 
 /// Under white noise the body has Boltzmann's law, p(x') ~ e^{-(alpha x'^2 + f |x'|)/D} without a
@@ -131,14 +199,19 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
 #[test]
 #[ignore = "a minute on two cores"]
 fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
-    for (alpha, law) in [(0.0, (|v| -2.0 * v) as fn(f64) -> f64), (0.25, |v| -0.5 * v * v - 2.0 * v)] {
+    for (alpha, law) in [
+        (0.0, (|v| -2.0 * v) as fn(f64) -> f64),
+        (0.25, |v| -0.5 * v * v - 2.0 * v),
+    ] {
         let shares = |summary: &Summary| {
             let densities = summary.densities.as_ref().expect("asked for");
             let mut shares = quarters(&densities.velocity);
             (15..=16).for_each(|i| shares[i] += densities.at_rest / 2.0);
             shares
         };
-        boltzmann([0.0, alpha], 1.0, [50.0, 200.0], "", shares, |v| law(v.abs()));
+        boltzmann([0.0, alpha], 1.0, [50.0, 200.0], "", shares, |v| {
+            law(v.abs())
+        });
     }
 }
 
@@ -147,9 +220,12 @@ fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
 #[test]
 #[ignore = "half a minute on two cores"]
 fn under_white_noise_the_displacement_on_a_cubic_spring_has_boltzmanns_law() {
-    let shares = |summary: &Summary| quarters(&summary.densities.as_ref().expect("asked for").displacement);
+    let shares =
+        |summary: &Summary| quarters(&summary.densities.as_ref().expect("asked for").displacement);
     let spring = "force = { expression = \"-0.5*x^3\" }";
-    boltzmann([1.0, 0.5], 0.0, [25.0, 100.0], spring, shares, |x| -x * x - x.powi(4) / 4.0);
+    boltzmann([1.0, 0.5], 0.0, [25.0, 100.0], spring, shares, |x| {
+        -x * x - x.powi(4) / 4.0
+    });
 }
 
 /// Compare shares of bins with those of the density e^law.
@@ -170,7 +246,12 @@ fn boltzmann(
              scheme = {{ kind = \"event-driven\", tolerance = 0.001 }}",
             white(0.5, theta)
         );
-        shares(&run(&scenario(&body(spring, [friction; 2], [60.0, 10.0, 0.2], &more))))
+        shares(&run(&scenario(&body(
+            spring,
+            [friction; 2],
+            [60.0, 10.0, 0.2],
+            &more,
+        ))))
     };
     let ratio = thetas[1] / thetas[0];
     let extrapolated: Vec<[f64; 32]> = (0..16)
@@ -179,15 +260,28 @@ fn boltzmann(
             std::array::from_fn(|i| (ratio * fine[i] - coarse[i]) / (ratio - 1.0))
         })
         .collect();
-    let expected: Vec<f64> = (-16..16).map(|i| simpson(&|x| law(x).exp(), 0.25 * f64::from(i))).collect();
+    let expected: Vec<f64> = (-16..16)
+        .map(|i| simpson(&|x| law(x).exp(), 0.25 * f64::from(i)))
+        .collect();
     let total: f64 = expected.iter().sum();
     let mut tested = 0;
-    for (i, expected) in expected.iter().map(|share| share / total).enumerate().filter(|bin| bin.1 > 1e-3) {
+    for (i, expected) in expected
+        .iter()
+        .map(|share| share / total)
+        .enumerate()
+        .filter(|bin| bin.1 > 1e-3)
+    {
         let found = extrapolated.iter().map(|run| run[i]).sum::<f64>() / 16.0;
-        let spread: f64 = extrapolated.iter().map(|run| (run[i] - found).powi(2)).sum();
+        let spread: f64 = extrapolated
+            .iter()
+            .map(|run| (run[i] - found).powi(2))
+            .sum();
         let error = (spread / (15.0 * 16.0)).sqrt();
         let z = (found - expected) / error;
-        assert!(z.abs() < 4.4, "{spring:?} {force}: bin {i}: {found} +- {error}, not {expected}");
+        assert!(
+            z.abs() < 4.4,
+            "{spring:?} {force}: bin {i}: {found} +- {error}, not {expected}"
+        );
         assert!(error < 0.1 * expected + 1e-3, "bin {i}: {error}");
         tested += 1;
     }
@@ -209,7 +303,10 @@ fn quarters(curve: &DensityCurve) -> [f64; 32] {
 /// The integral over 1/4 from here on, by Simpson's rule on 16 intervals.
 fn simpson(of: &dyn Fn(f64) -> f64, from: f64) -> f64 {
     let at = |i: u32| of(from + f64::from(i) / 64.0);
-    (0..16).step_by(2).map(|i| (at(i) + 4.0 * at(i + 1) + at(i + 2)) / 192.0).sum()
+    (0..16)
+        .step_by(2)
+        .map(|i| (at(i) + 4.0 * at(i + 1) + at(i + 2)) / 192.0)
+        .sum()
 }
 
 /// The integral over positive and negative frequencies, divided by 2 pi.
@@ -225,9 +322,17 @@ fn a_constant_force_makes_a_body_creep_under_white_noise() {
     let more = format!(
         "temperature = {{ offset = 0.4, noise = {noise} }}\nensemble = {{ paths = 1000 }}\nscheme = {{ kind = \"event-driven\", tolerance = 0.01 }}"
     );
-    let summary = run(&scenario(&body([0.0, 0.0], [1.0, 1.0], [60.0, 10.0, 60.0], &more)));
+    let summary = run(&scenario(&body(
+        [0.0, 0.0],
+        [1.0, 1.0],
+        [60.0, 10.0, 60.0],
+        &more,
+    )));
     let drift = summary.estimate(Statistic::DriftVelocity);
-    assert!((drift.estimate - 0.476190).abs() < 3.5 * drift.standard_error, "{drift:?}");
+    assert!(
+        (drift.estimate - 0.476190).abs() < 3.5 * drift.standard_error,
+        "{drift:?}"
+    );
     assert!(drift.standard_error < 0.01 && summary.periods.drift_limit.is_none());
 }
 
@@ -236,18 +341,41 @@ fn a_constant_force_makes_a_body_creep_under_white_noise() {
 /// sticks. Without damping X = P sqrt(V^2 - (f/P)^2 U^2), V = 1/(1 - w^2), U = tan(pi/(2 w))/w.
 #[test]
 fn the_amplitude_of_a_forced_body_is_den_hartogs() {
-    for (w, damping, expected) in
-        [(1.5, 0.0, 4.65904138924164), (1.2, 0.0, 13.276974424498324), (1.5, 0.1, 4.3038578337950835)]
-    {
+    for (w, damping, expected) in [
+        (1.5, 0.0, 4.65904138924164),
+        (1.2, 0.0, 13.276974424498324),
+        (1.5, 0.1, 4.3038578337950835),
+    ] {
         let forcing = format!(
             "temperature.harmonics = [{{ amplitude = 6, angular_frequency = {w} }}]\nensemble = {{ paths = 1 }}\nscheme = {{ kind = \"event-driven\" }}"
         );
         let period = std::f64::consts::TAU / w;
         let times = [1000.0 * period, 900.0 * period, period];
-        let cycle = LimitCycle::of(&scenario(&body([1.0, damping], [1.0, 1.0], times, &forcing))).expect("not random");
-        let repeats = cycle.repeats.as_ref().unwrap_or_else(|| panic!("w = {w}: {cycle:?}"));
-        assert_eq!((repeats.forcing_periods, repeats.sticks, repeats.is_symmetric), (Some(1), 0, true), "{cycle:?}");
-        assert!((cycle.amplitude / expected - 1.0).abs() < 1e-7, "w = {w}: {}", cycle.amplitude);
+        let cycle = LimitCycle::of(&scenario(&body(
+            [1.0, damping],
+            [1.0, 1.0],
+            times,
+            &forcing,
+        )))
+        .expect("not random");
+        let repeats = cycle
+            .repeats
+            .as_ref()
+            .unwrap_or_else(|| panic!("w = {w}: {cycle:?}"));
+        assert_eq!(
+            (
+                repeats.forcing_periods,
+                repeats.sticks,
+                repeats.is_symmetric
+            ),
+            (Some(1), 0, true),
+            "{cycle:?}"
+        );
+        assert!(
+            (cycle.amplitude / expected - 1.0).abs() < 1e-7,
+            "w = {w}: {}",
+            cycle.amplitude
+        );
     }
 }
 
@@ -258,20 +386,40 @@ fn the_amplitude_of_a_forced_body_is_den_hartogs() {
 fn on_a_belt_the_amplitude_and_the_section_are_those_of_x_less_its_drift() {
     let (w, a, alpha, speed) = (0.5f64, 1.0, 0.1, 3.0);
     let period = std::f64::consts::TAU / w;
-    for (more, load) in [("", ""), ("force.expression = \"0*x^3\"", ""), ("", ", load = \"1 + 0*x\"")] {
+    for (more, load) in [
+        ("", ""),
+        ("force.expression = \"0*x^3\"", ""),
+        ("", ", load = \"1 + 0*x\""),
+    ] {
         let text = format!(
             "temperature = {{ trend = {speed:?}, harmonics = [{{ amplitude = {a:?}, angular_frequency = {w:?} }}] }}
              scheme = {{ kind = \"event-driven\" }}\n{more}"
         );
-        let text = body([1.0, alpha], [1.2, 1.0], [40.0 * period, 20.0 * period, period], &text);
+        let text = body(
+            [1.0, alpha],
+            [1.2, 1.0],
+            [40.0 * period, 20.0 * period, period],
+            &text,
+        );
         let belt = scenario(&text.replace("dynamic = 1.0", &format!("dynamic = 1.0{load}")));
         let cycle = LimitCycle::of(&belt).expect("nothing is random");
         let repeats = cycle.repeats.unwrap_or_else(|| panic!("{more}: {cycle:?}"));
         let response = a / (1.0 - w * w).hypot(2.0 * alpha * w);
-        assert!((cycle.amplitude - response).abs() < 1e-8, "{more}: {} {response}", cycle.amplitude);
-        assert!((repeats.advance - speed * period).abs() < 1e-8 && repeats.forcing_periods == Some(1), "{repeats:?}");
+        assert!(
+            (cycle.amplitude - response).abs() < 1e-8,
+            "{more}: {} {response}",
+            cycle.amplitude
+        );
+        assert!(
+            (repeats.advance - speed * period).abs() < 1e-8 && repeats.forcing_periods == Some(1),
+            "{repeats:?}"
+        );
         let state = response.powi(2) / a * (1.0 - w * w) - 1.0 - 2.0 * alpha * speed;
-        assert!(cycle.section.iter().all(|x| (x - state).abs() < 1e-7), "{more}: {state} {:?}", cycle.section);
+        assert!(
+            cycle.section.iter().all(|x| (x - state).abs() < 1e-7),
+            "{more}: {state} {:?}",
+            cycle.section
+        );
     }
 }
 
@@ -293,9 +441,15 @@ fn a_body_that_slides_steadily_has_no_amplitude() {
     let force = "force.expression = \"mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)\"";
     for form in [[load, ""], ["", force]] {
         let swinging = of(0.3, form);
-        assert!(swinging.amplitude > 0.3 && swinging.repeats.is_some(), "{form:?}: {swinging:?}");
+        assert!(
+            swinging.amplitude > 0.3 && swinging.repeats.is_some(),
+            "{form:?}: {swinging:?}"
+        );
         let [first, last] = [0, swinging.section.len() - 1].map(|i| swinging.section[i]);
-        assert!((first - last).abs() < 1e-6, "each slip begins at one place beside the belt: {first} {last}");
+        assert!(
+            (first - last).abs() < 1e-6,
+            "each slip begins at one place beside the belt: {first} {last}"
+        );
         for speed in [3.0, 5.0] {
             let steady = of(speed, form);
             assert!(
@@ -312,8 +466,10 @@ fn a_body_that_slides_steadily_has_no_amplitude() {
 #[test]
 fn passages_are_those_of_the_largest_displacement_on_any_grid() {
     let of = |row: f64| {
-        let mut scene =
-            Scenario::shipped("rho025").expect("shipped").with_scheme(EventDriven { tolerance: 1e-2 }).expect("suits");
+        let mut scene = Scenario::shipped("rho025")
+            .expect("shipped")
+            .with_scheme(EventDriven { tolerance: 1e-2 })
+            .expect("suits");
         scene.ensemble.paths = 600;
         scene.time.output_step = row;
         scene.record.levels = stickslip::stats::PassageLevels::of(&[12.0, 13.0, 14.0]);
@@ -329,12 +485,22 @@ fn passages_are_those_of_the_largest_displacement_on_any_grid() {
         let last = *fine.survival.last().expect("rows");
         assert!(0.0 < last && last < 1.0, "level {}: {last}", fine.level);
         let [least, most] = shares_beyond(&fine_of.displacement, fine.level);
-        assert!(least <= 1.0 - last && 1.0 - last <= most, "level {}: {last}", fine.level);
+        assert!(
+            least <= 1.0 - last && 1.0 - last <= most,
+            "level {}: {last}",
+            fine.level
+        );
     }
 }
 
 /// The share of values in the bins beyond the one that holds this value, without and with that bin.
 fn shares_beyond(law: &Distribution, value: f64) -> [f64; 2] {
-    let bin = law.histogram.edges.windows(2).position(|pair| pair[0] <= value && value < pair[1]).expect("a bin");
-    [bin + 1, bin].map(|from| law.histogram.counts[from..].iter().sum::<u64>() as f64 / law.completed as f64)
+    let bin = law
+        .histogram
+        .edges
+        .windows(2)
+        .position(|pair| pair[0] <= value && value < pair[1])
+        .expect("a bin");
+    [bin + 1, bin]
+        .map(|from| law.histogram.counts[from..].iter().sum::<u64>() as f64 / law.completed as f64)
 }

@@ -14,13 +14,18 @@ use stickslip_files::dataset::Recorder;
 fn shipped(name: &str, paths: u64) -> Scenario {
     let mut scenario = Scenario::shipped(name).expect("shipped");
     scenario.ensemble.paths = paths;
-    scenario.record = stickslip::stats::Record { energy: true, ..stickslip::stats::Record::NOTHING };
+    scenario.record = stickslip::stats::Record {
+        energy: true,
+        ..stickslip::stats::Record::NOTHING
+    };
     scenario.record.levels = PassageLevels::of(&[scenario.model.length_scale(scenario.time.end)]);
     scenario
 }
 
 fn event_driven(scenario: Scenario) -> Scenario {
-    scenario.with_scheme(EventDriven { tolerance: 1e-3 }).expect("suits")
+    scenario
+        .with_scheme(EventDriven { tolerance: 1e-3 })
+        .expect("suits")
 }
 
 fn of(summary: &Summary, statistic: Statistic) -> f64 {
@@ -45,16 +50,24 @@ fn without_noise_the_balance_of_energy_closes_to_a_billionth_of_the_work_of_fric
     add("duffing", &|_| ());
     add("belt", &|_| ());
     add("shaw", &|scene| {
-        let stop = Expression::parse("-1000*(max(0, x - 5) + min(0, x + 5))", &[]).expect("an expression");
+        let stop =
+            Expression::parse("-1000*(max(0, x - 5) + min(0, x + 5))", &[]).expect("an expression");
         scene.model.force = Some(Force::new(stop));
     });
-    add("viaduct", &|scene| *scene = scene.with_scheme(QuasiStatic { tolerance: 1e-3 }).expect("suits"));
+    add("viaduct", &|scene| {
+        *scene = scene
+            .with_scheme(QuasiStatic { tolerance: 1e-3 })
+            .expect("suits")
+    });
     for (name, scene) in &scenes {
         let summary = run(scene);
         let [residual, friction] =
             [Statistic::EnergyResidualMean, Statistic::FrictionWorkMean].map(|s| of(&summary, s));
         println!("{name}: {:e} of {friction}", residual / friction);
-        assert!(friction > 0.0 && residual.abs() < 1e-9 * friction, "{name}: {residual} of {friction}");
+        assert!(
+            friction > 0.0 && residual.abs() < 1e-9 * friction,
+            "{name}: {residual} of {friction}"
+        );
     }
 }
 
@@ -68,7 +81,11 @@ fn without_noise_the_balance_of_energy_closes_to_a_billionth_of_the_work_of_fric
 #[test]
 fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
     for (name, scene, tolerated) in [
-        ("damped", event_driven(shipped("damped", 24)), [1e-4, 1e-4, 5e-3]),
+        (
+            "damped",
+            event_driven(shipped("damped", 24)),
+            [1e-4, 1e-4, 5e-3],
+        ),
         (
             "noise of theta = 200",
             {
@@ -87,7 +104,10 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
                      ensemble = { paths = 8 }
                      scheme = { kind = \"event-driven\" }";
                 let text = body([1.0, 0.1], [1.2, 1.0], [60.0, 0.0, 20.0], more);
-                let mut scene = scenario(&text.replace("dynamic = 1.0", "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\""));
+                let mut scene = scenario(&text.replace(
+                    "dynamic = 1.0",
+                    "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\"",
+                ));
                 scene.record.levels = PassageLevels::of(&[1.0]);
                 scene
             },
@@ -95,47 +115,94 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
         ),
     ] {
         let mut fine = scene.clone();
-        (fine.time.output_step, fine.record.trajectories) = (fine.time.end / 1e5, scene.ensemble.paths);
+        (fine.time.output_step, fine.record.trajectories) =
+            (fine.time.end / 1e5, scene.ensemble.paths);
         let mut recorder = Recorder::default();
-        let summary = Run::of(&fine).without_bias().into_sink(&mut recorder).simulate().expect("no sink fails").summary;
+        let summary = Run::of(&fine)
+            .without_bias()
+            .into_sink(&mut recorder)
+            .simulate()
+            .expect("no sink fails")
+            .summary;
         let dataset = recorder.into_dataset();
         let column = |name: &str| match &dataset.entry(name).expect("recorded").column {
             stickslip_files::dataset::Column::F64(values) => values.clone(),
             other => panic!("{other:?}"),
         };
-        let [x, v, temperature] =
-            ["displacement", "velocity", "temperature"].map(|of| column(&format!("trajectory_{of}")));
+        let [x, v, temperature] = ["displacement", "velocity", "temperature"]
+            .map(|of| column(&format!("trajectory_{of}")));
         let rows = fine.timeline().rows();
         let body = &scene.model.oscillator;
-        let (mut of_temperature, mut of_damping, mut of_friction, mut fastest) = (0.0, 0.0, 0.0, 0.0);
+        let (mut of_temperature, mut of_damping, mut of_friction, mut fastest) =
+            (0.0, 0.0, 0.0, 0.0);
         for path in 0..scene.ensemble.paths as usize {
             let at = path * rows..(path + 1) * rows;
             for pair in at.clone().collect::<Vec<_>>().windows(2) {
                 let [a, b] = [pair[0], pair[1]];
-                of_temperature +=
-                    body.force_per_temperature() * 0.5 * (temperature[a] + temperature[b]) * (x[b] - x[a]);
+                of_temperature += body.force_per_temperature()
+                    * 0.5
+                    * (temperature[a] + temperature[b])
+                    * (x[b] - x[a]);
                 of_damping += body.damping * (v[a] + v[b]) * (x[b] - x[a]);
                 let [time, way] = [fine.time.output_step * (a % rows) as f64, x[b] - x[a]];
-                of_friction += way * scene.model.sliding_friction(Sign::of(way), time, 0.5 * (x[a] + x[b]), v[a]);
+                of_friction += way
+                    * scene
+                        .model
+                        .sliding_friction(Sign::of(way), time, 0.5 * (x[a] + x[b]), v[a]);
             }
             fastest += v[at].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         }
         let paths = scene.ensemble.paths as f64;
         let friction = of(&summary, Statistic::FrictionWorkMean);
         for (what, statistic, rows, tolerated) in [
-            ("temperature", Statistic::TemperatureWorkMean, of_temperature / paths, tolerated[0] * friction),
-            ("damping", Statistic::DampingWorkMean, of_damping / paths, tolerated[1] * friction),
-            ("friction", Statistic::FrictionWorkMean, of_friction / paths, tolerated[1] * friction),
-            ("speed", Statistic::LargestSpeedMean, fastest / paths, tolerated[2] * fastest / paths),
+            (
+                "temperature",
+                Statistic::TemperatureWorkMean,
+                of_temperature / paths,
+                tolerated[0] * friction,
+            ),
+            (
+                "damping",
+                Statistic::DampingWorkMean,
+                of_damping / paths,
+                tolerated[1] * friction,
+            ),
+            (
+                "friction",
+                Statistic::FrictionWorkMean,
+                of_friction / paths,
+                tolerated[1] * friction,
+            ),
+            (
+                "speed",
+                Statistic::LargestSpeedMean,
+                fastest / paths,
+                tolerated[2] * fastest / paths,
+            ),
         ] {
             let found = of(&summary, statistic);
-            println!("{name}, {what}: {found} {rows}, apart by {:e}", (found - rows) / friction);
-            assert!((found - rows).abs() < tolerated, "{name}, {what}: {found} {rows}");
+            println!(
+                "{name}, {what}: {found} {rows}, apart by {:e}",
+                (found - rows) / friction
+            );
+            assert!(
+                (found - rows).abs() < tolerated,
+                "{name}, {what}: {found} {rows}"
+            );
         }
         // The same paths without rows have the same works, to the last bit.
         let coarse = run(&scene);
-        for statistic in [Statistic::TemperatureWorkMean, Statistic::DampingWorkMean, Statistic::LargestSpeedMean] {
-            assert_eq!(of(&coarse, statistic), of(&summary, statistic), "{name}: {}", statistic.name());
+        for statistic in [
+            Statistic::TemperatureWorkMean,
+            Statistic::DampingWorkMean,
+            Statistic::LargestSpeedMean,
+        ] {
+            assert_eq!(
+                of(&coarse, statistic),
+                of(&summary, statistic),
+                "{name}: {}",
+                statistic.name()
+            );
         }
     }
 }
@@ -144,14 +211,20 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
 /// (f_s - f_d)/(m w0) half way; an interpolation between rows an hour apart had 4/pi of it less.
 #[test]
 fn a_slip_of_a_bridge_is_as_fast_as_its_swing() {
-    let mut scene = shipped("viaduct", 4).with_scheme(QuasiStatic { tolerance: 1e-3 }).expect("suits");
+    let mut scene = shipped("viaduct", 4)
+        .with_scheme(QuasiStatic { tolerance: 1e-3 })
+        .expect("suits");
     scene.time.end /= 10.0;
     let summary = run(&scene);
     let body = &scene.model.oscillator;
     let gap = scene.model.friction.static_force - scene.model.friction.dynamic_force;
     let expected = gap / (body.mass * body.natural_frequency());
-    let [mean, sd] = [Statistic::LargestSpeedMean, Statistic::LargestSpeedSd].map(|s| of(&summary, s));
-    assert!((mean / expected - 1.0).abs() < 1e-5 && sd < 1e-9 * mean, "{mean} {expected}, sd {sd}");
+    let [mean, sd] =
+        [Statistic::LargestSpeedMean, Statistic::LargestSpeedSd].map(|s| of(&summary, s));
+    assert!(
+        (mean / expected - 1.0).abs() < 1e-5 && sd < 1e-9 * mean,
+        "{mean} {expected}, sd {sd}"
+    );
 }
 
 /// An elastic stop gives back what it takes: its work is the energy that it holds at the end, which is
@@ -166,12 +239,23 @@ fn an_elastic_stop_takes_no_work() {
              ensemble = {{ paths = 400 }}
              scheme = {{ kind = \"event-driven\" }}"
         );
-        let summary = run(&scenario(&body([1.0, 0.0], [1.2, 1.0], [60.0, 0.0, 5.0], &more)));
-        let [own, friction, residual] =
-            [Statistic::OwnForceWorkMean, Statistic::FrictionWorkMean, Statistic::EnergyResidualMean]
-                .map(|s| of(&summary, s));
+        let summary = run(&scenario(&body(
+            [1.0, 0.0],
+            [1.2, 1.0],
+            [60.0, 0.0, 5.0],
+            &more,
+        )));
+        let [own, friction, residual] = [
+            Statistic::OwnForceWorkMean,
+            Statistic::FrictionWorkMean,
+            Statistic::EnergyResidualMean,
+        ]
+        .map(|s| of(&summary, s));
         println!("K = {stiffness}: {own} of {friction}");
-        assert!(own.abs() < 2e-4 * friction && residual.abs() < 1e-9 * friction, "{own} {friction} {residual}");
+        assert!(
+            own.abs() < 2e-4 * friction && residual.abs() < 1e-9 * friction,
+            "{own} {friction} {residual}"
+        );
     }
 }
 
@@ -188,28 +272,42 @@ fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
     };
     for scene in [
         everything("rho025", 1024),
-        everything("rho025", 256).with_scheme(CorrectedVi { step: 0.02 }).expect("suits"),
+        everything("rho025", 256)
+            .with_scheme(CorrectedVi { step: 0.02 })
+            .expect("suits"),
         event_driven(everything("rho025", 256)),
         everything("duffing", 64),
         everything("belt", 64),
-        everything("viaduct", 16).with_scheme(QuasiStatic { tolerance: 1e-3 }).expect("suits"),
+        everything("viaduct", 16)
+            .with_scheme(QuasiStatic { tolerance: 1e-3 })
+            .expect("suits"),
     ] {
         let mut coarse = scene.clone();
         coarse.time.output_step *= 10.0;
         let name = format!("{} {}", scene.title, scene.scheme);
-        let outcomes = [&scene, &coarse].map(|scene| Run::of(scene).simulate().expect("no sink").summary);
+        let outcomes =
+            [&scene, &coarse].map(|scene| Run::of(scene).simulate().expect("no sink").summary);
         let [fine, other] = &outcomes;
         for statistic in Statistic::ALL {
             let [a, b] = [fine, other].map(|summary| *summary.estimate(statistic));
-            let bits = |of: stickslip::stats::Estimate| [of.estimate, of.low, of.high].map(f64::to_bits);
+            let bits =
+                |of: stickslip::stats::Estimate| [of.estimate, of.low, of.high].map(f64::to_bits);
             assert_eq!(bits(a), bits(b), "{name}: {}", statistic.name());
             // The reference run of the bias may have another number of paths.
             if let (Some(a), Some(b)) = (a.bias, b.bias) {
                 let apart = (a.estimate - b.estimate).abs();
-                assert!(apart <= a.uncertainty + b.uncertainty, "{name}: bias of {}: {a:?} {b:?}", statistic.name());
+                assert!(
+                    apart <= a.uncertainty + b.uncertainty,
+                    "{name}: bias of {}: {a:?} {b:?}",
+                    statistic.name()
+                );
             }
         }
-        assert_eq!(format!("{:?}", fine.densities), format!("{:?}", other.densities), "{name}");
+        assert_eq!(
+            format!("{:?}", fine.densities),
+            format!("{:?}", other.densities),
+            "{name}"
+        );
         assert_eq!(fine.cycle, other.cycle, "{name}");
 
         let axis = SweepAxis {
@@ -219,13 +317,30 @@ fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
         };
         let design = Design::of(vec![axis], false).expect("one point");
         for scene in [&scene, &coarse] {
-            let question = SweepQuestion::new(scene.clone(), design.clone(), vec![scene.clone()], Seeds::Common, false);
+            let question = SweepQuestion::new(
+                scene.clone(),
+                design.clone(),
+                vec![scene.clone()],
+                Seeds::Common,
+                false,
+            );
             let (mut sweep, stop) = (Sweep::new(question), AtomicBool::new(false));
-            let simulation = SweepSimulation { threads: 1, stop: &stop, progress: &mut () };
-            simulation.run(&mut sweep, |_| Ok::<(), std::convert::Infallible>(())).expect("never fails");
+            let simulation = SweepSimulation {
+                threads: 1,
+                stop: &stop,
+                progress: &mut (),
+            };
+            simulation
+                .run(&mut sweep, |_| Ok::<(), std::convert::Infallible>(()))
+                .expect("never fails");
             let point = sweep.points[0].as_ref().expect("done");
             for (run, swept) in fine.estimates.iter().zip(&point.estimates) {
-                assert_eq!(run.estimate.to_bits(), swept.estimate.to_bits(), "{name}: {:?}", run.statistic);
+                assert_eq!(
+                    run.estimate.to_bits(),
+                    swept.estimate.to_bits(),
+                    "{name}: {:?}",
+                    run.statistic
+                );
             }
             assert_eq!(point.cycle, fine.cycle, "{name}");
         }
@@ -237,8 +352,8 @@ fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
 #[test]
 fn what_a_step_creates_of_energy_is_its_bias() {
     let scene = shipped("rho025", 2048);
-    let [stepping, exact] =
-        [scene.clone(), event_driven(scene)].map(|scene| Run::of(&scene).simulate().expect("no sink").summary);
+    let [stepping, exact] = [scene.clone(), event_driven(scene)]
+        .map(|scene| Run::of(&scene).simulate().expect("no sink").summary);
     for statistic in [
         Statistic::TemperatureWorkMean,
         Statistic::EnergyResidualMean,
@@ -247,12 +362,27 @@ fn what_a_step_creates_of_energy_is_its_bias() {
         Statistic::FrictionWorkMean,
     ] {
         let (estimate, truth) = (stepping.estimate(statistic), exact.estimate(statistic));
-        let bias = estimate.bias.unwrap_or_else(|| panic!("{} has no bias", statistic.name()));
+        let bias = estimate
+            .bias
+            .unwrap_or_else(|| panic!("{} has no bias", statistic.name()));
         let left = (estimate.estimate - bias.estimate - truth.estimate).abs();
         let error = bias.uncertainty + 2.0 * (truth.high - truth.low);
-        println!("{}: {} less {} is {}", statistic.name(), estimate.estimate, bias.estimate, truth.estimate);
-        assert!(left <= error + 1e-12, "{}: {left}, not below {error}", statistic.name());
+        println!(
+            "{}: {} less {} is {}",
+            statistic.name(),
+            estimate.estimate,
+            bias.estimate,
+            truth.estimate
+        );
+        assert!(
+            left <= error + 1e-12,
+            "{}: {left}, not below {error}",
+            statistic.name()
+        );
     }
     let residual = stepping.estimate(Statistic::EnergyResidualMean);
-    assert!(residual.estimate < -1.0 && residual.bias.expect("known").uncertainty < 0.05, "{residual:?}");
+    assert!(
+        residual.estimate < -1.0 && residual.bias.expect("known").uncertainty < 0.05,
+        "{residual:?}"
+    );
 }

@@ -8,7 +8,9 @@
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use std::f64::consts::{PI, TAU};
 use stickslip::model::*;
-use stickslip::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, QuasiStaticSimulation, Simulate as _, Timeline};
+use stickslip::scheme::{
+    DEFAULT_TOLERANCE, EventDrivenSimulation, QuasiStaticSimulation, Simulate as _, Timeline,
+};
 use stickslip::stats::{Statistic, Summary};
 
 /// A bearing with this damping ratio. x0 is 5.9, because from 6 jumps of 0.4 would meet the
@@ -55,10 +57,22 @@ fn kept(model: &Model, line: &Timeline, is_quasi_static: bool) -> Keep {
 fn slips(model: &Model) -> [Slips; 2] {
     let end = 2.0 * TAU / model.temperature.harmonics[0].angular_frequency;
     [false, true].map(|is_quasi_static| {
-        let events = kept(model, &timeline(end, end), is_quasi_static).events.remove(0);
-        let pairs: Vec<_> = events.windows(2).filter(|pair| pair[1].kind == EventKind::StickEntered).collect();
-        let mean = |f: &dyn Fn(&[Event]) -> f64| pairs.iter().map(|pair| f(pair)).sum::<f64>() / pairs.len() as f64;
-        assert!(pairs.iter().all(|pair| matches!(pair[0].kind, EventKind::SlipStarted(_))), "one sub-phase a slip");
+        let events = kept(model, &timeline(end, end), is_quasi_static)
+            .events
+            .remove(0);
+        let pairs: Vec<_> = events
+            .windows(2)
+            .filter(|pair| pair[1].kind == EventKind::StickEntered)
+            .collect();
+        let mean = |f: &dyn Fn(&[Event]) -> f64| {
+            pairs.iter().map(|pair| f(pair)).sum::<f64>() / pairs.len() as f64
+        };
+        assert!(
+            pairs
+                .iter()
+                .all(|pair| matches!(pair[0].kind, EventKind::SlipStarted(_))),
+            "one sub-phase a slip"
+        );
         Slips {
             count: pairs.len(),
             jump: mean(&|pair| (pair[1].displacement - pair[0].displacement).abs()),
@@ -74,27 +88,59 @@ fn slips(model: &Model) -> [Slips; 2] {
 fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
     let (mass, stiffness, gap) = (0.5, 3.0, 0.2);
     let w0 = f64::sqrt(stiffness / mass);
-    for (zeta, side) in [0.0, 0.05, 0.3, 0.9, 1.5].into_iter().flat_map(|zeta| [(zeta, 1.0), (zeta, -1.0)]) {
+    for (zeta, side) in [0.0, 0.05, 0.3, 0.9, 1.5]
+        .into_iter()
+        .flat_map(|zeta| [(zeta, 1.0), (zeta, -1.0)])
+    {
         let mut model = damped(zeta, 1.0);
-        model.oscillator = Oscillator { mass, stiffness, damping: zeta * mass * w0, drive: Drive::Dilatation(6.0) };
+        model.oscillator = Oscillator {
+            mass,
+            stiffness,
+            damping: zeta * mass * w0,
+            drive: Drive::Dilatation(6.0),
+        };
         model.temperature.harmonics.clear();
         model.initial_displacement = -side * 1.2 * (1.0 + 1e-12) / stiffness;
         let (lasts, overshoot) = swing(zeta);
         let lasts = lasts / w0;
-        let line = timeline(if zeta < 1.0 { 2.0 * lasts } else { lasts * (1.0 - 1e-4) }, 0.01);
-        let [exact, quasi] = [false, true].map(|is_quasi_static| kept(&model, &line, is_quasi_static));
+        let line = timeline(
+            if zeta < 1.0 {
+                2.0 * lasts
+            } else {
+                lasts * (1.0 - 1e-4)
+            },
+            0.01,
+        );
+        let [exact, quasi] =
+            [false, true].map(|is_quasi_static| kept(&model, &line, is_quasi_static));
         for (row, (a, b)) in exact.rows[0].iter().zip(&quasi.rows[0]).enumerate() {
-            assert!((a.1 - b.1).abs() < 1e-10 && (a.2 - b.2).abs() < 1e-10, "{zeta} {side} {row}: {a:?} {b:?}");
+            assert!(
+                (a.1 - b.1).abs() < 1e-10 && (a.2 - b.2).abs() < 1e-10,
+                "{zeta} {side} {row}: {a:?} {b:?}"
+            );
             assert_eq!(a.4, b.4, "{zeta} {side} {row}");
         }
-        assert_eq!(exact.events[0].len(), if zeta < 1.0 { 2 } else { 1 }, "{zeta}: an overdamped slip has no end");
+        assert_eq!(
+            exact.events[0].len(),
+            if zeta < 1.0 { 2 } else { 1 },
+            "{zeta}: an overdamped slip has no end"
+        );
         for keep in [&exact, &quasi] {
-            let Some(stop) = keep.events[0].get(1) else { continue };
+            let Some(stop) = keep.events[0].get(1) else {
+                continue;
+            };
             let jump = side * (1.0 + overshoot) * gap / stiffness;
             assert_eq!(stop.kind, EventKind::StickEntered);
             // A zero of x' that has decayed by the factor q is less sharp by that factor.
-            assert!((stop.time - lasts).abs() < 1e-10 / overshoot, "{zeta}: {} {lasts}", stop.time);
-            assert!((stop.displacement - model.initial_displacement - jump).abs() < 1e-10, "{zeta} {side}: {stop:?}");
+            assert!(
+                (stop.time - lasts).abs() < 1e-10 / overshoot,
+                "{zeta}: {} {lasts}",
+                stop.time
+            );
+            assert!(
+                (stop.displacement - model.initial_displacement - jump).abs() < 1e-10,
+                "{zeta} {side}: {stop:?}"
+            );
         }
     }
 }
@@ -119,17 +165,30 @@ fn without_noise_the_recursion_is_the_limit_of_slow_forcing_below_critical_dampi
                 "| {zeta} | {w:e} | {}; {} | {:.6}; {:.6} | {:.4}; {:.4} |",
                 exact.count, quasi.count, jumps.0, jumps.1, durations.0, durations.1
             );
-            assert!((quasi.jump - released).abs() < 1e-12 && (quasi.duration / lasts - 1.0).abs() < 1e-8, "{quasi:?}");
+            assert!(
+                (quasi.jump - released).abs() < 1e-12
+                    && (quasi.duration / lasts - 1.0).abs() < 1e-8,
+                "{quasi:?}"
+            );
             assert_eq!(exact.count, quasi.count, "{zeta} {w}");
             let later = 6.0 * w * (1.0 + overshoot) / (0.2 * overshoot * lasts);
-            let errors = [exact.jump / quasi.jump - 1.0, exact.duration / quasi.duration - 1.0];
+            let errors = [
+                exact.jump / quasi.jump - 1.0,
+                exact.duration / quasi.duration - 1.0,
+            ];
             for (error, most) in errors.into_iter().zip([6.0 * w * lasts / released, later]) {
-                assert!(error > 0.0 && error < 2.0 * most, "{zeta} {w}: {error}, to first order {most}");
+                assert!(
+                    error > 0.0 && error < 2.0 * most,
+                    "{zeta} {w}: {error}, to first order {most}"
+                );
             }
             errors
         });
         for (fast, slow) in errors[0].into_iter().zip(errors[1]) {
-            assert!(fast / slow > 9.0 && fast / slow < 13.0, "{zeta}: {fast} falls to {slow}");
+            assert!(
+                fast / slow > 9.0 && fast / slow < 13.0,
+                "{zeta}: {fast} falls to {slow}"
+            );
         }
     }
 }
@@ -151,7 +210,10 @@ fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_s
             "| {zeta} | {limit:.2e} | {}; {} | {}; {} |",
             below[0].count, below[1].count, above[0].count, above[1].count
         );
-        assert!(below[0].count.abs_diff(below[1].count) <= below[1].count / 10, "{zeta}: {below:?}");
+        assert!(
+            below[0].count.abs_diff(below[1].count) <= below[1].count / 10,
+            "{zeta}: {below:?}"
+        );
         assert!(above[0].count < above[1].count / 5, "{zeta}: {above:?}");
     }
 }
@@ -161,12 +223,21 @@ fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_s
 /// starts at 5.9. The recursion has some 200 slips instead.
 #[test]
 fn without_noise_an_overdamped_body_creeps_however_slow_the_forcing() {
-    for (zeta, w) in [1.0, 1.5].into_iter().flat_map(|zeta| [1e-3, 1e-4, 1e-5].map(|w| (zeta, w))) {
+    for (zeta, w) in [1.0, 1.5]
+        .into_iter()
+        .flat_map(|zeta| [1e-3, 1e-4, 1e-5].map(|w| (zeta, w)))
+    {
         let [exact, quasi] = slips(&damped(zeta, w));
         println!("{zeta} {w:e}: {exact:?}; {quasi:?}");
         assert_eq!(exact.count, 3, "{zeta} {w}");
-        assert!((exact.jump - (10.9 + 10.0 + 10.0) / 3.0).abs() < 0.1 * w.sqrt(), "{zeta} {w}: {exact:?}");
-        assert!(quasi.count > 190 && (quasi.jump - 0.2).abs() < 1e-12, "{zeta} {w}: {quasi:?}");
+        assert!(
+            (exact.jump - (10.9 + 10.0 + 10.0) / 3.0).abs() < 0.1 * w.sqrt(),
+            "{zeta} {w}: {exact:?}"
+        );
+        assert!(
+            quasi.count > 190 && (quasi.jump - 0.2).abs() < 1e-12,
+            "{zeta} {w}: {quasi:?}"
+        );
     }
 }
 
@@ -189,7 +260,8 @@ fn slow_noise(zeta: f64, w: f64) -> Model {
 
 /// The mean duration of a slip.
 fn slip_duration(summary: &Summary, end: f64) -> f64 {
-    (1.0 - estimate(summary, Statistic::StickingFraction).0) * end / estimate(summary, Statistic::SlipsPerPath).0
+    (1.0 - estimate(summary, Statistic::StickingFraction).0) * end
+        / estimate(summary, Statistic::SlipsPerPath).0
 }
 
 /// Null hypothesis: the mean |jump| and the mean number of sticks of both schemes agree to within
@@ -211,28 +283,49 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
             let line = timeline(end, end);
             let scheme = QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE);
             let exact = event_driven_summary(&model, &line, DEFAULT_TOLERANCE, 1, 400);
-            let quasi = summary_of(&model, &line, 400, |numbers, observer| scheme.simulate(2, numbers, observer));
-            let moved = (6.0 * w * lasts + 0.3 * (20.0 * w * lasts).sqrt()) / (0.2 * (1.0 + overshoot));
+            let quasi = summary_of(&model, &line, 400, |numbers, observer| {
+                scheme.simulate(2, numbers, observer)
+            });
+            let moved =
+                (6.0 * w * lasts + 0.3 * (20.0 * w * lasts).sqrt()) / (0.2 * (1.0 + overshoot));
             let shown = |statistic, digits| {
                 let [a, b] = [&exact, &quasi].map(|of| estimate(of, statistic));
                 format!("{:.digits$} +- {:.digits$}; {:.digits$}", a.0, a.1, b.0)
             };
-            let (jump, sticks) = (shown(Statistic::JumpAbsMean, 5), shown(Statistic::SticksPerPath, 1));
+            let (jump, sticks) = (
+                shown(Statistic::JumpAbsMean, 5),
+                shown(Statistic::SticksPerPath, 1),
+            );
             let (a, b) = (slip_duration(&exact, end), slip_duration(&quasi, end));
-            println!("| {zeta} | {w:e} | {jump} | {sticks} | {a:.1}; {b:.1} | {:.1} % |", 100.0 * moved);
+            println!(
+                "| {zeta} | {w:e} | {jump} | {sticks} | {a:.1}; {b:.1} | {:.1} % |",
+                100.0 * moved
+            );
             for statistic in [Statistic::JumpAbsMean, Statistic::SticksPerPath] {
                 let ((a, sa), (b, sb)) = (estimate(&exact, statistic), estimate(&quasi, statistic));
                 let allowed = moved * b + FALSE_ALARM * sa.hypot(sb);
-                assert!((a - b).abs() <= allowed, "{zeta} {w} {statistic:?}: {a} +- {sa}, {b} +- {sb}");
+                assert!(
+                    (a - b).abs() <= allowed,
+                    "{zeta} {w} {statistic:?}: {a} +- {sa}, {b} +- {sb}"
+                );
             }
             let ratio = a / b;
             let (least, most) = if zeta < 1.0 { (0.99, 1.15) } else { (0.7, 1.0) };
-            assert!(ratio > least && ratio < most, "{zeta} {w}: slips last {ratio} times as long");
+            assert!(
+                ratio > least && ratio < most,
+                "{zeta} {w}: slips last {ratio} times as long"
+            );
             let (jump, error) = estimate(&exact, Statistic::JumpAbsMean);
-            ((jump / (0.2 * (1.0 + overshoot)) - 1.0).abs(), FALSE_ALARM * error / jump)
+            (
+                (jump / (0.2 * (1.0 + overshoot)) - 1.0).abs(),
+                FALSE_ALARM * error / jump,
+            )
         });
         let [(fast, _), (slow, noise)] = errors;
-        assert!(slow < (0.5 * fast).max(noise), "{zeta}: {fast} falls to {slow}");
+        assert!(
+            slow < (0.5 * fast).max(noise),
+            "{zeta}: {fast} falls to {slow}"
+        );
     }
 }
 
@@ -244,21 +337,36 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
 #[test]
 fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
     let model = |x0: f64, temperature: Temperature| Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
-        friction: Friction { static_force: 1.0, dynamic_force: 0.5 },
+        oscillator: Oscillator {
+            mass: 1.0,
+            stiffness: 1.0,
+            damping: 0.0,
+            drive: Drive::Dilatation(1.0),
+        },
+        friction: Friction {
+            static_force: 1.0,
+            dynamic_force: 0.5,
+        },
         temperature,
         force: None,
         initial_displacement: x0,
         initial_velocity: 0.0,
     };
     let wave = |amplitude: f64| Temperature {
-        harmonics: vec![Harmonic { amplitude, angular_frequency: 1e-9, phase: 0.0 }],
+        harmonics: vec![Harmonic {
+            amplitude,
+            angular_frequency: 1e-9,
+            phase: 0.0,
+        }],
         ..Temperature::default()
     };
     let series = |samples: &[(f64, f64)]| Temperature {
         series: Some(std::sync::Arc::new(
-            Series::new(samples.iter().map(|at| at.0).collect(), samples.iter().map(|at| at.1).collect())
-                .expect("ascending"),
+            Series::new(
+                samples.iter().map(|at| at.0).collect(),
+                samples.iter().map(|at| at.1).collect(),
+            )
+            .expect("ascending"),
         )),
         ..Temperature::default()
     };
@@ -269,13 +377,34 @@ fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
         ("just outside", model(0.0, wave(1.2)), 1e3, 1.4),
         ("just inside", model(0.0, wave(0.9)), 1e3, 0.0),
         ("after many periods", model(0.0, wave(3.3)), 1e12, 2.6),
-        ("a series", model(0.0, series(&[(0.0, 3.3), (1e3, 3.3), (1e12, -3.0), (2e12, 3.0)])), 2e12, 2.6),
+        (
+            "a series",
+            model(
+                0.0,
+                series(&[(0.0, 3.3), (1e3, 3.3), (1e12, -3.0), (2e12, 3.0)]),
+            ),
+            2e12,
+            2.6,
+        ),
     ] {
         let line = timeline(end, end);
-        let [exact, quasi] = [false, true].map(|is_quasi_static| kept(&model, &line, is_quasi_static));
-        let last = |keep: &Keep| keep.events[0].last().map_or(model.initial_displacement, |event| event.displacement);
-        assert!((last(&quasi) - expected).abs() < 1e-6, "{what}: {} {expected}", last(&quasi));
-        assert!((last(&exact) - expected).abs() < 1e-6, "{what}, event-driven: {} {expected}", last(&exact));
+        let [exact, quasi] =
+            [false, true].map(|is_quasi_static| kept(&model, &line, is_quasi_static));
+        let last = |keep: &Keep| {
+            keep.events[0]
+                .last()
+                .map_or(model.initial_displacement, |event| event.displacement)
+        };
+        assert!(
+            (last(&quasi) - expected).abs() < 1e-6,
+            "{what}: {} {expected}",
+            last(&quasi)
+        );
+        assert!(
+            (last(&exact) - expected).abs() < 1e-6,
+            "{what}, event-driven: {} {expected}",
+            last(&exact)
+        );
         assert_eq!(exact.events[0].len(), quasi.events[0].len(), "{what}");
     }
 }
@@ -294,9 +423,20 @@ fn a_stationary_noise_starts_from_the_force_it_has() {
         initial: InitialNoise::Stationary,
     };
     let model = Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
-        friction: Friction { static_force: 1.0, dynamic_force: 0.5 },
-        temperature: Temperature { noises: vec![noise], ..Temperature::default() },
+        oscillator: Oscillator {
+            mass: 1.0,
+            stiffness: 1.0,
+            damping: 0.0,
+            drive: Drive::Dilatation(1.0),
+        },
+        friction: Friction {
+            static_force: 1.0,
+            dynamic_force: 0.5,
+        },
+        temperature: Temperature {
+            noises: vec![noise],
+            ..Temperature::default()
+        },
         force: None,
         initial_displacement: 0.0,
         initial_velocity: 0.0,
@@ -304,11 +444,31 @@ fn a_stationary_noise_starts_from_the_force_it_has() {
     let line = timeline(40.0, 40.0);
     let numbers: Vec<u64> = (0..64).collect();
     let mut keeps = [Keep::lanes(64), Keep::lanes(64)];
-    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut keeps[0]);
-    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut keeps[1]);
-    let last = |keep: &Keep, lane: usize| keep.events[lane].last().map_or(0.0, |event| event.displacement);
-    let differences: Vec<f64> = (0..64).map(|lane| (last(&keeps[0], lane) - last(&keeps[1], lane)).abs()).collect();
-    let agree = differences.iter().filter(|difference| **difference < 0.1).count();
+    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(
+        1,
+        &numbers,
+        &mut keeps[0],
+    );
+    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(
+        1,
+        &numbers,
+        &mut keeps[1],
+    );
+    let last = |keep: &Keep, lane: usize| {
+        keep.events[lane]
+            .last()
+            .map_or(0.0, |event| event.displacement)
+    };
+    let differences: Vec<f64> = (0..64)
+        .map(|lane| (last(&keeps[0], lane) - last(&keeps[1], lane)).abs())
+        .collect();
+    let agree = differences
+        .iter()
+        .filter(|difference| **difference < 0.1)
+        .count();
     let moved = (0..64).filter(|lane| last(&keeps[1], *lane) != 0.0).count();
-    assert!(moved > 40 && agree >= 60, "{agree} of 64 agree, {moved} moved: {differences:?}");
+    assert!(
+        moved > 40 && agree >= 60,
+        "{agree} of 64 agree, {moved} moved: {differences:?}"
+    );
 }

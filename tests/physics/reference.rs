@@ -16,8 +16,19 @@ pub fn reference_path(
     mut normal: impl FnMut() -> f64,
     mut on_event: impl FnMut(Event),
 ) -> (f64, f64) {
-    let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
-    let (h_over_m, f_s, f_d) = (h / oscillator.mass, friction.static_force, friction.dynamic_force);
+    let Model {
+        oscillator,
+        friction,
+        temperature,
+        initial_displacement,
+        initial_velocity,
+        ..
+    } = model;
+    let (h_over_m, f_s, f_d) = (
+        h / oscillator.mass,
+        friction.static_force,
+        friction.dynamic_force,
+    );
     let noise = temperature.effective_noise();
     let transition = noise.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, h));
     let mut eta = match noise {
@@ -38,11 +49,20 @@ pub fn reference_path(
     let mut is_static = v == 0.0 && b.abs() <= f_s;
     if !is_static {
         let direction = Sign::of(if v == 0.0 { b } else { v });
-        on_event(Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force: b });
+        on_event(Event {
+            kind: EventKind::SlipStarted(direction),
+            time: 0.0,
+            displacement: x,
+            force: b,
+        });
     }
     for n in 0..steps {
         let s = v + h_over_m * b;
-        let next_v = if s.abs() <= h_over_m * f_s { 0.0 } else { s - (h_over_m * f_d).copysign(s) };
+        let next_v = if s.abs() <= h_over_m * f_s {
+            0.0
+        } else {
+            s - (h_over_m * f_d).copysign(s)
+        };
         let next_x = x + h * v;
         if let Some(transition) = &transition {
             eta = transition.next(eta, normal());
@@ -52,7 +72,12 @@ pub fn reference_path(
         if is_static && next_v != 0.0 {
             is_static = false;
             let kind = EventKind::SlipStarted(Sign::of(next_v));
-            on_event(Event { kind, time: n as f64 * h, displacement: x, force: b });
+            on_event(Event {
+                kind,
+                time: n as f64 * h,
+                displacement: x,
+                force: b,
+            });
         } else if !is_static && (next_v == 0.0 || v * next_v < 0.0) {
             is_static = next_v == 0.0 && next_b.abs() <= f_s;
             let kind = match (is_static, next_v == 0.0) {
@@ -60,7 +85,12 @@ pub fn reference_path(
                 (false, true) => EventKind::SubPhaseBoundary(Sign::of(next_b)),
                 (false, false) => EventKind::SubPhaseBoundary(Sign::of(next_v)),
             };
-            on_event(Event { kind, time: (n + 1) as f64 * h, displacement: next_x, force: next_b });
+            on_event(Event {
+                kind,
+                time: (n + 1) as f64 * h,
+                displacement: next_x,
+                force: next_b,
+            });
         }
         (x, v, b) = (next_x, next_v, next_b);
     }

@@ -36,7 +36,10 @@ fn events(simulation: &impl Simulate) -> Vec<Event> {
 fn assert_alike(found: &[Event], wanted: &[Event], within: f64) {
     assert_eq!(found.len(), wanted.len(), "{found:?}\n{wanted:?}");
     for (a, b) in found.iter().zip(wanted) {
-        let off = (a.time - b.time).abs().max((a.displacement - b.displacement).abs()).max((a.force - b.force).abs());
+        let off = (a.time - b.time)
+            .abs()
+            .max((a.displacement - b.displacement).abs())
+            .max((a.force - b.force).abs());
         assert!(a.kind == b.kind && off <= within, "{a:?} {b:?}");
     }
 }
@@ -50,8 +53,10 @@ fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
         model.oscillator.damping = damping;
         let fine = sampled(model.clone(), 30_000, 1e-3, |t| (0.25 * t).cos());
         let line = timeline(30.0, 0.5);
-        let event_driven = |model: &Model| events(&EventDrivenSimulation::new(model, &line, TOLERANCE));
-        let quasi_static = |model: &Model| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
+        let event_driven =
+            |model: &Model| events(&EventDrivenSimulation::new(model, &line, TOLERANCE));
+        let quasi_static =
+            |model: &Model| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
         let wanted = event_driven(&model);
         assert!(wanted.len() >= 4, "{wanted:?}");
         assert_alike(&event_driven(&fine), &wanted, 3e-7);
@@ -79,14 +84,38 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     let found = events(&EventDrivenSimulation::new(&ramp, &line, TOLERANCE));
     let end = 2.0 * PI - 2.0 * (0.2f64 / 3.0).atan();
     let way = 0.2 * (1.0 - end.cos()) + 3.0 * (end - end.sin());
-    assert!((found[0].time - 0.4).abs() < 1e-15 && found[0].displacement == 0.0, "{:?}", found[0]);
-    assert!((found[1].time - 0.4 - end).abs() < 1e-13 && (found[1].displacement - way).abs() < 1e-12, "{:?}", found[1]);
+    assert!(
+        (found[0].time - 0.4).abs() < 1e-15 && found[0].displacement == 0.0,
+        "{:?}",
+        found[0]
+    );
+    assert!(
+        (found[1].time - 0.4 - end).abs() < 1e-13 && (found[1].displacement - way).abs() < 1e-12,
+        "{:?}",
+        found[1]
+    );
     // A further sample on a straight line changes nothing, wherever it is: in a stick, in a slip,
     // or almost at an event.
-    let times = vec![0.0, 0.1, 0.4, 0.4 + 1e-9, 1.7, 5.0, found[1].time, found[1].time + 1e-12, 9.0, 22.5, 40.0];
+    let times = vec![
+        0.0,
+        0.1,
+        0.4,
+        0.4 + 1e-9,
+        1.7,
+        5.0,
+        found[1].time,
+        found[1].time + 1e-12,
+        9.0,
+        22.5,
+        40.0,
+    ];
     let values = times.iter().map(|t| 0.5 * t).collect();
     let cut = measured(model, times, values);
-    assert_alike(&events(&EventDrivenSimulation::new(&cut, &line, TOLERANCE)), &found, 1e-10);
+    assert_alike(
+        &events(&EventDrivenSimulation::new(&cut, &line, TOLERANCE)),
+        &found,
+        1e-10,
+    );
     let quasi_static = |model: &Model| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
     assert_alike(&quasi_static(&cut), &quasi_static(&ramp), 1e-10);
 }
@@ -94,15 +123,26 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
 /// Samples that go up and down irregularly.
 fn zigzag(n: usize, step: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
     let times = (0..=n).map(|i| i as f64 * step).collect();
-    let values = (0..=n).map(|i| size * (1.3 * (i as f64).sin() + 0.9 * (0.37 * (i * i) as f64).cos())).collect();
+    let values = (0..=n)
+        .map(|i| size * (1.3 * (i as f64).sin() + 0.9 * (0.37 * (i * i) as f64).cos()))
+        .collect();
     (times, values)
 }
 
 /// The rate of change of (x, v) on a straight line of T, with friction in the direction `eps`.
-fn rate(model: &Model, (from, to): ((f64, f64), (f64, f64)), eps: f64, t: f64, [x, v]: [f64; 2]) -> [f64; 2] {
+fn rate(
+    model: &Model,
+    (from, to): ((f64, f64), (f64, f64)),
+    eps: f64,
+    t: f64,
+    [x, v]: [f64; 2],
+) -> [f64; 2] {
     let temperature = from.1 + (to.1 - from.1) * ((t - from.0) / (to.0 - from.0));
     let force = model.oscillator.force(temperature, x, v);
-    [v, (force - eps * model.friction.dynamic_force) / model.oscillator.mass]
+    [
+        v,
+        (force - eps * model.friction.dynamic_force) / model.oscillator.mass,
+    ]
 }
 
 /// The cascade by the Runge-Kutta method of fourth order with `steps` steps on each line. Where an
@@ -115,7 +155,8 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
         let sample = |i: usize| (series.times()[i], series.values()[i]);
         let line = (sample(piece), sample(piece + 1));
         let force = |t: f64, x: f64| {
-            let temperature = line.0.1 + (line.1.1 - line.0.1) * ((t - line.0.0) / (line.1.0 - line.0.0));
+            let temperature =
+                line.0.1 + (line.1.1 - line.0.1) * ((t - line.0.0) / (line.1.0 - line.0.0));
             model.oscillator.force(temperature, x, 0.0)
         };
         let step = |eps: f64, t: f64, h: f64, y: [f64; 2]| -> [f64; 2] {
@@ -131,8 +172,13 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
             add([mean(0), mean(1)], h)
         };
         // Whether the phase has ended.
-        let is_over =
-            |eps: f64, t: f64, y: [f64; 2]| if eps == 0.0 { force(t, y[0]).abs() > f_s } else { eps * y[1] < 0.0 };
+        let is_over = |eps: f64, t: f64, y: [f64; 2]| {
+            if eps == 0.0 {
+                force(t, y[0]).abs() > f_s
+            } else {
+                eps * y[1] < 0.0
+            }
+        };
         let h = (line.1.0 - line.0.0) / f64::from(steps);
         for i in 0..steps {
             let (mut t, end) = (line.0.0 + f64::from(i) * h, line.0.0 + f64::from(i + 1) * h);
@@ -145,12 +191,20 @@ fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
                 let (mut low, mut high) = (0.0, end - t);
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    if is_over(eps, t + middle, step(eps, t, middle, state)) { high = middle } else { low = middle }
+                    if is_over(eps, t + middle, step(eps, t, middle, state)) {
+                        high = middle
+                    } else {
+                        low = middle
+                    }
                 }
                 state = [step(eps, t, high, state)[0], 0.0];
                 t += high;
                 let b = force(t, state[0]);
-                eps = if eps != 0.0 && b.abs() <= f_s { 0.0 } else { b.signum() };
+                eps = if eps != 0.0 && b.abs() <= f_s {
+                    0.0
+                } else {
+                    b.signum()
+                };
                 found.push((t, state[0]));
             }
         }
@@ -168,10 +222,18 @@ fn slips_over_kinks_are_those_of_the_equation_of_motion() {
         model.initial_displacement = 1.0;
         let (times, values) = zigzag(60, 0.7, 1.0);
         let model = measured(model, times, values);
-        let found = events(&EventDrivenSimulation::new(&model, &timeline(42.0, 1.0), TOLERANCE));
+        let found = events(&EventDrivenSimulation::new(
+            &model,
+            &timeline(42.0, 1.0),
+            TOLERANCE,
+        ));
         let wanted = integrated(&model, 2000);
         assert!(wanted.len() > 8, "{}", wanted.len());
-        assert_eq!(found.len(), wanted.len(), "{damping}: {found:?}\n{wanted:?}");
+        assert_eq!(
+            found.len(),
+            wanted.len(),
+            "{damping}: {found:?}\n{wanted:?}"
+        );
         for (event, (time, x)) in found.iter().zip(&wanted) {
             assert!(
                 (event.time - time).abs() < 1e-8 && (event.displacement - x).abs() < 1e-8,
@@ -189,22 +251,36 @@ fn the_discrete_scheme_samples_the_series_at_its_steps() {
     let (h, steps) = (0.01, 3000);
     let mut keep = Keep::lanes(3);
     let line = timeline(h * f64::from(steps), h);
-    assert!(DiscreteSimulation::new(&model, &line, h).simulate(1, &[0, 1, 2], &mut keep).is_empty());
+    assert!(
+        DiscreteSimulation::new(&model, &line, h)
+            .simulate(1, &[0, 1, 2], &mut keep)
+            .is_empty()
+    );
     let (f_s, f_d) = (model.friction.static_force, model.friction.dynamic_force);
     let (mut x, mut v) = (model.initial_displacement, 0.0f64);
     for n in 0..steps {
         let t = f64::from(n) * h;
-        let after = times.iter().position(|time| *time > t).expect("a sample behind");
+        let after = times
+            .iter()
+            .position(|time| *time > t)
+            .expect("a sample behind");
         let part = (t - times[after - 1]) / (times[after] - times[after - 1]);
         let temperature = (1.0 - part) * values[after - 1] + part * values[after];
         for lane in &keep.rows {
             let row = lane[n as usize];
-            assert!((row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9, "{n}: {row:?} {x} {v}");
+            assert!(
+                (row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9,
+                "{n}: {row:?} {x} {v}"
+            );
             assert!((row.3 - temperature).abs() < 1e-12, "{n}");
         }
         let s = v + h * model.oscillator.force(temperature, x, v);
         x += h * v;
-        v = if s.abs() <= h * f_s { 0.0 } else { s - h * f_d * s.signum() };
+        v = if s.abs() <= h * f_s {
+            0.0
+        } else {
+            s - h * f_d * s.signum()
+        };
     }
 }
 
@@ -214,7 +290,9 @@ fn the_discrete_scheme_samples_the_series_at_its_steps() {
 fn a_series_of_zeros_changes_no_bit() {
     let plain = paper(0.25, 0.25);
     let mut zero = plain.clone();
-    zero.temperature.series = Some(Arc::new(Series::new(vec![0.0, 30.0, 60.0], vec![0.0; 3]).expect("a series")));
+    zero.temperature.series = Some(Arc::new(
+        Series::new(vec![0.0, 30.0, 60.0], vec![0.0; 3]).expect("a series"),
+    ));
     let line = timeline(60.0, 0.5);
     let paths: Vec<u64> = (0..16).collect();
     fn kept(simulation: &impl Simulate, paths: &[u64]) -> Keep {
@@ -223,9 +301,11 @@ fn a_series_of_zeros_changes_no_bit() {
         keep
     }
     let both = [&plain, &zero];
-    let [a, b] = both.map(|model| kept(&EventDrivenSimulation::new(model, &line, TOLERANCE), &paths));
+    let [a, b] =
+        both.map(|model| kept(&EventDrivenSimulation::new(model, &line, TOLERANCE), &paths));
     assert_eq!(a, b);
-    let [a, b] = both.map(|model| kept(&QuasiStaticSimulation::new(model, &line, TOLERANCE), &paths));
+    let [a, b] =
+        both.map(|model| kept(&QuasiStaticSimulation::new(model, &line, TOLERANCE), &paths));
     assert_eq!(a, b);
     let [a, b] = both.map(|model| kept(&DiscreteSimulation::new(model, &line, 0.01), &paths));
     assert_eq!(a, b);
@@ -246,7 +326,9 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
     let line = timeline(12.0, 4.0);
     let exact = event_driven_summary(&model, &line, TOLERANCE, 1, 40_000);
     let corrected = DiscreteSimulation::corrected(&model, &line, 2.5e-4);
-    let discrete = summary_of(&model, &line, 20_000, |numbers, observer| corrected.simulate(2, numbers, observer));
+    let discrete = summary_of(&model, &line, 20_000, |numbers, observer| {
+        corrected.simulate(2, numbers, observer)
+    });
     for statistic in [
         Statistic::StickDurationMean,
         Statistic::SticksPerPath,
@@ -257,7 +339,11 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
         let [(a, sa), (b, sb)] = [estimate(&exact, statistic), estimate(&discrete, statistic)];
         let allowed = 3.9 * sa.hypot(sb) + 4e-3 * a.abs();
         println!("{}: {a} +- {sa}, {b} +- {sb}", statistic.name());
-        assert!((a - b).abs() <= allowed, "{}: {a} +- {sa}, {b} +- {sb}", statistic.name());
+        assert!(
+            (a - b).abs() <= allowed,
+            "{}: {a} +- {sa}, {b} +- {sb}",
+            statistic.name()
+        );
     }
 }
 
@@ -279,13 +365,25 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
     for is_quasi_static in [false, true] {
         let mut keep = Keep::lanes(paths as usize);
         let lost = match is_quasi_static {
-            true => QuasiStaticSimulation::new(&model, &line, TOLERANCE).simulate(3, &numbers, &mut keep),
-            false => EventDrivenSimulation::new(&model, &line, TOLERANCE).simulate(3, &numbers, &mut keep),
+            true => QuasiStaticSimulation::new(&model, &line, TOLERANCE)
+                .simulate(3, &numbers, &mut keep),
+            false => EventDrivenSimulation::new(&model, &line, TOLERANCE)
+                .simulate(3, &numbers, &mut keep),
         };
         assert!(lost.is_empty());
-        assert!(keep.events.iter().filter(|events| !events.is_empty()).count() > 1000, "some slip");
+        assert!(
+            keep.events
+                .iter()
+                .filter(|events| !events.is_empty())
+                .count()
+                > 1000,
+            "some slip"
+        );
         let noise = |row: usize| -> Vec<f64> {
-            keep.rows.iter().map(|rows| rows[row].3 - model.temperature.deterministic(rows[row].0)).collect()
+            keep.rows
+                .iter()
+                .map(|rows| rows[row].3 - model.temperature.deterministic(rows[row].0))
+                .collect()
         };
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let n = (paths as f64).sqrt();
@@ -299,7 +397,10 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
             }
             let squares: Vec<f64> = values.iter().map(|value| value * value).collect();
             let off = (mean(&squares) / variance - 1.0) * n / 2f64.sqrt();
-            assert!(off.abs() < 4.5, "{is_quasi_static} {row}: {off} standard errors");
+            assert!(
+                off.abs() < 4.5,
+                "{is_quasi_static} {row}: {off} standard errors"
+            );
             let off = mean(&values) / variance.sqrt() * n;
             assert!(off.abs() < 4.5, "{is_quasi_static} {row}: mean {off}");
         }
@@ -315,8 +416,19 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
 #[test]
 fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
     let scenario = Scenario::shipped("bridge").expect("sound");
-    let (model, series) = (&scenario.model, scenario.model.temperature.series.as_ref().expect("a series"));
-    let (k, beta) = (model.oscillator.stiffness, model.oscillator.rest_position(1.0));
+    let (model, series) = (
+        &scenario.model,
+        scenario
+            .model
+            .temperature
+            .series
+            .as_ref()
+            .expect("a series"),
+    );
+    let (k, beta) = (
+        model.oscillator.stiffness,
+        model.oscillator.rest_position(1.0),
+    );
     let a = model.friction.static_force / (k * beta);
     let g = 2.0 * (model.friction.static_force - model.friction.dynamic_force) / (k * beta);
     let mut xi = model.initial_displacement / beta;
@@ -326,22 +438,48 @@ fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
         xi += (t - xi).signum() * jumps * g;
         wanted.extend((0..jumps as usize).map(|_| i - 1));
     }
-    let found = events(&QuasiStaticSimulation::new(model, &scenario.timeline(), TOLERANCE));
-    let slips: Vec<&Event> = found.iter().filter(|event| matches!(event.kind, EventKind::SlipStarted(_))).collect();
+    let found = events(&QuasiStaticSimulation::new(
+        model,
+        &scenario.timeline(),
+        TOLERANCE,
+    ));
+    let slips: Vec<&Event> = found
+        .iter()
+        .filter(|event| matches!(event.kind, EventKind::SlipStarted(_)))
+        .collect();
     let pieces: Vec<usize> = slips.iter().map(|event| series.piece(event.time)).collect();
     assert_eq!(pieces, wanted);
     // The synthetic bridge has 27 slips in this month.
     assert_eq!(wanted.len(), 27);
-    let end = found.iter().rev().find(|event| event.kind == EventKind::StickEntered).expect("a stick").displacement;
+    let end = found
+        .iter()
+        .rev()
+        .find(|event| event.kind == EventKind::StickEntered)
+        .expect("a stick")
+        .displacement;
     assert!((end - beta * xi).abs() < 1e-13, "{end} {}", beta * xi);
     // The exits are where the straight line of T meets a threshold, up to rounding.
     for slip in &slips {
         let b = k * (beta * series.at(slip.time) - slip.displacement);
-        assert!((b.abs() - model.friction.static_force).abs() < 1e-6 * model.friction.static_force, "{slip:?} {b}");
+        assert!(
+            (b.abs() - model.friction.static_force).abs() < 1e-6 * model.friction.static_force,
+            "{slip:?} {b}"
+        );
     }
     // The event-driven scheme, which does not assume that T stands still during a slip, has slips
     // between the same samples.
-    let exact = events(&EventDrivenSimulation::new(model, &scenario.timeline(), TOLERANCE));
-    let slips = exact.iter().filter(|event| matches!(event.kind, EventKind::SlipStarted(_)));
-    assert_eq!(slips.map(|event| series.piece(event.time)).collect::<Vec<_>>(), wanted);
+    let exact = events(&EventDrivenSimulation::new(
+        model,
+        &scenario.timeline(),
+        TOLERANCE,
+    ));
+    let slips = exact
+        .iter()
+        .filter(|event| matches!(event.kind, EventKind::SlipStarted(_)));
+    assert_eq!(
+        slips
+            .map(|event| series.piece(event.time))
+            .collect::<Vec<_>>(),
+        wanted
+    );
 }

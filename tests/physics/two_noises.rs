@@ -9,24 +9,37 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 use stickslip::model::{Drive, EventKind, Friction, InitialNoise, Model, Noise};
 use stickslip::scheme::{
-    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, QuasiStaticSimulation, Simulate,
-    Timeline,
+    DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse,
+    QuasiStaticSimulation, Simulate, Timeline,
 };
 
 const FALSE_ALARM: f64 = 4.5;
 
 fn noise(relaxation_rate: f64, diffusion: f64, initial: InitialNoise) -> Noise {
-    Noise { intensity: 1.0, relaxation_rate, diffusion, initial }
+    Noise {
+        intensity: 1.0,
+        relaxation_rate,
+        diffusion,
+        initial,
+    }
 }
 
 fn timeline(end: f64, output_step: f64) -> Timeline {
-    Timeline { end, output_step, period: None, after: 0.0 }
+    Timeline {
+        end,
+        output_step,
+        period: None,
+        after: 0.0,
+    }
 }
 
 fn assert_near(name: &str, got: f64, want: f64, error: f64) {
     let z = (got - want) / error;
     println!("{name}: {got:.6} for {want:.6} ({z:+.1})");
-    assert!(z.abs() <= FALSE_ALARM, "{name}: {got} for {want} +- {error}");
+    assert!(
+        z.abs() <= FALSE_ALARM,
+        "{name}: {got} for {want} +- {error}"
+    );
 }
 
 /// Null hypothesis: without friction the model is linear, so the mean and the covariance of (x, x')
@@ -37,9 +50,15 @@ fn assert_near(name: &str, got: f64, want: f64, error: f64) {
 fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     let (end, paths) = (8.037, 60_000);
     let mut model = paper(0.25, 1.0);
-    model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
+    model.friction = Friction {
+        static_force: 0.0,
+        dynamic_force: 0.0,
+    };
     model.oscillator.damping = 0.1;
-    let [fast, slow] = [noise(1.5, 0.3, InitialNoise::At(0.0)), noise(0.06, 0.1, InitialNoise::At(0.0))];
+    let [fast, slow] = [
+        noise(1.5, 0.3, InitialNoise::At(0.0)),
+        noise(0.06, 0.1, InitialNoise::At(0.0)),
+    ];
     model.temperature.noises = vec![fast, slow];
     let scheme = EventDrivenSimulation::new(&model, &timeline(end, 1.0), DEFAULT_TOLERANCE);
     let mut ends = Vec::new();
@@ -49,20 +68,36 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
         assert!(scheme.simulate(5, &numbers, &mut kept).is_empty());
         ends.extend(kept.0);
     }
-    let mut response = [HarmonicResponse { x: (0.0, 0.0), v: (0.0, 0.0), turn: (1.0, 0.0) }];
+    let mut response = [HarmonicResponse {
+        x: (0.0, 0.0),
+        v: (0.0, 0.0),
+        turn: (1.0, 0.0),
+    }];
     let laws = [fast, slow].map(|noise| {
-        DrivenOscillator::new(1.0, 0.1, 1.0, noise.relaxation_rate, 6.0 * noise.diffusion, &[0.25])
-            .transition(end, &mut response)
+        DrivenOscillator::new(
+            1.0,
+            0.1,
+            1.0,
+            noise.relaxation_rate,
+            6.0 * noise.diffusion,
+            &[0.25],
+        )
+        .transition(end, &mut response)
     });
     let mean_x = 6.0 * laws[0].x[0] + 6.0 * response[0].x.0;
     let mean_v = 6.0 * laws[0].v[0] + 6.0 * response[0].v.0;
     let [vv, vx, xx] = [3, 4, 5].map(|i| laws[0].covariance[i] + laws[1].covariance[i]);
-    let tt: f64 =
-        [fast, slow].iter().map(|n| n.stationary_sd().powi(2) * -libm::expm1(-2.0 * n.relaxation_rate * end)).sum();
+    let tt: f64 = [fast, slow]
+        .iter()
+        .map(|n| n.stationary_sd().powi(2) * -libm::expm1(-2.0 * n.relaxation_rate * end))
+        .sum();
     let mean_t = (0.25 * end).cos();
     let n = paths as f64;
     let mean = |f: &dyn Fn(f64, f64, f64) -> f64| {
-        ends.iter().map(|&(x, v, t)| f(x - mean_x, v - mean_v, t - mean_t)).sum::<f64>() / n
+        ends.iter()
+            .map(|&(x, v, t)| f(x - mean_x, v - mean_v, t - mean_t))
+            .sum::<f64>()
+            / n
     };
     let root = n.sqrt();
     assert_near("mean x", mean(&|x, _, _| x), 0.0, xx.sqrt() / root);
@@ -71,7 +106,12 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     assert_near("var x", mean(&|x, _, _| x * x), xx, 2f64.sqrt() * xx / root);
     assert_near("var v", mean(&|_, v, _| v * v), vv, 2f64.sqrt() * vv / root);
     assert_near("var T", mean(&|_, _, t| t * t), tt, 2f64.sqrt() * tt / root);
-    assert_near("cov", mean(&|x, v, _| x * v), vx, (xx * vv + vx * vx).sqrt() / root);
+    assert_near(
+        "cov",
+        mean(&|x, v, _| x * v),
+        vx,
+        (xx * vv + vx * vx).sqrt() / root,
+    );
 }
 
 /// Keeps x, x' and T at the end.
@@ -80,9 +120,16 @@ struct End(Vec<(f64, f64, f64)>);
 
 impl stickslip::scheme::Observer for End {
     fn event(&mut self, _: usize, _: stickslip::model::Event) {}
-    fn snapshot(&mut self, instant: stickslip::scheme::Instant, s: stickslip::scheme::Snapshot<'_>) {
+    fn snapshot(
+        &mut self,
+        instant: stickslip::scheme::Instant,
+        s: stickslip::scheme::Snapshot<'_>,
+    ) {
         if instant == stickslip::scheme::Instant::End {
-            self.0.extend((0..s.displacement.len()).map(|i| (s.displacement[i], s.velocity[i], s.temperature[i])));
+            self.0.extend(
+                (0..s.displacement.len())
+                    .map(|i| (s.displacement[i], s.velocity[i], s.temperature[i])),
+            );
         }
     }
 }
@@ -91,7 +138,10 @@ impl stickslip::scheme::Observer for End {
 fn still(fast: Noise, slow: Noise) -> Model {
     let mut model = paper(0.25, 1.0);
     model.oscillator.drive = Drive::Dilatation(1.0);
-    model.friction = Friction { static_force: 1.0, dynamic_force: 0.9 };
+    model.friction = Friction {
+        static_force: 1.0,
+        dynamic_force: 0.9,
+    };
     model.temperature.harmonics.clear();
     model.temperature.noises = vec![fast, slow];
     model.initial_displacement = 0.0;
@@ -106,7 +156,8 @@ fn still(fast: Noise, slow: Noise) -> Model {
 #[test]
 fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
     let (paths, end, step) = (10_000, 60.0, 2e-3);
-    let [fast, slow] = [(2.0, 0.55), (0.07, 0.12)].map(|(theta, s)| noise(theta, s, InitialNoise::Stationary));
+    let [fast, slow] =
+        [(2.0, 0.55), (0.07, 0.12)].map(|(theta, s)| noise(theta, s, InitialNoise::Stationary));
     let model = still(fast, slow);
     let line = timeline(end, 60.0);
 
@@ -124,8 +175,13 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
             let mut n = [fast, slow].map(|n| n.stationary_sd() * normals());
             let mut steps = 0;
             // At the start no step lies behind, so the threshold is not moved.
-            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { band } && f64::from(steps) * step < end {
-                n = [moves[0].0 * n[0] + moves[0].1 * normals(), moves[1].0 * n[1] + moves[1].1 * normals()];
+            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { band }
+                && f64::from(steps) * step < end
+            {
+                n = [
+                    moves[0].0 * n[0] + moves[0].1 * normals(),
+                    moves[1].0 * n[1] + moves[1].1 * normals(),
+                ];
                 steps += 1;
             }
             f64::from(steps) * step
@@ -134,7 +190,10 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
 
     let event_driven = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE);
     let quasi_static = QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE);
-    let found = [first_exits(&event_driven, end, paths), first_exits(&quasi_static, end, paths)];
+    let found = [
+        first_exits(&event_driven, end, paths),
+        first_exits(&quasi_static, end, paths),
+    ];
     for (name, found) in ["event-driven", "quasi-static"].into_iter().zip(&found) {
         for (law, f) in laws() {
             let (a, b) = (moments(found, f), moments(&expected, f));
@@ -169,7 +228,11 @@ fn first_exits(scheme: &impl Simulate, end: f64, paths: u64) -> Vec<f64> {
         let numbers: Vec<u64> = (first..first + 250).collect();
         let mut kept = Keep::lanes(250);
         assert!(scheme.simulate(9, &numbers, &mut kept).is_empty());
-        all.extend(kept.events.iter().map(|events| events.first().map_or(end, |event| event.time)));
+        all.extend(
+            kept.events
+                .iter()
+                .map(|events| events.first().map_or(end, |event| event.time)),
+        );
     }
     all
 }
@@ -180,7 +243,12 @@ fn first_exits(scheme: &impl Simulate, end: f64, paths: u64) -> Vec<f64> {
 fn two_noises_of_one_memory_are_one() {
     let one = paper(0.25, 0.25);
     let mut two = one.clone();
-    two.temperature.noises = [0.15, 0.2].map(|intensity| Noise { intensity, ..one.temperature.noises[0] }).to_vec();
+    two.temperature.noises = [0.15, 0.2]
+        .map(|intensity| Noise {
+            intensity,
+            ..one.temperature.noises[0]
+        })
+        .to_vec();
     let [one, two] = [one, two].map(|model| {
         let scheme = EventDrivenSimulation::new(&model, &timeline(60.0, 60.0), DEFAULT_TOLERANCE);
         let mut sticks = Vec::new();
@@ -189,15 +257,22 @@ fn two_noises_of_one_memory_are_one() {
             let mut kept = Keep::lanes(250);
             assert!(scheme.simulate(3, &numbers, &mut kept).is_empty());
             for (events, rows) in kept.events.iter().zip(&kept.rows) {
-                let entered = events.iter().filter(|event| event.kind == EventKind::StickEntered).count();
+                let entered = events
+                    .iter()
+                    .filter(|event| event.kind == EventKind::StickEntered)
+                    .count();
                 let first = events.first().map_or(60.0, |event| event.time);
                 sticks.push([entered as f64, first, rows[rows.len() - 1].1]);
             }
         }
         sticks
     });
-    for (i, name) in ["sticks a path", "first stick", "x(60)"].into_iter().enumerate() {
-        let column = |all: &[[f64; 3]]| moments(&all.iter().map(|path| path[i]).collect::<Vec<_>>(), |x| x);
+    for (i, name) in ["sticks a path", "first stick", "x(60)"]
+        .into_iter()
+        .enumerate()
+    {
+        let column =
+            |all: &[[f64; 3]]| moments(&all.iter().map(|path| path[i]).collect::<Vec<_>>(), |x| x);
         let (a, b) = (column(&one), column(&two));
         assert_near(name, b.0, a.0, a.1.hypot(b.1));
     }

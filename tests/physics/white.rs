@@ -11,7 +11,12 @@ fn mean_speed(strength: f64, friction: f64, damping: f64, theta: &str) -> [f64; 
          ensemble = {{ paths = 150, seed = 9 }}
          scheme = {{ kind = \"event-driven\" }}"
     );
-    let scene = scenario(&body([0.0, damping], [friction; 2], [end, after, end], &more));
+    let scene = scenario(&body(
+        [0.0, damping],
+        [friction; 2],
+        [end, after, end],
+        &more,
+    ));
     let speed = *run(&scene).estimate(Statistic::SlidingPathRate);
     [speed.estimate, speed.standard_error]
 }
@@ -25,10 +30,16 @@ fn a_body_in_white_noise_has_the_speed_of_its_stationary_law() {
     for (strength, friction, damping) in [(0.5, 1.0, 0.0), (0.5, 0.3, 1.0)] {
         let weight = |v: f64| (-(damping * v * v + friction * v) / strength).exp();
         let nodes = (0..400_000).map(|i| 1e-4 * (f64::from(i) + 0.5));
-        let [mass, mean] = nodes.fold([0.0; 2], |[mass, mean], v| [mass + weight(v), mean + v * weight(v)]);
+        let [mass, mean] = nodes.fold([0.0; 2], |[mass, mean], v| {
+            [mass + weight(v), mean + v * weight(v)]
+        });
         let [found, error] = mean_speed(strength, friction, damping, "");
         println!("{found:.4} +- {error:.4}, {:.4}", mean / mass);
-        assert!((found - mean / mass).abs() < 4.0 * error + 0.002 * found, "{found} +- {error}, {}", mean / mass);
+        assert!(
+            (found - mean / mass).abs() < 4.0 * error + 0.002 * found,
+            "{found} +- {error}, {}",
+            mean / mass
+        );
     }
 }
 
@@ -47,11 +58,19 @@ fn white_noise_has_its_strength_and_forgets_far_faster_than_the_body() {
             "temperature.noise = {{ kind = \"white\", strength = {strength:?} }}
              scheme = {{ kind = \"event-driven\" }}"
         );
-        let scene = scenario(&body([stiffness, damping], [friction; 2], [60.0, 10.0, 60.0], &more));
+        let scene = scenario(&body(
+            [stiffness, damping],
+            [friction; 2],
+            [60.0, 10.0, 60.0],
+            &more,
+        ));
         let noise = scene.model.temperature.noises[0];
         let found = (noise.intensity * noise.diffusion / noise.relaxation_rate).powi(2) / 2.0;
         assert!((found / strength - 1.0).abs() < 1e-12, "{noise:?}");
-        assert!((noise.relaxation_rate * memory / 1e3 - 1.0).abs() < 1e-12, "{noise:?}, {memory}");
+        assert!(
+            (noise.relaxation_rate * memory / 1e3 - 1.0).abs() < 1e-12,
+            "{noise:?}, {memory}"
+        );
     }
 }
 
@@ -59,9 +78,13 @@ fn white_noise_has_its_strength_and_forgets_far_faster_than_the_body() {
 /// extrapolate to D/f. Null: (4 b - a)/3 is off by less than 4 of its standard errors.
 #[test]
 fn two_runs_extrapolate_to_white_noise() {
-    let [slow, fast] = [20, 80].map(|theta| mean_speed(0.5, 1.0, 0.0, &format!(", relaxation_rate = {theta}")));
+    let [slow, fast] =
+        [20, 80].map(|theta| mean_speed(0.5, 1.0, 0.0, &format!(", relaxation_rate = {theta}")));
     let limit = (4.0 * fast[0] - slow[0]) / 3.0;
     println!("{slow:?} {fast:?} {limit}");
     assert!(0.5 - slow[0] > 6.0 * slow[1], "{slow:?}");
-    assert!((limit - 0.5).abs() < 4.0 * (4.0 * fast[1]).hypot(slow[1]) / 3.0, "{limit}");
+    assert!(
+        (limit - 0.5).abs() < 4.0 * (4.0 * fast[1]).hypot(slow[1]) / 3.0,
+        "{limit}"
+    );
 }

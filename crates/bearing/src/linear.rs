@@ -15,7 +15,10 @@ pub struct Normal {
 impl Normal {
     /// The equations of so many coefficients, without any observation.
     pub fn of(coefficients: usize) -> Self {
-        Normal { matrix: vec![vec![0.0; coefficients]; coefficients], right: vec![0.0; coefficients] }
+        Normal {
+            matrix: vec![vec![0.0; coefficients]; coefficients],
+            right: vec![0.0; coefficients],
+        }
     }
 
     /// Add an observation: `y` should equal the coefficients times `row`.
@@ -71,12 +74,24 @@ pub fn solve(factor: &Matrix, b: &[f64]) -> Vec<f64> {
 /// The inverse of L L^T.
 pub fn inverse(factor: &Matrix) -> Matrix {
     let n = factor.len();
-    (0..n).map(|i| solve(factor, &(0..n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>())).collect()
+    (0..n)
+        .map(|i| {
+            solve(
+                factor,
+                &(0..n)
+                    .map(|j| f64::from(u8::from(i == j)))
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect()
 }
 
 /// The product L x.
 pub fn times(factor: &Matrix, x: &[f64]) -> Vec<f64> {
-    factor.iter().map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
+    factor
+        .iter()
+        .map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum())
+        .collect()
 }
 
 #[cfg(test)]
@@ -89,10 +104,16 @@ mod tests {
         // [-2, 4]]/8.
         let factor = cholesky(&[vec![4.0, 2.0], vec![2.0, 3.0]]).expect("positive");
         let x = solve(&factor, &[8.0, 7.0]);
-        assert!((x[0] - 1.25).abs() < 1e-15 && (x[1] - 1.5).abs() < 1e-15, "{x:?}");
+        assert!(
+            (x[0] - 1.25).abs() < 1e-15 && (x[1] - 1.5).abs() < 1e-15,
+            "{x:?}"
+        );
         let inverse = inverse(&factor);
         let expected = [[0.375, -0.25], [-0.25, 0.5]];
-        assert!((0..2).all(|i| (0..2).all(|j| (inverse[i][j] - expected[i][j]).abs() < 1e-15)), "{inverse:?}");
+        assert!(
+            (0..2).all(|i| (0..2).all(|j| (inverse[i][j] - expected[i][j]).abs() < 1e-15)),
+            "{inverse:?}"
+        );
         assert_eq!(cholesky(&[vec![1.0, 2.0], vec![2.0, 1.0]]), None);
         let back = times(&factor, &[1.0, 0.0]);
         assert!((back[0] - 2.0).abs() < 1e-15 && (back[1] - 1.0).abs() < 1e-15);

@@ -6,7 +6,9 @@ use stickslip_data::{absurd, is_constant};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unsound {
     /// A number or its time is not finite, or too large to compute with.
-    #[error("the {name} at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
+    #[error(
+        "the {name} at {time:?} s is {value:?}: one of them is not finite, or too large to compute with"
+    )]
     Absurd {
         /// What was measured.
         name: &'static str,
@@ -34,11 +36,17 @@ impl Unsound {
 
     /// An error if one of these samples is absurd.
     pub(super) fn absurd(name: &'static str, times: &[f64], values: &[f64]) -> Result<(), Self> {
-        absurd(times, values).map_or(Ok(()), |(time, value)| Err(Unsound::Absurd { name, time, value }))
+        absurd(times, values).map_or(Ok(()), |(time, value)| {
+            Err(Unsound::Absurd { name, time, value })
+        })
     }
 
     /// An error if these values are all the same.
     pub(super) fn constant(name: &'static str, values: &[f64]) -> Result<(), Self> {
-        if is_constant(values) { Err(Unsound::Constant(name)) } else { Ok(()) }
+        if is_constant(values) {
+            Err(Unsound::Constant(name))
+        } else {
+            Ok(())
+        }
     }
 }

@@ -13,7 +13,10 @@ pub type Array<'a> = (ColumnQuantity, &'a [f64], &'a [f64]);
 
 /// Check, sort and repair measurements in memory, with the marks and the limit of outliers of a
 /// layout. Their times stay as they are.
-pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>, Repairs), DataError> {
+pub fn arrays(
+    arrays: &[Array<'_>],
+    layout: &Layout,
+) -> Result<(Vec<DataColumn>, Repairs), DataError> {
     let marks = Marks::of(layout);
     let mut repairs = Repairs::default();
     let mut columns = Vec::new();
@@ -24,27 +27,46 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
             ColumnQuantity::Displacement => Some("m"),
             ColumnQuantity::Input => None,
         };
-        let wanted = Wanted { averaged: layout.averaged, ..Wanted::of(*quantity, Some(name), unit) };
+        let wanted = Wanted {
+            averaged: layout.averaged,
+            ..Wanted::of(*quantity, Some(name), unit)
+        };
         let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, remedy);
         let mut column = Column::of(name, &wanted).map_err(whole)?;
         for (place, (time, value)) in times.iter().zip(*values).enumerate() {
             let wrong = |problem: &str, remedy: &str| {
-                let error = DataError::file(name, format!("{problem} (value {})", place + 1), remedy);
+                let error =
+                    DataError::file(name, format!("{problem} (value {})", place + 1), remedy);
                 error.cell(name, format!("{value}").as_bytes())
             };
             if value.is_nan() {
-                column.miss().map_err(|(problem, remedy)| wrong(problem, remedy))?;
+                column
+                    .miss()
+                    .map_err(|(problem, remedy)| wrong(problem, remedy))?;
                 continue;
             }
             if time.is_nan() || time.abs() > LARGEST_MEASURED {
-                return Err(wrong("has a time that is missing or too large", "give the sample a time, or remove it"));
+                return Err(wrong(
+                    "has a time that is missing or too large",
+                    "give the sample a time, or remove it",
+                ));
             }
             column
                 .take(*time, *value, place as u32, &marks)
-                .map_err(|(problem, _)| wrong(problem, "fix the value; use NaN for a missing one"))?;
+                .map_err(|(problem, _)| {
+                    wrong(problem, "fix the value; use NaN for a missing one")
+                })?;
         }
         let twice = "keep the right one of the two";
-        sorted(&mut column, &mut repairs, name, layout, twice, &|place| u64::from(place) + 1, true)?;
+        sorted(
+            &mut column,
+            &mut repairs,
+            name,
+            layout,
+            twice,
+            &|place| u64::from(place) + 1,
+            true,
+        )?;
         columns.push(column.finished(0.0));
     }
     Ok((columns, repairs))

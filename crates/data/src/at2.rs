@@ -36,12 +36,22 @@ pub(super) fn record(
     layout: &Layout,
     wanted: &[Wanted<'_>],
 ) -> Option<Result<Table, DataError>> {
-    let [wanted @ Wanted { quantity: ColumnQuantity::Input, .. }] = wanted else { return None };
+    let [
+        wanted @ Wanted {
+            quantity: ColumnQuantity::Input,
+            ..
+        },
+    ] = wanted
+    else {
+        return None;
+    };
     let text = String::from_utf8_lossy(text);
     let sampling = match layout.step {
         Some(step) => stepped(file, step, layout, wanted),
         None => {
-            let [_, _, third, fourth] = text.lines().take(HEADER).collect::<Vec<_>>()[..] else { return None };
+            let [_, _, third, fourth] = text.lines().take(HEADER).collect::<Vec<_>>()[..] else {
+                return None;
+            };
             let fourth = fourth.to_uppercase().replace(" =", "=");
             at2(file, third, &fourth, wanted)?
         }
@@ -55,28 +65,60 @@ fn wrong<T>(file: &str, line: usize, problem: String, remedy: &str) -> Result<T,
 
 /// What the header of an AT2 file says, if it is one: `NPTS= 4000, DT= .0050 SEC,`, or as it was
 /// before, `4000 0.0050 NPTS, DT`.
-fn at2<'a>(file: &'a str, third: &str, fourth: &str, wanted: &Wanted<'_>) -> Option<Result<Sampling<'a>, DataError>> {
-    let words = |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_string).collect() };
-    let after = |key: &str| Some(words(fourth.split_once(key)?.1.trim_start().split(',').next()?));
+fn at2<'a>(
+    file: &'a str,
+    third: &str,
+    fourth: &str,
+    wanted: &Wanted<'_>,
+) -> Option<Result<Sampling<'a>, DataError>> {
+    let words =
+        |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_string).collect() };
+    let after = |key: &str| {
+        Some(words(
+            fourth.split_once(key)?.1.trim_start().split(',').next()?,
+        ))
+    };
     let older = words(&fourth.replace(',', " "));
     let (count, step) = match (after("NPTS="), after("DT=")) {
         (Some(count), Some(step)) => (count, step),
         _ => match &older[..] {
-            [count, step, npts, dt, ..] if npts == "NPTS" && dt == "DT" => (vec![count.clone()], vec![step.clone()]),
+            [count, step, npts, dt, ..] if npts == "NPTS" && dt == "DT" => {
+                (vec![count.clone()], vec![step.clone()])
+            }
             _ => return None,
         },
     };
-    let count = count.first().and_then(|count| count.parse().ok()).filter(|count| *count >= 2);
-    let number = step.first().and_then(|step| step.parse().ok()).filter(|step: &f64| *step > 0.0 && step.is_finite());
-    let time =
-        step.get(1).map_or(Some(InputUnit::AS_GIVEN), |name| unit::time(name.trim_matches(['.', ';', '(', ')'])));
+    let count = count
+        .first()
+        .and_then(|count| count.parse().ok())
+        .filter(|count| *count >= 2);
+    let number = step
+        .first()
+        .and_then(|step| step.parse().ok())
+        .filter(|step: &f64| *step > 0.0 && step.is_finite());
+    let time = step.get(1).map_or(Some(InputUnit::AS_GIVEN), |name| {
+        unit::time(name.trim_matches(['.', ';', '(', ')']))
+    });
     let read = || {
         let (Some(count), Some(step), Some(time)) = (count, number, time) else {
             let problem = format!("is not the header of a record: `{}`", fourth.trim());
-            return wrong(file, HEADER, problem, "write e.g. `NPTS=  4000, DT=   .0050 SEC,`");
+            return wrong(
+                file,
+                HEADER,
+                problem,
+                "write e.g. `NPTS=  4000, DT=   .0050 SEC,`",
+            );
         };
         let unit = unit_of(file, wanted, said(third))?;
-        Ok(Sampling { file, skipped: HEADER, unit, step, time, count: Some(count), column: None })
+        Ok(Sampling {
+            file,
+            skipped: HEADER,
+            unit,
+            step,
+            time,
+            count: Some(count),
+            column: None,
+        })
     };
     Some(read())
 }
@@ -85,8 +127,12 @@ fn at2<'a>(file: &'a str, third: &str, fourth: &str, wanted: &Wanted<'_>) -> Opt
 /// `IN CM/SEC/SEC`. PEER writes records in g.
 fn said(third: &str) -> &str {
     let upper = third.to_ascii_uppercase();
-    let at = ["UNITS OF ", "UNITS: ", " IN "].iter().find_map(|key| Some(upper.find(key)? + key.len()));
-    let word = at.and_then(|at| third[at..].split_whitespace().next()).unwrap_or("G");
+    let at = ["UNITS OF ", "UNITS: ", " IN "]
+        .iter()
+        .find_map(|key| Some(upper.find(key)? + key.len()));
+    let word = at
+        .and_then(|at| third[at..].split_whitespace().next())
+        .unwrap_or("G");
     word.trim_matches(['.', ',', ';', ':', '(', ')', '[', ']'])
 }
 
@@ -94,22 +140,40 @@ fn unit_of(file: &str, wanted: &Wanted<'_>, said: &str) -> Result<InputUnit, Dat
     let name = wanted.unit.unwrap_or(said);
     wanted.quantity.unit(name).map_or_else(
         || {
-            let remedy = format!("give the unit of the values as `unit`: {}", wanted.quantity.units());
-            wrong(file, HEADER - 1, format!("has a unit that is not known, `{name}`"), &remedy)
+            let remedy = format!(
+                "give the unit of the values as `unit`: {}",
+                wanted.quantity.units()
+            );
+            wrong(
+                file,
+                HEADER - 1,
+                format!("has a unit that is not known, `{name}`"),
+                &remedy,
+            )
         },
         Ok,
     )
 }
 
 /// Values of which the scenario gives the step, in seconds.
-fn stepped<'a>(file: &'a str, step: f64, layout: &Layout, wanted: &Wanted<'_>) -> Result<Sampling<'a>, DataError> {
+fn stepped<'a>(
+    file: &'a str,
+    step: f64,
+    layout: &Layout,
+    wanted: &Wanted<'_>,
+) -> Result<Sampling<'a>, DataError> {
     let column = match wanted.column {
         Name::Beginning(_) => None,
         Name::Exactly(name) => match name.parse().ok().filter(|number| *number >= 1) {
             Some(number) => Some(number),
             None => {
-                let problem = format!("with `step`, columns are called by their numbers, and not `{name}`");
-                return Err(DataError::file(file, problem, "give a number, such as `column = 2`, or leave it out"));
+                let problem =
+                    format!("with `step`, columns are called by their numbers, and not `{name}`");
+                return Err(DataError::file(
+                    file,
+                    problem,
+                    "give a number, such as `column = 2`, or leave it out",
+                ));
             }
         },
     };
@@ -118,50 +182,125 @@ fn stepped<'a>(file: &'a str, step: f64, layout: &Layout, wanted: &Wanted<'_>) -
         None => InputUnit::AS_GIVEN,
     };
     let skipped = layout.skip.unwrap_or(0) as usize;
-    Ok(Sampling { file, skipped, unit, step, time: InputUnit::AS_GIVEN, count: None, column })
+    Ok(Sampling {
+        file,
+        skipped,
+        unit,
+        step,
+        time: InputUnit::AS_GIVEN,
+        count: None,
+        column,
+    })
 }
 
 impl Sampling<'_> {
     /// The record with these values.
     fn table(&self, text: &str) -> Result<Table, DataError> {
-        let Sampling { file, unit, step, time, .. } = self;
+        let Sampling {
+            file,
+            unit,
+            step,
+            time,
+            ..
+        } = self;
         let cells = self.cells(text)?;
         if let Some(count) = self.count.filter(|count| *count != cells.len()) {
-            let problem = format!("has {} values, and its header says NPTS = {count}", cells.len());
-            return wrong(file, HEADER, problem, "take the whole file: nothing of an input is mended or left out");
+            let problem = format!(
+                "has {} values, and its header says NPTS = {count}",
+                cells.len()
+            );
+            return wrong(
+                file,
+                HEADER,
+                problem,
+                "take the whole file: nothing of an input is mended or left out",
+            );
         }
         if cells.len() < 2 {
-            let problem = format!("it has {} values, and a record takes two or more", cells.len());
+            let problem = format!(
+                "it has {} values, and a record takes two or more",
+                cells.len()
+            );
             return Err(DataError::file(file, problem, "give a file of numbers"));
         }
         if is_too_close(time.of(*step), 0.0) {
-            let problem = format!("a time of {} s between samples is too short", time.of(*step));
-            return Err(DataError::file(file, problem, "give the step of the record in seconds"));
+            let problem = format!(
+                "a time of {} s between samples is too short",
+                time.of(*step)
+            );
+            return Err(DataError::file(
+                file,
+                problem,
+                "give the step of the record in seconds",
+            ));
         }
         let assumed_unit = (*unit == InputUnit::AS_GIVEN).then_some(AS_IT_IS);
         let odd = marks::likely("value", cells.iter().copied());
-        let said = ColumnRepairs { name: "value".into(), odd, assumed_unit, ..ColumnRepairs::default() };
+        let said = ColumnRepairs {
+            name: "value".into(),
+            odd,
+            assumed_unit,
+            ..ColumnRepairs::default()
+        };
         let times = (0..cells.len()).map(|i| time.of(i as f64 * step)).collect();
         let values = cells.iter().map(|cell| unit.of(cell.0)).collect();
-        let name = self.column.map_or_else(String::new, |column| column.to_string());
-        let column = DataColumn { name, times, values, averaged: 0.0, unit: unit.name };
-        let repairs = Repairs { columns: vec![said], ..Repairs::default() };
+        let name = self
+            .column
+            .map_or_else(String::new, |column| column.to_string());
+        let column = DataColumn {
+            name,
+            times,
+            values,
+            averaged: 0.0,
+            unit: unit.name,
+        };
+        let repairs = Repairs {
+            columns: vec![said],
+            ..Repairs::default()
+        };
         let (rows, columns) = (cells.len() as u64, vec![column]);
-        Ok(Table { start: None, begin: 0.0, in_seconds: true, rows, time: String::new(), columns, repairs })
+        Ok(Table {
+            start: None,
+            begin: 0.0,
+            in_seconds: true,
+            rows,
+            time: String::new(),
+            columns,
+            repairs,
+        })
     }
 
     /// The numbers of the record, each with its line.
     fn cells(&self, text: &str) -> Result<Vec<(f64, u64)>, DataError> {
         let mut found = Vec::new();
-        for (i, line) in text.lines().enumerate().skip(self.skipped).filter(|(_, line)| !line.starts_with('#')) {
-            let words = line.split([' ', '\t', ',', ';']).flat_map(numbers).filter(|word| !word.is_empty());
+        for (i, line) in text
+            .lines()
+            .enumerate()
+            .skip(self.skipped)
+            .filter(|(_, line)| !line.starts_with('#'))
+        {
+            let words = line
+                .split([' ', '\t', ',', ';'])
+                .flat_map(numbers)
+                .filter(|word| !word.is_empty());
             let words: Vec<&str> = words.collect();
-            let of_column = self.column.map(|column| words.get(column - 1..column).unwrap_or(&[""]));
+            let of_column = self
+                .column
+                .map(|column| words.get(column - 1..column).unwrap_or(&[""]));
             for word in of_column.filter(|_| !words.is_empty()).unwrap_or(&words) {
-                match word.parse().ok().filter(|value: &f64| value.abs() <= LARGEST_MEASURED) {
+                match word
+                    .parse()
+                    .ok()
+                    .filter(|value: &f64| value.abs() <= LARGEST_MEASURED)
+                {
                     Some(value) => found.push((value, i as u64 + 1)),
                     None => {
-                        return wrong(self.file, i + 1, format!("`{word}` is no number"), NOT_REPAIRED);
+                        return wrong(
+                            self.file,
+                            i + 1,
+                            format!("`{word}` is no number"),
+                            NOT_REPAIRED,
+                        );
                     }
                 }
             }
@@ -173,8 +312,15 @@ impl Sampling<'_> {
 /// The format of other records of ground motion, which their first line shows.
 pub(super) fn other_format(text: &[u8]) -> Option<&'static str> {
     let first = String::from_utf8_lossy(text.split(|byte| *byte == b'\n').next()?);
-    let formats = [("Origin Time", "K-NET and KiK-net"), ("EVENT_NAME:", "ESM"), ("(Format v01", "COSMOS")];
-    formats.into_iter().find(|(mark, _)| first.contains(mark)).map(|(_, format)| format)
+    let formats = [
+        ("Origin Time", "K-NET and KiK-net"),
+        ("EVENT_NAME:", "ESM"),
+        ("(Format v01", "COSMOS"),
+    ];
+    formats
+        .into_iter()
+        .find(|(mark, _)| first.contains(mark))
+        .map(|(_, format)| format)
 }
 
 /// The numbers of a word in which they may stand without a blank between them, as Fortran writes
@@ -182,9 +328,21 @@ pub(super) fn other_format(text: &[u8]) -> Option<&'static str> {
 fn numbers(word: &str) -> impl Iterator<Item = &str> {
     let bytes = word.as_bytes();
     let begins = move |i: &usize| {
-        matches!(bytes[*i], b'+' | b'-') && !matches!(bytes[i - 1], b'e' | b'E') && bytes[..*i].contains(&b'.')
+        matches!(bytes[*i], b'+' | b'-')
+            && !matches!(bytes[i - 1], b'e' | b'E')
+            && bytes[..*i].contains(&b'.')
     };
-    let starts = std::iter::once(0).chain((1..word.len()).filter(begins)).collect::<Vec<_>>();
-    let ends = starts.iter().skip(1).copied().chain([word.len()]).collect::<Vec<_>>();
-    starts.into_iter().zip(ends).map(move |(start, end)| &word[start..end])
+    let starts = std::iter::once(0)
+        .chain((1..word.len()).filter(begins))
+        .collect::<Vec<_>>();
+    let ends = starts
+        .iter()
+        .skip(1)
+        .copied()
+        .chain([word.len()])
+        .collect::<Vec<_>>();
+    starts
+        .into_iter()
+        .zip(ends)
+        .map(move |(start, end)| &word[start..end])
 }

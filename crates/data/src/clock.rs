@@ -37,7 +37,14 @@ impl Start {
     /// The date in UTC, and the time of day there as a share of the day.
     pub fn date(&self) -> (jiff::civil::Date, f64) {
         let there = self.0.to_zoned_datetime(TimeZone::UTC);
-        (there.date(), there.time().duration_since(jiff::civil::Time::midnight()).as_secs_f64() / 86_400.0)
+        (
+            there.date(),
+            there
+                .time()
+                .duration_since(jiff::civil::Time::midnight())
+                .as_secs_f64()
+                / 86_400.0,
+        )
     }
 
     /// The instant `seconds` later; `None` beyond the range of the calendar.
@@ -109,7 +116,9 @@ const FEWEST_STEPS: u64 = 10;
 /// How many seconds, milliseconds, microseconds and nanoseconds since 1970 there are in a number,
 /// from 1999 to 2100, if it is such a number.
 fn per_second_since_epoch(number: f64) -> Option<f64> {
-    [1.0, 1e3, 1e6, 1e9].into_iter().find(|per_second| (9.4e8..4.1e9).contains(&(number / per_second)))
+    [1.0, 1e3, 1e6, 1e9]
+        .into_iter()
+        .find(|per_second| (9.4e8..4.1e9).contains(&(number / per_second)))
 }
 
 impl Clock {
@@ -128,7 +137,10 @@ impl Clock {
                 Ok(zone) => Some(zone),
                 Err(_) => {
                     let remedy = "give an IANA name such as \"Europe/Paris\", \"UTC\", or an offset such as \"+01:00\"";
-                    return wrong(format!("cannot be read: unknown time zone \"{name}\""), remedy);
+                    return wrong(
+                        format!("cannot be read: unknown time zone \"{name}\""),
+                        remedy,
+                    );
                 }
             },
             None => None,
@@ -137,7 +149,10 @@ impl Clock {
         // perhaps for another file.
         let named = zone_in(column);
         let differs = |zone: &&TimeZone| given.as_ref().is_some_and(|given| given != *zone);
-        let other_zone = named.as_ref().filter(differs).and_then(|zone| zone.to_fixed_offset().ok());
+        let other_zone = named
+            .as_ref()
+            .filter(differs)
+            .and_then(|zone| zone.to_fixed_offset().ok());
         Ok(Clock {
             kind,
             zone: named.or(given),
@@ -180,13 +195,21 @@ impl Clock {
     pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let when = self.time(cell)?;
         if when.abs() > LARGEST_MEASURED {
-            return wrong("is too large for a time", "fix the cell, or choose another time column");
+            return wrong(
+                "is too large for a time",
+                "fix the cell, or choose another time column",
+            );
         }
         Ok(when)
     }
 
     fn time(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
-        let as_before = |what: &str| (format!("is not {what} like the times before it"), "fix the row".to_string());
+        let as_before = |what: &str| {
+            (
+                format!("is not {what} like the times before it"),
+                "fix the row".to_string(),
+            )
+        };
         let number = || number(cell).filter(|time| time.is_finite());
         if self.kind == Kind::Stamps && !self.is_in_form(cell) {
             return wrong(
@@ -204,17 +227,21 @@ impl Clock {
                 let time = number().ok_or_else(|| as_before("a number"))?;
                 let origin = *self.origin.get_or_insert(time);
                 if self.first.is_none() {
-                    let since_1970 = SignedDuration::try_from_secs_f64(time / per_second).unwrap_or_default();
+                    let since_1970 =
+                        SignedDuration::try_from_secs_f64(time / per_second).unwrap_or_default();
                     self.first = Timestamp::UNIX_EPOCH.checked_add(since_1970).ok();
                 }
                 return Ok((time - origin) / per_second);
             }
-            Kind::DaysOfYear { in_hours } => {
-                stamp::day_of_year(cell, in_hours).ok_or_else(|| as_before("a year, a day of the year and a time"))?
-            }
-            Kind::Serial => number().and_then(stamp::serial).ok_or_else(|| as_before("a number"))?,
+            Kind::DaysOfYear { in_hours } => stamp::day_of_year(cell, in_hours)
+                .ok_or_else(|| as_before("a year, a day of the year and a time"))?,
+            Kind::Serial => number()
+                .and_then(stamp::serial)
+                .ok_or_else(|| as_before("a number"))?,
             Kind::Compact(digits) => {
-                let read = Some(cell).filter(|cell| cell.len() == digits).and_then(stamp::compact);
+                let read = Some(cell)
+                    .filter(|cell| cell.len() == digits)
+                    .and_then(stamp::compact);
                 read.ok_or_else(|| as_before(&format!("a date of {digits} digits")))?
             }
             Kind::Stamps => match stamp::instant(cell) {
@@ -232,7 +259,9 @@ impl Clock {
 
     /// Whether a stamp has the form of the first one.
     fn is_in_form(&mut self, cell: &str) -> bool {
-        let Some(form) = stamp::form(cell) else { return true };
+        let Some(form) = stamp::form(cell) else {
+            return true;
+        };
         form == *self.form.get_or_insert(form)
     }
 
@@ -241,7 +270,10 @@ impl Clock {
         match self.order {
             _ if stamp::is_time_of_day(cell) => wrong(
                 "is a time of day without a date",
-                format!("name the columns of both, e.g. {}", self.wording.option("time", "Date,Time")),
+                format!(
+                    "name the columns of both, e.g. {}",
+                    self.wording.option("time", "Date,Time")
+                ),
             ),
             None if stamp::needs_order(cell) => wrong(
                 "is ambiguous: day and month may be exchanged, in this date and all others",
@@ -255,7 +287,10 @@ impl Clock {
                         String::new()
                     },
                     if self.zone.is_none() {
-                        format!(", and the zone, e.g. {}", self.wording.option("zone", "UTC"))
+                        format!(
+                            ", and the zone, e.g. {}",
+                            self.wording.option("zone", "UTC")
+                        )
                     } else {
                         String::new()
                     }
@@ -287,10 +322,13 @@ impl Clock {
                     Kind::Stamps => "is a stamp without a zone".to_string(),
                     _ => format!("is the date {} without a zone", stamp.local),
                 };
-                let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
+                let [utc, paris] =
+                    ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
                 return wrong(
                     what,
-                    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00"),
+                    format!(
+                        "give the time zone of the clock: {utc}, {paris} or an offset such as +01:00"
+                    ),
                 );
             }
         };
@@ -299,22 +337,43 @@ impl Clock {
 }
 
 /// What the cells of a column are, from the first of them.
-fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> Result<Kind, ProblemAndRemedy> {
-    let in_hours = column.rsplit(',').next().is_some_and(|name| name.trim().to_lowercase().starts_with('h'));
+fn kind(
+    column: &str,
+    unit: Option<InputUnit>,
+    layout: &Layout,
+    first: &str,
+) -> Result<Kind, ProblemAndRemedy> {
+    let in_hours = column
+        .rsplit(',')
+        .next()
+        .is_some_and(|name| name.trim().to_lowercase().starts_with('h'));
     let in_hours = in_hours && !column.to_lowercase().ends_with("hhmm");
     if column.contains(',') && stamp::day_of_year(first, in_hours).is_some() {
         return Ok(Kind::DaysOfYear { in_hours });
     }
-    let Some(number) = number(first) else { return Ok(Kind::Stamps) };
+    let Some(number) = number(first) else {
+        return Ok(Kind::Stamps);
+    };
     let compact = stamp::compact(first);
     if let Some(unit) = unit {
         if let Some(stamp) = compact.filter(|_| first.len() > 8 && unit.of(1.0) >= 1.0) {
-            let problem =
-                format!("looks like the date {}, but the name of its column gives a unit of time", stamp.local);
-            return wrong(problem, format!("take the unit out of the name, e.g. `{}`", without_unit(column)));
+            let problem = format!(
+                "looks like the date {}, but the name of its column gives a unit of time",
+                stamp.local
+            );
+            return wrong(
+                problem,
+                format!(
+                    "take the unit out of the name, e.g. `{}`",
+                    without_unit(column)
+                ),
+            );
         }
         if layout.zone.is_some() {
-            return wrong("is a plain number, but a time zone applies only to dates", "remove the zone");
+            return wrong(
+                "is a plain number, but a time zone applies only to dates",
+                "remove the zone",
+            );
         }
         return Ok(Kind::Numbers { unit: Some(unit) });
     }
@@ -328,10 +387,16 @@ fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> 
         (true, Some(_)) if SERIAL_DAYS.contains(&number) => Ok(Kind::Serial),
         (true, _) => wrong(
             "is a plain number, but a time zone applies only to dates",
-            format!("remove the zone, or choose a column of dates, e.g. {}", layout.wording.option("time", "Date")),
+            format!(
+                "remove the zone, or choose a column of dates, e.g. {}",
+                layout.wording.option("time", "Date")
+            ),
         ),
         (false, Some(stamp)) if LIKELY_SERIAL_DAYS.contains(&number) => wrong(
-            format!("may be a spreadsheet date, {}, or a plain number", stamp.local),
+            format!(
+                "may be a spreadsheet date, {}, or a plain number",
+                stamp.local
+            ),
             format!(
                 "for a date, give its time zone: {}; for a number, add the unit to the name of the column, \
                     e.g. `{column}_s`",
@@ -343,23 +408,41 @@ fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> 
 }
 
 fn without_unit(column: &str) -> &str {
-    column.split(['_', '[', '(', ' ']).next().filter(|name| !name.is_empty()).unwrap_or("time")
+    column
+        .split(['_', '[', '(', ' '])
+        .next()
+        .filter(|name| !name.is_empty())
+        .unwrap_or("time")
 }
 
 /// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
 /// (UTC)`, `time_utc`.
 fn zone_in(column: &str) -> Option<TimeZone> {
     let upper = column.to_uppercase();
-    let at = ["UTC", "GMT"].iter().filter_map(|name| upper.rfind(name)).max()?;
+    let at = ["UTC", "GMT"]
+        .iter()
+        .filter_map(|name| upper.rfind(name))
+        .max()?;
     let (name, behind) = upper[at..].split_at(3);
-    let behind = if behind.trim_start().starts_with(['+', '-', '\u{2212}']) { behind.trim_start() } else { behind };
+    let behind = if behind.trim_start().starts_with(['+', '-', '\u{2212}']) {
+        behind.trim_start()
+    } else {
+        behind
+    };
     let is_part = |c: &char| c.is_ascii_alphanumeric() || "+-:\u{2212}".contains(*c);
-    let text: String = name.chars().chain(behind.chars().take_while(is_part)).collect();
+    let text: String = name
+        .chars()
+        .chain(behind.chars().take_while(is_part))
+        .collect();
     stamp::offset(text.trim_end_matches([':', '-', '+'])).map(TimeZone::fixed)
 }
 
 fn number(cell: &str) -> Option<f64> {
-    if cell.contains(',') { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }
+    if cell.contains(',') {
+        cell.replacen(',', ".", 1).parse().ok()
+    } else {
+        cell.parse().ok()
+    }
 }
 
 fn beyond(_: jiff::Error) -> ProblemAndRemedy {
@@ -377,14 +460,26 @@ fn in_zone(
     let found = zone.to_ambiguous_timestamp(local);
     let fixed = || wording.option("zone", "+01:00");
     match found.offset() {
-        AmbiguousOffset::Unambiguous { .. } => found.unambiguous().map(|stamp| (stamp, false)).map_err(beyond),
+        AmbiguousOffset::Unambiguous { .. } => found
+            .unambiguous()
+            .map(|stamp| (stamp, false))
+            .map_err(beyond),
         AmbiguousOffset::Gap { .. } => wrong(
             "does not exist in this zone: the clocks skipped that hour",
-            format!("if the logger keeps one time all year, give its zone, e.g. {}", fixed()),
+            format!(
+                "if the logger keeps one time all year, give its zone, e.g. {}",
+                fixed()
+            ),
         ),
         AmbiguousOffset::Fold { .. } => {
-            let both = [found.earlier().map_err(beyond)?, found.later().map_err(beyond)?];
-            match both.into_iter().find(|stamp| previous.is_none_or(|previous| *stamp > previous)) {
+            let both = [
+                found.earlier().map_err(beyond)?,
+                found.later().map_err(beyond)?,
+            ];
+            match both
+                .into_iter()
+                .find(|stamp| previous.is_none_or(|previous| *stamp > previous))
+            {
                 Some(stamp) => Ok((stamp, true)),
                 None => wrong(
                     "occurred twice in this zone when the clocks were set back, and both times are before the \

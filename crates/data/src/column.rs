@@ -31,8 +31,11 @@ pub(super) const LARGEST_MEASURED: f64 = 1e15;
 /// Whether all values are the same, or so close together that no sensor tells them apart and their
 /// squares are no doubles.
 pub fn is_constant(values: &[f64]) -> bool {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
     high - low < 1.0 / LARGEST_MEASURED
 }
 
@@ -46,7 +49,8 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 
 /// What is said of an input without a unit, and of a cell of an input that is no number.
 pub(super) const AS_IT_IS: &str = "it is (`unit = \"g\"` converts it, `unit = \"none\"` does not)";
-pub(super) const NOT_REPAIRED: &str = "give the cell its value: nothing of an input is mended or left out";
+pub(super) const NOT_REPAIRED: &str =
+    "give the cell its value: nothing of an input is mended or left out";
 
 /// A column while it is read: its unit, and its samples so far.
 pub(super) struct Column<'a> {
@@ -67,28 +71,49 @@ impl<'a> Column<'a> {
     /// A column with the unit that is given, or that its name says.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
         let unit = match wanted.unit {
-            Some(given) => Some(
-                wanted
-                    .quantity
-                    .unit(given)
-                    .ok_or_else(|| (format!("unknown unit `{given}`"), format!("give {}", wanted.quantity.units())))?,
-            ),
+            Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
+                (
+                    format!("unknown unit `{given}`"),
+                    format!("give {}", wanted.quantity.units()),
+                )
+            })?),
             None => unit::of_name(wanted.quantity, name)?,
         };
-        let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
-        Ok(Column { name: name.to_string(), wanted, unit, samples: Vec::new(), averaged: 0.0, said })
+        let said = ColumnRepairs {
+            name: name.to_string(),
+            ..ColumnRepairs::default()
+        };
+        Ok(Column {
+            name: name.to_string(),
+            wanted,
+            unit,
+            samples: Vec::new(),
+            averaged: 0.0,
+            said,
+        })
     }
 
     /// Take the unit from a row of units.
     pub fn take_unit(&mut self, cell: &str) -> Result<(), ProblemAndRemedy> {
-        let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
+        let inside = cell
+            .trim()
+            .trim_start_matches(['[', '('])
+            .trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else {
-            let is_unknown = self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
+            let is_unknown =
+                self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
             let remedy = || unit::unknown_unit(self.wanted.quantity, &self.name, inside).1;
-            return if is_unknown { Err(("is a unit that is not known".into(), remedy())) } else { Ok(()) };
+            return if is_unknown {
+                Err(("is a unit that is not known".into(), remedy()))
+            } else {
+                Ok(())
+            };
         };
         if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
-            return Err(("contradicts the unit in the name of the column".into(), "give the same unit in both".into()));
+            return Err((
+                "contradicts the unit in the name of the column".into(),
+                "give the same unit in both".into(),
+            ));
         }
         self.unit = self.unit.or(Some(unit));
         Ok(())
@@ -144,10 +169,16 @@ impl<'a> Column<'a> {
             return self.miss();
         }
         if !value.is_finite() {
-            return Err(("is not finite", "fix the cell; if it marks a missing value, give MARK"));
+            return Err((
+                "is not finite",
+                "fix the cell; if it marks a missing value, give MARK",
+            ));
         }
         if value.abs() > LARGEST_MEASURED {
-            return Err(("is too large for a measurement", "fix the cell; if it marks a missing value, give MARK"));
+            return Err((
+                "is too large for a measurement",
+                "fix the cell; if it marks a missing value, give MARK",
+            ));
         }
         let least = self.unit.map_or(f64::INFINITY, |unit| unit.least);
         if self.wanted.quantity == ColumnQuantity::Temperature && value < COLDEST.min(least) {
@@ -155,7 +186,10 @@ impl<'a> Column<'a> {
             return Ok(());
         }
         if self.unit.is_some() && value < least {
-            return Err(("is below absolute zero", "fix the unit; if it marks a missing value, give MARK"));
+            return Err((
+                "is below absolute zero",
+                "fix the unit; if it marks a missing value, give MARK",
+            ));
         }
         self.samples.push((when, value, place));
         Ok(())
@@ -181,9 +215,17 @@ impl<'a> Column<'a> {
             self.samples.retain(|_| !flags.next().unwrap_or_default());
             self.said.outliers = (values.len() - self.samples.len()) as u64;
         } else if let Some((value, count)) = odd(&values) {
-            let first = self.samples.iter().find(|sample| sample.1 == value).map_or(0, |sample| line(sample.2));
+            let first = self
+                .samples
+                .iter()
+                .find(|sample| sample.1 == value)
+                .map_or(0, |sample| line(sample.2));
             let name = &self.name;
-            let more = if count > 1 { format!(" and {} others", count - 1) } else { String::new() };
+            let more = if count > 1 {
+                format!(" and {} others", count - 1)
+            } else {
+                String::new()
+            };
             self.said.odd = Some(format!(
                 "kept the outlier `{name}` = {value} in line {first}{more}; use `outliers` or `missing` to \
                  leave out invalid values"
@@ -197,7 +239,11 @@ impl<'a> Column<'a> {
         DataColumn {
             name: self.name,
             times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
-            values: self.samples.iter().map(|sample| unit.of(sample.1)).collect(),
+            values: self
+                .samples
+                .iter()
+                .map(|sample| unit.of(sample.1))
+                .collect(),
             averaged: self.averaged,
             unit: unit.name,
         }
@@ -218,11 +264,20 @@ pub(super) fn sorted(
     let name = column.name.clone();
     let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
     if column.is_strict()
-        && let Some(pair) = column.samples.windows(2).find(|pair| pair[1].0 <= pair[0].0)
+        && let Some(pair) = column
+            .samples
+            .windows(2)
+            .find(|pair| pair[1].0 <= pair[0].0)
     {
         let [before, here] = [pair[0], pair[1]];
-        let problem = format!("`{name}` = {} is not later than {} in line {}", here.1, before.1, line(before.2));
-        let remedy = "sort the rows, one for each time; rows of an input are not sorted or left out";
+        let problem = format!(
+            "`{name}` = {} is not later than {} in line {}",
+            here.1,
+            before.1,
+            line(before.2)
+        );
+        let remedy =
+            "sort the rows, one for each time; rows of an input are not sorted or left out";
         return Err(error(problem, remedy).line(line(here.2)));
     }
     let samples = &mut column.samples;
@@ -235,7 +290,10 @@ pub(super) fn sorted(
     repairs.unsorted = repairs.unsorted.max(unsorted);
     // The sort is stable, so samples of equal time stay in the order of their rows.
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some(pair) = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+    if let Some(pair) = samples
+        .windows(2)
+        .find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
+    {
         let problem = format!(
             "line {} gives another value of `{name}` at the same time as line {}",
             line(pair[1].2),
@@ -247,31 +305,48 @@ pub(super) fn sorted(
     samples.dedup_by(|later, before| later.0 == before.0);
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
     let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
-    if let Some([before, here]) = samples.windows(2).find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts)) {
+    if let Some([before, here]) = samples
+        .windows(2)
+        .find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts))
+    {
         let problem = format!(
             "the time from line {} to this one is {}, too short beside a record of {}",
             line(before.2),
             lasting(here.0 - before.0, in_seconds),
             lasting(lasts, in_seconds)
         );
-        return Err(error(problem, "remove one of the two rows, or correct its time").line(line(here.2)));
+        return Err(
+            error(problem, "remove one of the two rows, or correct its time").line(line(here.2)),
+        );
     }
     match column.is_strict() {
-        true => column.said.odd = marks::likely(&name, column.samples.iter().map(|of| (of.1, line(of.2)))),
+        true => {
+            column.said.odd =
+                marks::likely(&name, column.samples.iter().map(|of| (of.1, line(of.2))))
+        }
         false => column.look_for_outliers(layout, line),
     }
     let samples = &column.samples;
     if samples.len() < 2 {
-        let problem =
-            format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
-        return Err(error(problem, "give a column with two values or more, at different times"));
+        let problem = format!(
+            "column `{name}` has {} value{}",
+            samples.len(),
+            if samples.len() == 1 { "" } else { "s" }
+        );
+        return Err(error(
+            problem,
+            "give a column with two values or more, at different times",
+        ));
     }
     if !column.is_strict() {
         column.look_for_means(in_seconds);
     }
     let samples = &column.samples;
     let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
-    if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
+    if let Some(pair) = samples
+        .windows(2)
+        .find(|pair| pair[1].0 - pair[0].0 > longest)
+    {
         let gap = pair[1].0 - pair[0].0;
         let problem = format!(
             "no value of `{name}` for {}, since line {}, longer than the permitted {}",
@@ -279,7 +354,8 @@ pub(super) fn sorted(
             line(pair[0].2),
             lasting(longest, in_seconds)
         );
-        let remedy = "fill the gap, cut the file there, or raise `max_gap` to interpolate across it";
+        let remedy =
+            "fill the gap, cut the file there, or raise `max_gap` to interpolate across it";
         return Err(error(problem, remedy).line(line(pair[1].2)));
     }
     repairs.columns.push(std::mem::take(&mut column.said));
@@ -300,8 +376,11 @@ fn is_of_means(name: &str) -> bool {
     let words = name.split(|c: char| !c.is_alphabetic());
     let is_mean = |word: &str| {
         let word = word.to_lowercase();
-        ["avg", "mean", "average", "averaged", "mittel", "mw", "moyenne", "moy", "media", "promedio"]
-            .contains(&&word[..])
+        [
+            "avg", "mean", "average", "averaged", "mittel", "mw", "moyenne", "moy", "media",
+            "promedio",
+        ]
+        .contains(&&word[..])
             || word.ends_with("mittelwert")
             || word.ends_with("mittel")
     };

@@ -19,7 +19,10 @@ pub(super) struct Decimals {
 /// What is wrong with a cell, and the remedy.
 type Wrong = (&'static str, &'static str);
 
-const NO_NUMBER: Wrong = ("is not a number", "fix the cell; if it marks a missing value, give MARK");
+const NO_NUMBER: Wrong = (
+    "is not a number",
+    "fix the cell; if it marks a missing value, give MARK",
+);
 
 /// Several numbers in one cell, as in the files of NOAA.
 const FIELDS: Wrong = (
@@ -43,7 +46,13 @@ pub(super) const THOUSANDS: Wrong = (
 impl Decimals {
     /// A reader for a file in which a comma may separate columns, or can only be decimal.
     pub fn of(layout: &Layout, are_decimal: bool) -> Self {
-        Decimals { given: layout.decimal, separates: !are_decimal, are_decimal, commas: 0, points: 0 }
+        Decimals {
+            given: layout.decimal,
+            separates: !are_decimal,
+            are_decimal,
+            commas: 0,
+            points: 0,
+        }
     }
 
     /// Whether the commas that were read are known to be decimal.
@@ -86,11 +95,18 @@ impl Decimals {
                 "write the numbers of the file without them, or give the decimal separator, e.g. DECIMAL",
             ));
         }
-        let value = format!("{whole}.{decimals}").parse().map_err(|_| NO_NUMBER)?;
+        let value = format!("{whole}.{decimals}")
+            .parse()
+            .map_err(|_| NO_NUMBER)?;
         let thousands = digits.find(',').unwrap_or(0);
-        self.are_decimal |= decimals.len() != 3 || !(1..=3).contains(&thousands) || digits.starts_with('0');
+        self.are_decimal |=
+            decimals.len() != 3 || !(1..=3).contains(&thousands) || digits.starts_with('0');
         self.commas += 1;
-        if self.points > 0 { Err(MIXED) } else { Ok(value) }
+        if self.points > 0 {
+            Err(MIXED)
+        } else {
+            Ok(value)
+        }
     }
 }
 
@@ -98,9 +114,14 @@ impl Decimals {
 fn grouped(text: &str, mark: char) -> Option<f64> {
     let other = if mark == ',' { '.' } else { ',' };
     let (whole, decimals) = text.split_once(mark).unwrap_or((text, ""));
-    let is_group = |group: &str| group.len() == 3 && group.bytes().all(|byte| byte.is_ascii_digit());
+    let is_group =
+        |group: &str| group.len() == 3 && group.bytes().all(|byte| byte.is_ascii_digit());
     let is_whole = whole.split(other).skip(1).all(is_group) && !decimals.contains(other);
     let plain = whole.replace(other, "");
-    let plain = if decimals.is_empty() { plain } else { format!("{plain}.{decimals}") };
+    let plain = if decimals.is_empty() {
+        plain
+    } else {
+        format!("{plain}.{decimals}")
+    };
     plain.parse().ok().filter(|_| is_whole)
 }

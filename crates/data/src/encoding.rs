@@ -11,7 +11,10 @@ pub(super) fn decoded(bytes: &[u8]) -> Option<Decoded<'_>> {
     let (mut text, encoding) = in_utf8(bytes)?;
     // Some programs end lines in `\r` alone.
     if text.contains(&b'\r') && !text.contains(&b'\n') {
-        text.to_mut().iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+        text.to_mut()
+            .iter_mut()
+            .filter(|byte| **byte == b'\r')
+            .for_each(|byte| *byte = b'\n');
     }
     Some((text, encoding))
 }
@@ -19,7 +22,9 @@ pub(super) fn decoded(bytes: &[u8]) -> Option<Decoded<'_>> {
 fn in_utf8(bytes: &[u8]) -> Option<Decoded<'_>> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
-        let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        let text: String = char::decode_utf16(units)
+            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect();
         Some((Cow::Owned(text.into_bytes()), Some("UTF-16")))
     };
     match bytes {

@@ -30,7 +30,14 @@ impl DataError {
     /// An error of the file as a whole.
     pub(super) fn file(file: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         let (problem, remedy) = (problem.into(), remedy.into());
-        DataError { file: file.into(), line: None, cell: None, problem, remedy, also: None }
+        DataError {
+            file: file.into(),
+            line: None,
+            cell: None,
+            problem,
+            remedy,
+            also: None,
+        }
     }
 
     /// This error, with another one behind it.
@@ -39,7 +46,10 @@ impl DataError {
             Some(also) => also.and(other),
             None => other,
         };
-        DataError { also: Some(Box::new(also)), ..self }
+        DataError {
+            also: Some(Box::new(also)),
+            ..self
+        }
     }
 
     /// All errors as one; none if there are none.
@@ -63,8 +73,16 @@ impl DataError {
 /// A cell as one short printable line.
 pub(super) fn quoted(cell: &[u8]) -> String {
     let text = String::from_utf8_lossy(cell);
-    let short: String = text.chars().take(QUOTE_LENGTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(QUOTE_LENGTH).is_some() { format!("{short}...") } else { short }
+    let short: String = text
+        .chars()
+        .take(QUOTE_LENGTH)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if text.chars().nth(QUOTE_LENGTH).is_some() {
+        format!("{short}...")
+    } else {
+        short
+    }
 }
 
 impl fmt::Display for DataError {
@@ -78,7 +96,9 @@ impl fmt::Display for DataError {
             write!(f, "{cell} ")?;
         }
         write!(f, "{}\n  fix: {}", self.problem, self.remedy)?;
-        self.also.as_ref().map_or(Ok(()), |also| write!(f, "\n{also}"))
+        self.also
+            .as_ref()
+            .map_or(Ok(()), |also| write!(f, "\n{also}"))
     }
 }
 

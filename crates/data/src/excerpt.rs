@@ -12,22 +12,41 @@ pub fn underlined(line: &str, start: usize, length: usize) -> [String; 2] {
     let mut rest = line.chars().skip(from);
     let shown: String = rest.by_ref().take(start - from + 2 * AROUND).collect();
     let end = if rest.next().is_some() { "..." } else { "" };
-    let indent: String = shown.chars().take(start - from).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+    let indent: String = shown
+        .chars()
+        .take(start - from)
+        .map(|c| if c == '\t' { '\t' } else { ' ' })
+        .collect();
     let carets = "^".repeat(length.clamp(1, 2 * AROUND));
     let shown: String = shown.chars().map(visible).collect();
-    [format!("{dots}{shown}{end}"), format!("{0:1$}{indent}{carets}", "", dots.len())]
+    [
+        format!("{dots}{shown}{end}"),
+        format!("{0:1$}{indent}{carets}", "", dots.len()),
+    ]
 }
 
 /// The beginning of a text, of at most as many characters as any number needs.
 pub fn short(text: &str) -> String {
     const LENGTH: usize = 40;
-    let dots = if text.chars().nth(LENGTH).is_some() { "..." } else { "" };
-    text.chars().take(LENGTH).map(visible).chain(dots.chars()).collect()
+    let dots = if text.chars().nth(LENGTH).is_some() {
+        "..."
+    } else {
+        ""
+    };
+    text.chars()
+        .take(LENGTH)
+        .map(visible)
+        .chain(dots.chars())
+        .collect()
 }
 
 /// The character itself, or another one in the place of a control character. A tab stays.
 fn visible(c: char) -> char {
-    if c.is_control() && c != '\t' { char::REPLACEMENT_CHARACTER } else { c }
+    if c.is_control() && c != '\t' {
+        char::REPLACEMENT_CHARACTER
+    } else {
+        c
+    }
 }
 
 #[cfg(test)]

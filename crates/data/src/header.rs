@@ -44,22 +44,47 @@ pub(super) fn open<'a>(
 ) -> Result<(CsvRows<'a>, Header), DataError> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
-        let problem = if layout.skip.is_some() && !bytes.is_empty() { "it has no header" } else { "it is empty" };
+        let problem = if layout.skip.is_some() && !bytes.is_empty() {
+            "it has no header"
+        } else {
+            "it is empty"
+        };
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem, remedy));
     };
-    let in_names = |names: &[String]| Sought { file, names, layout }.columns(wanted);
+    let in_names = |names: &[String]| {
+        Sought {
+            file,
+            names,
+            layout,
+        }
+        .columns(wanted)
+    };
     let in_line = |line: &Line| in_names(&line.names).is_ok();
-    let in_text = lines.iter().filter(|line| !line.is_comment).find(|line| in_line(line));
+    let in_text = lines
+        .iter()
+        .filter(|line| !line.is_comment)
+        .find(|line| in_line(line));
     // A comment names the columns only if the rows below it have as many cells.
     let in_comment = || {
         let last = lines.iter().rev().find(|line| !line.is_comment)?;
-        lines.iter().filter(|line| line.is_comment && line.names.len() == last.names.len()).find(|line| in_line(line))
+        lines
+            .iter()
+            .filter(|line| line.is_comment && line.names.len() == last.names.len())
+            .find(|line| in_line(line))
     };
     if let Some(line) = in_text.or_else(in_comment) {
         let (times, values) = in_names(&line.names)?;
-        let skipped = lines.iter().take_while(|other| other.number < line.number).filter(|other| !other.is_comment);
-        let header = Header { names: line.names.clone(), times, values, skipped: skipped.count() as u64 };
+        let skipped = lines
+            .iter()
+            .take_while(|other| other.number < line.number)
+            .filter(|other| !other.is_comment);
+        let header = Header {
+            names: line.names.clone(),
+            times,
+            values,
+            skipped: skipped.count() as u64,
+        };
         let mut rows = CsvRows::at(file, bytes, line.offset, line.separator, true);
         rows.texts();
         return Ok((rows.below(), header));
@@ -67,19 +92,34 @@ pub(super) fn open<'a>(
     // Columns without names are called by their numbers.
     let width = lines.last().map_or(0, |line| line.names.len());
     let numbered: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
-    if let Some(line) = lines.iter().find(|line| !line.is_comment && line.names.len() == width)
+    if let Some(line) = lines
+        .iter()
+        .find(|line| !line.is_comment && line.names.len() == width)
         && let Ok((times, values)) = in_names(&numbered)
     {
-        let header = Header { names: numbered, times, values, skipped: line.number.saturating_sub(first.number) };
-        return Ok((CsvRows::at(file, bytes, line.offset, line.separator, true).numbered(width), header));
+        let header = Header {
+            names: numbered,
+            times,
+            values,
+            skipped: line.number.saturating_sub(first.number),
+        };
+        return Ok((
+            CsvRows::at(file, bytes, line.offset, line.separator, true).numbered(width),
+            header,
+        ));
     }
-    let best =
-        likeliest(file, &lines, layout, wanted).filter(|best| best.number == first.number || !is_data(&first.names));
+    let best = likeliest(file, &lines, layout, wanted)
+        .filter(|best| best.number == first.number || !is_data(&first.names));
     let Some(best) = best else {
         let problem = "its first line contains numbers or dates, not the names of the columns";
         let [time, value] = [
             layout.wording.option("time", "1"),
-            layout.wording.column(wanted.first().map_or(ColumnQuantity::Temperature, |one| one.quantity), "2"),
+            layout.wording.column(
+                wanted
+                    .first()
+                    .map_or(ColumnQuantity::Temperature, |one| one.quantity),
+                "2",
+            ),
         ];
         let remedy = format!(
             "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
@@ -89,7 +129,11 @@ pub(super) fn open<'a>(
     };
     let error = in_names(&best.names).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
-    Err(if best.number == first.number { error } else { error.line(best.number) })
+    Err(if best.number == first.number {
+        error
+    } else {
+        error.line(best.number)
+    })
 }
 
 /// Whether a line holds measurements: each of its cells is a number, a date or empty.
@@ -107,14 +151,29 @@ fn is_datum(cell: &str) -> bool {
 /// The line that most likely names the columns, though not all that are wanted: the one with most
 /// of them, then the one with as many cells as the last line, without numbers and dates. A line with
 /// a single cell above rows with several is a note.
-fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wanted<'_>]) -> Option<&'l Line> {
+fn likeliest<'l>(
+    file: &str,
+    lines: &'l [Line],
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Option<&'l Line> {
     let width = lines.last()?.names.len();
     let found = |line: &Line| {
-        let sought = Sought { file, names: &line.names, layout };
-        wanted.iter().filter(|one| sought.value(one).is_ok()).count() + usize::from(sought.times().is_ok())
+        let sought = Sought {
+            file,
+            names: &line.names,
+            layout,
+        };
+        wanted
+            .iter()
+            .filter(|one| sought.value(one).is_ok())
+            .count()
+            + usize::from(sought.times().is_ok())
     };
     let is_named = |line: &&Line| {
-        !line.is_comment && (line.names.len() > 1 || width == 1) && !line.names.iter().any(|name| is_datum(name))
+        !line.is_comment
+            && (line.names.len() > 1 || width == 1)
+            && !line.names.iter().any(|name| is_datum(name))
     };
     let rank = |line: &&Line| (found(line), line.names.len() == width, Reverse(line.number));
     lines.iter().filter(is_named).max_by_key(rank)
@@ -127,11 +186,19 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
     let mut found = Vec::new();
     let (mut at, mut number, mut given) = (0, 0, None);
     while at < bytes.len() && found.len() < LOOKED_THROUGH {
-        let length = bytes[at..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - at);
+        let length = bytes[at..]
+            .iter()
+            .position(|byte| *byte == b'\n')
+            .unwrap_or(bytes.len() - at);
         let text = bytes[at..at + length].trim_ascii();
         number += 1;
         let hashes = text.iter().take_while(|byte| **byte == b'#').count();
-        let offset = at + bytes[at..].iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0) + hashes;
+        let offset = at
+            + bytes[at..]
+                .iter()
+                .position(|byte| !byte.is_ascii_whitespace())
+                .unwrap_or(0)
+            + hashes;
         at += length + 1;
         if let [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator] = text {
             given = Some(*separator);
@@ -141,8 +208,16 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
             continue;
         }
         let separator = given.unwrap_or_else(|| separator(text));
-        let names = CsvRows::at(file, bytes, offset, separator, false).texts().unwrap_or_default();
-        found.push(Line { offset, number: line_at(bytes, offset), separator, is_comment: hashes > 0, names });
+        let names = CsvRows::at(file, bytes, offset, separator, false)
+            .texts()
+            .unwrap_or_default();
+        found.push(Line {
+            offset,
+            number: line_at(bytes, offset),
+            separator,
+            is_comment: hashes > 0,
+            names,
+        });
         if skip.is_some() && hashes == 0 {
             break;
         }
@@ -152,13 +227,27 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
 
 /// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
 /// loggers and spreadsheets write them in lower case.
-const DATE_AND_TIME: [&str; 6] = ["timestamp", "time stamp", "datetime", "date time", "date/time", "date_time"];
+const DATE_AND_TIME: [&str; 6] = [
+    "timestamp",
+    "time stamp",
+    "datetime",
+    "date time",
+    "date/time",
+    "date_time",
+];
 const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
 const DATE: [&str; 3] = ["date", "datum", "dato"];
 
 /// Names of columns that hold a year, a day of the year, and the time of day beside them.
 const YEAR: [&str; 2] = ["year", "yr"];
-const DAY_OF_YEAR: [&str; 6] = ["doy", "day of year", "day_of_year", "dayofyear", "jday", "julian day"];
+const DAY_OF_YEAR: [&str; 6] = [
+    "doy",
+    "day of year",
+    "day_of_year",
+    "dayofyear",
+    "jday",
+    "julian day",
+];
 const HOUR: [&str; 6] = ["hour", "hr", "hours", "hhmm", "hour_min", "time"];
 
 /// A line of names in which columns are sought.
@@ -173,8 +262,16 @@ impl Sought<'_> {
     /// The columns of times and of the values that are wanted.
     fn columns(&self, wanted: &[Wanted<'_>]) -> Result<(Vec<usize>, Vec<usize>), DataError> {
         let times = self.times();
-        let (found, missing): (Vec<_>, Vec<_>) = wanted.iter().map(|one| self.value(one)).partition(Result::is_ok);
-        let errors = times.as_ref().err().cloned().into_iter().chain(missing.into_iter().filter_map(Result::err));
+        let (found, missing): (Vec<_>, Vec<_>) = wanted
+            .iter()
+            .map(|one| self.value(one))
+            .partition(Result::is_ok);
+        let errors = times
+            .as_ref()
+            .err()
+            .cloned()
+            .into_iter()
+            .chain(missing.into_iter().filter_map(Result::err));
         match DataError::of_all(errors) {
             Some(error) => Err(error),
             None => Ok((times?, found.into_iter().flatten().collect())),
@@ -183,7 +280,9 @@ impl Sought<'_> {
 
     /// The columns whose names are like this.
     fn fields(&self, is: impl Fn(&str) -> bool) -> Vec<usize> {
-        (0..self.names.len()).filter(|field| is(&self.names[*field])).collect()
+        (0..self.names.len())
+            .filter(|field| is(&self.names[*field]))
+            .collect()
     }
 
     /// The columns of this name: exactly, or in other case, or followed by a unit or a note.
@@ -196,25 +295,38 @@ impl Sought<'_> {
         if !found.is_empty() || name.is_empty() {
             return found;
         }
-        self.fields(|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with([' ', ',', '(', '['])))
+        self.fields(|column| {
+            column
+                .strip_prefix(name)
+                .is_some_and(|rest| rest.starts_with([' ', ',', '(', '[']))
+        })
     }
 
     /// The column of times, or those of dates and of times of day.
     fn times(&self) -> Result<Vec<usize>, DataError> {
-        let Some(name) = &self.layout.time else { return self.usual_times() };
+        let Some(name) = &self.layout.time else {
+            return self.usual_times();
+        };
         let whole = self.called(name);
-        let parts: Vec<(&str, Vec<usize>)> =
-            name.split(',').map(|part| (part.trim(), self.called(part.trim()))).collect();
+        let parts: Vec<(&str, Vec<usize>)> = name
+            .split(',')
+            .map(|part| (part.trim(), self.called(part.trim())))
+            .collect();
         let is_list = matches!(parts.len(), 2 | 3);
         match whole[..] {
             [field] => Ok(vec![field]),
             [] => match parts.iter().find(|(_, found)| !is_list || found.len() != 1) {
                 None => Ok(parts.into_iter().flat_map(|(_, found)| found).collect()),
-                Some((part, _)) => {
-                    Err(self.none(Name::Exactly(if is_list { part } else { name }), "name one of its columns"))
-                }
+                Some((part, _)) => Err(self.none(
+                    Name::Exactly(if is_list { part } else { name }),
+                    "name one of its columns",
+                )),
             },
-            _ => Err(self.several(Name::Exactly(name), whole.len(), "give the columns different names")),
+            _ => Err(self.several(
+                Name::Exactly(name),
+                whole.len(),
+                "give the columns different names",
+            )),
         }
     }
 
@@ -227,9 +339,18 @@ impl Sought<'_> {
             return Ok(vec![field]);
         }
         let one_of = |words: &[&str]| self.fields(|name| words.contains(&&*name.to_lowercase()));
-        let begins_with =
-            |words: &[&str]| self.fields(|name| words.iter().any(|word| name.to_lowercase().starts_with(word)));
-        if let ([year], [day], [hour, ..]) = (&one_of(&YEAR)[..], &one_of(&DAY_OF_YEAR)[..], &one_of(&HOUR)[..]) {
+        let begins_with = |words: &[&str]| {
+            self.fields(|name| {
+                words
+                    .iter()
+                    .any(|word| name.to_lowercase().starts_with(word))
+            })
+        };
+        if let ([year], [day], [hour, ..]) = (
+            &one_of(&YEAR)[..],
+            &one_of(&DAY_OF_YEAR)[..],
+            &one_of(&HOUR)[..],
+        ) {
             return Ok(vec![*year, *day, *hour]);
         }
         let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
@@ -239,14 +360,30 @@ impl Sought<'_> {
             ([], [time], [date], _) => Ok(vec![*date, *time]),
             ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
             ([], [], [], []) => {
-                let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
-                let say = format!("name the right one, e.g. {}", wording.option("time", example));
+                let example = names
+                    .iter()
+                    .find(|name| !name.is_empty())
+                    .map_or("NAME", String::as_str);
+                let say = format!(
+                    "name the right one, e.g. {}",
+                    wording.option("time", example)
+                );
                 Err(self.none(Name::Exactly("time"), &say))
             }
             _ => {
-                let first = both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0);
+                let first = both
+                    .iter()
+                    .chain(&time)
+                    .chain(&beginning)
+                    .chain(&date)
+                    .next()
+                    .copied()
+                    .unwrap_or(0);
                 let example = wording.option("time", &names[first]);
-                let remedy = format!("name one, e.g. {example}; the columns are {}", listed(names));
+                let remedy = format!(
+                    "name one, e.g. {example}; the columns are {}",
+                    listed(names)
+                );
                 let count = both.len() + time.len().max(beginning.len()).max(date.len());
                 Err(self.several(Name::Beginning("time"), count, remedy))
             }
@@ -257,12 +394,18 @@ impl Sought<'_> {
     fn value(&self, wanted: &Wanted<'_>) -> Result<usize, DataError> {
         let (name, names) = (wanted.column, self.names);
         let example = |of: &str| self.layout.wording.column(wanted.quantity, of);
-        let beginning = |start: &str| self.fields(|name| name.to_lowercase().starts_with(&start.to_lowercase()));
+        let beginning = |start: &str| {
+            self.fields(|name| name.to_lowercase().starts_with(&start.to_lowercase()))
+        };
         let found = match name {
             Name::Exactly(name) => self.called(name),
             Name::Beginning(start) => {
                 let whole = beginning(start);
-                if whole.is_empty() { beginning(&start.chars().take(4).collect::<String>()) } else { whole }
+                if whole.is_empty() {
+                    beginning(&start.chars().take(4).collect::<String>())
+                } else {
+                    whole
+                }
             }
         };
         match (&found[..], name) {
@@ -273,12 +416,22 @@ impl Sought<'_> {
                 Err(self.none(name, &format!("name the right one, e.g. {example}")))
             }
             (all, _) => {
-                let has_own_name = |field: &usize| names.iter().filter(|name| **name == names[*field]).count() == 1;
+                let has_own_name = |field: &usize| {
+                    names.iter().filter(|name| **name == names[*field]).count() == 1
+                };
                 let remedy = if all.iter().all(has_own_name) {
-                    let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
-                    format!("name one, e.g. {}; the columns are {}", example(&which[0]), listed(&which))
+                    let which: Vec<String> =
+                        all.iter().map(|field| names[*field].clone()).collect();
+                    format!(
+                        "name one, e.g. {}; the columns are {}",
+                        example(&which[0]),
+                        listed(&which)
+                    )
                 } else {
-                    format!("give the columns of the file different names: {}", listed(names))
+                    format!(
+                        "give the columns of the file different names: {}",
+                        listed(names)
+                    )
                 };
                 Err(self.several(name, all.len(), remedy))
             }
@@ -291,15 +444,29 @@ impl Sought<'_> {
         let alike = |column: &&String| strsim::jaro_winkler(text, column);
         let near = self.names.iter().filter(|column| alike(column) > 0.8);
         let nearest = near.max_by(|a, b| alike(a).total_cmp(&alike(b)));
-        let hint = nearest.map_or(String::new(), |column| format!("; did you mean `{column}`?"));
+        let hint = nearest.map_or(String::new(), |column| {
+            format!("; did you mean `{column}`?")
+        });
         let is_one = self.names.len() == 1;
-        let separators = if is_one { "; columns are separated by commas, semicolons or tabs" } else { "" };
+        let separators = if is_one {
+            "; columns are separated by commas, semicolons or tabs"
+        } else {
+            ""
+        };
         let remedy = format!("{remedy}: {}{separators}", listed(self.names));
-        DataError::file(self.file, format!("no column {}{hint}", name.description()), remedy)
+        DataError::file(
+            self.file,
+            format!("no column {}{hint}", name.description()),
+            remedy,
+        )
     }
 
     fn several(&self, name: Name<'_>, count: usize, remedy: impl Into<String>) -> DataError {
-        DataError::file(self.file, format!("{count} columns match: each {}", name.description()), remedy)
+        DataError::file(
+            self.file,
+            format!("{count} columns match: each {}", name.description()),
+            remedy,
+        )
     }
 }
 
@@ -309,10 +476,26 @@ fn proposal(names: &[String], quantity: ColumnQuantity) -> &str {
     let word = quantity.word();
     let likeness = |name: &&String| {
         let lower = name.to_lowercase();
-        let is_time = TIME.iter().chain(&DATE).chain(&DATE_AND_TIME).any(|time| lower.starts_with(time));
+        let is_time = TIME
+            .iter()
+            .chain(&DATE)
+            .chain(&DATE_AND_TIME)
+            .any(|time| lower.starts_with(time));
         let has_unit = matches!(unit::of_name(quantity, name), Ok(Some(_)));
-        let rank = (lower.contains(&word[..4]), has_unit, lower.starts_with(&word[..1]));
-        if is_time || name.is_empty() { (false, false, false, false) } else { (true, rank.0, rank.1, rank.2) }
+        let rank = (
+            lower.contains(&word[..4]),
+            has_unit,
+            lower.starts_with(&word[..1]),
+        );
+        if is_time || name.is_empty() {
+            (false, false, false, false)
+        } else {
+            (true, rank.0, rank.1, rank.2)
+        }
     };
-    names.iter().max_by_key(likeness).filter(|name| !name.is_empty()).map_or("NAME", String::as_str)
+    names
+        .iter()
+        .max_by_key(likeness)
+        .filter(|name| !name.is_empty())
+        .map_or("NAME", String::as_str)
 }

@@ -78,7 +78,10 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
     let name = path.display().to_string();
     let unreadable = |problem: &str, remedy: &str| DataError::file(&name, problem, remedy);
     if path.is_dir() {
-        return Err(unreadable("it is a directory", "give the path of a CSV file"));
+        return Err(unreadable(
+            "it is a directory",
+            "give the path of a CSV file",
+        ));
     }
     let mut bytes = Vec::new();
     let mut fits = || -> std::io::Result<bool> {
@@ -90,10 +93,17 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
         }
         Ok(file.take(MAX_FILE + 1).read_to_end(&mut bytes)? as u64 <= MAX_FILE)
     };
-    let fits =
-        fits().map_err(|error| unreadable(&format!("cannot be read: {error}"), "give the path of a CSV file"))?;
+    let fits = fits().map_err(|error| {
+        unreadable(
+            &format!("cannot be read: {error}"),
+            "give the path of a CSV file",
+        )
+    })?;
     if !fits {
-        return Err(unreadable("it is larger than 1 GiB", "split it, or keep only the columns that are needed"));
+        return Err(unreadable(
+            "it is larger than 1 GiB",
+            "split it, or keep only the columns that are needed",
+        ));
     }
     parse(&name, &bytes, layout, wanted)
 }
@@ -111,7 +121,12 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
 /// assert_eq!(table.repairs.sentences(), repairs);
 /// # Ok::<(), stickslip_data::DataError>(())
 /// ```
-pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+pub fn parse(
+    name: &str,
+    bytes: &[u8],
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Result<Table, DataError> {
     let foreign = |what: &str, remedy| DataError::file(name, format!("it is {what}"), remedy);
     if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
         return Err(foreign(
@@ -120,21 +135,40 @@ pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -
         ));
     }
     if bytes.starts_with(b"PK\x03\x04") {
-        return Err(foreign("a spreadsheet or another zip archive, not CSV", "export the sheet as CSV"));
+        return Err(foreign(
+            "a spreadsheet or another zip archive, not CSV",
+            "export the sheet as CSV",
+        ));
     }
     let Some((text, encoding)) = encoding::decoded(bytes) else {
-        return Err(foreign("binary, or UTF-16 without a byte-order mark", "save it as CSV in UTF-8"));
+        return Err(foreign(
+            "binary, or UTF-16 without a byte-order mark",
+            "save it as CSV in UTF-8",
+        ));
     };
-    let is_input = wanted.iter().all(|one| one.quantity == ColumnQuantity::Input);
+    let is_input = wanted
+        .iter()
+        .all(|one| one.quantity == ColumnQuantity::Input);
     if let Some(format) = at2::other_format(&text).filter(|_| is_input && layout.step.is_none()) {
         let remedy = "convert it to CSV; the page on records of the documentation has a line for each format";
-        return Err(foreign(&format!("a record in the format of {format}"), remedy));
+        return Err(foreign(
+            &format!("a record in the format of {format}"),
+            remedy,
+        ));
     }
     if let Some(record) = at2::record(name, &text, layout, wanted) {
         return record;
     }
-    let is_numbered = is_input && layout.time.as_ref().is_some_and(|time| time.parse::<u32>().is_ok());
-    let text = if is_numbered { rows::with_tabs(text) } else { text };
+    let is_numbered = is_input
+        && layout
+            .time
+            .as_ref()
+            .is_some_and(|time| time.parse::<u32>().is_ok());
+    let text = if is_numbered {
+        rows::with_tabs(text)
+    } else {
+        text
+    };
     let (rows, header) = header::open(name, &text, layout, wanted)?;
     let mut table = table::table(name, &header, rows, layout, wanted)?;
     table.repairs.encoding = encoding;

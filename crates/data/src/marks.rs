@@ -43,8 +43,15 @@ const NINES: [f64; 4] = [999.0, 9_999.0, 99_999.0, 999_999.0];
 pub(super) fn likely(name: &str, values: impl Iterator<Item = (f64, u64)>) -> Option<String> {
     let mut found = values.filter(|(value, _)| NINES.contains(&value.abs()));
     let (value, line) = found.next()?;
-    let more = many(found.count() as u64, ", as does 1 other", ", as do # others").unwrap_or_default();
-    Some(format!("kept `{name}` = {value} in line {line}, which often marks a missing value{more}"))
+    let more = many(
+        found.count() as u64,
+        ", as does 1 other",
+        ", as do # others",
+    )
+    .unwrap_or_default();
+    Some(format!(
+        "kept `{name}` = {value} in line {line}, which often marks a missing value{more}"
+    ))
 }
 
 /// The marks of one file.
@@ -56,8 +63,16 @@ pub(super) struct Marks {
 impl Marks {
     /// The marks that a layout gives, besides the usual ones.
     pub fn of(layout: &Layout) -> Self {
-        let words = layout.missing.iter().map(|mark| mark.trim().to_lowercase()).collect();
-        let numbers = layout.missing.iter().filter_map(|mark| mark.trim().parse().ok()).collect();
+        let words = layout
+            .missing
+            .iter()
+            .map(|mark| mark.trim().to_lowercase())
+            .collect();
+        let numbers = layout
+            .missing
+            .iter()
+            .filter_map(|mark| mark.trim().parse().ok())
+            .collect();
         Marks { words, numbers }
     }
 
@@ -69,8 +84,14 @@ impl Marks {
         // Most cells end in a digit, and none of the usual words does.
         let is_usual = !cell[cell.len() - 1].is_ascii_digit()
             && (cell.iter().all(|byte| *byte == b'-')
-                || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes())));
-        is_usual || self.words.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+                || WORDS
+                    .iter()
+                    .any(|word| cell.eq_ignore_ascii_case(word.as_bytes())));
+        is_usual
+            || self
+                .words
+                .iter()
+                .any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
     }
 
     /// Whether a number marks a missing value, whatever the others are.

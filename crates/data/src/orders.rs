@@ -32,13 +32,25 @@ const DETOUR: f64 = 10.0;
 impl Orders {
     /// The orders before the first date.
     pub fn new() -> Self {
-        let of = |(_, order)| OrderFit { order, is_possible: true, last: None, up: 0, down: 0, path: 0.0 };
-        Orders { readings: DateOrder::WORDS.map(of), differ: false }
+        let of = |(_, order)| OrderFit {
+            order,
+            is_possible: true,
+            last: None,
+            up: 0,
+            down: 0,
+            path: 0.0,
+        };
+        Orders {
+            readings: DateOrder::WORDS.map(of),
+            differ: false,
+        }
     }
 
     /// Take the next text of the column. One that is no date in any order tells nothing.
     pub fn take(&mut self, text: &str) {
-        let dates = self.readings.map(|reading| stamp(text, Some(reading.order)).map(|stamp| stamp.local));
+        let dates = self
+            .readings
+            .map(|reading| stamp(text, Some(reading.order)).map(|stamp| stamp.local));
         if dates.iter().all(Option::is_none) {
             return;
         }
@@ -51,7 +63,11 @@ impl Orders {
             }
             reading.last = date;
         }
-        let mut possible = self.readings.iter().filter(|reading| reading.is_possible).map(|reading| reading.last);
+        let mut possible = self
+            .readings
+            .iter()
+            .filter(|reading| reading.is_possible)
+            .map(|reading| reading.last);
         let first = possible.next();
         self.differ |= possible.any(|date| Some(date) != first);
     }
@@ -60,15 +76,28 @@ impl Orders {
     /// possible it is the one in which the fewest rows are out of order. Where dates have years of
     /// two digits in front or at the end, one of the two ways from row to row is far longer, too.
     pub fn told(&self) -> Option<(DateOrder, &'static str)> {
-        let possible: Vec<&OrderFit> = self.readings.iter().filter(|reading| reading.is_possible).collect();
+        let possible: Vec<&OrderFit> = self
+            .readings
+            .iter()
+            .filter(|reading| reading.is_possible)
+            .collect();
         if let [only] = possible[..] {
             return Some((only.order, "the only order in which all are valid dates"));
         }
         let disorder = |reading: &OrderFit| reading.up.min(reading.down);
         let least = possible.iter().map(|reading| disorder(reading)).min()?;
-        let mut likely: Vec<&OrderFit> = possible.into_iter().filter(|reading| disorder(reading) == least).collect();
-        if likely.iter().any(|reading| reading.order == DateOrder::YearMonthDay) {
-            let shortest = likely.iter().map(|reading| reading.path).fold(f64::INFINITY, f64::min);
+        let mut likely: Vec<&OrderFit> = possible
+            .into_iter()
+            .filter(|reading| disorder(reading) == least)
+            .collect();
+        if likely
+            .iter()
+            .any(|reading| reading.order == DateOrder::YearMonthDay)
+        {
+            let shortest = likely
+                .iter()
+                .map(|reading| reading.path)
+                .fold(f64::INFINITY, f64::min);
             likely.retain(|reading| reading.path < DETOUR * shortest || reading.path == shortest);
         }
         match likely[..] {

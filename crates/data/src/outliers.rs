@@ -20,13 +20,23 @@ pub(super) fn spikes(values: &[f64], far: u64) -> Vec<bool> {
     if values.len() < LEAST {
         return vec![false; values.len()];
     }
-    let off: Vec<f64> = (0..values.len()).map(|i| values[i] - median_around(values, i)).collect();
-    let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let off: Vec<f64> = (0..values.len())
+        .map(|i| values[i] - median_around(values, i))
+        .collect();
+    let mut steps: Vec<f64> = values
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .collect();
     // Values with a coarse resolution often equal their own median. These zeros are left out, since
     // they would make the spread zero.
     let moving: Vec<f64> = off.iter().copied().filter(|off| *off != 0.0).collect();
-    let usual = spread(&moving).max(spread(&off)).max(resolution(values)).max(median(&mut steps));
-    off.iter().map(|off| off.abs() > far as f64 * usual).collect()
+    let usual = spread(&moving)
+        .max(spread(&off))
+        .max(resolution(values))
+        .max(median(&mut steps));
+    off.iter()
+        .map(|off| off.abs() > far as f64 * usual)
+        .collect()
 }
 
 /// The value that stands out most, and how many do: spikes, or, as marks of missing values do, a
@@ -42,11 +52,18 @@ pub(super) fn odd(values: &[f64]) -> Option<(f64, usize)> {
         values.len() >= FEWEST
             && n > 2
             && (value == levels[0] && levels[1] - levels[0] > levels[n - 1] - levels[1]
-                || value == levels[n - 1] && levels[n - 1] - levels[n - 2] > levels[n - 2] - levels[0])
+                || value == levels[n - 1]
+                    && levels[n - 1] - levels[n - 2] > levels[n - 2] - levels[0])
     };
-    let odd = values.iter().zip(spikes(values, USUAL)).filter(|(value, spike)| *spike || is_apart(**value));
+    let odd = values
+        .iter()
+        .zip(spikes(values, USUAL))
+        .filter(|(value, spike)| *spike || is_apart(**value));
     let odd: Vec<f64> = odd.map(|(value, _)| *value).collect();
-    let farthest = odd.iter().copied().max_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs()))?;
+    let farthest = odd
+        .iter()
+        .copied()
+        .max_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs()))?;
     Some((farthest, odd.len()))
 }
 
@@ -64,7 +81,12 @@ pub fn resolution(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     values.dedup();
-    let steps = median(&mut values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
+    let steps = median(
+        &mut values
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect::<Vec<_>>(),
+    );
     if steps.is_finite() { steps } else { 0.0 }
 }
 
@@ -81,5 +103,11 @@ pub fn median(values: &mut [f64]) -> f64 {
 /// the median.
 pub fn spread(values: &[f64]) -> f64 {
     let centre = median(&mut values.to_vec());
-    1.482_602_218_505_602 * median(&mut values.iter().map(|value| (value - centre).abs()).collect::<Vec<_>>())
+    1.482_602_218_505_602
+        * median(
+            &mut values
+                .iter()
+                .map(|value| (value - centre).abs())
+                .collect::<Vec<_>>(),
+        )
 }

@@ -36,15 +36,20 @@ impl Origin<'_> {
     }
 
     /// Read columns whose times are in seconds. Times of an unknown unit are an error.
-    pub fn read_in_seconds(&self, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+    pub fn read_in_seconds(
+        &self,
+        layout: &Layout,
+        wanted: &[Wanted<'_>],
+    ) -> Result<Table, DataError> {
         let table = self.read(layout, wanted)?;
         if table.in_seconds {
             return Ok(table);
         }
         let problem = format!("the name of column `{}` gives no unit of time", table.time);
         let renamed = layout.wording.option("time", "time_h");
-        let remedy =
-            format!("rename it in the file, e.g. to `time_s` or `time_h`, and use the new name, e.g. {renamed}");
+        let remedy = format!(
+            "rename it in the file, e.g. to `time_s` or `time_h`, and use the new name, e.g. {renamed}"
+        );
         Err(DataError::file(&self.name(), problem, &remedy))
     }
 }
@@ -67,7 +72,10 @@ pub struct ColumnSource {
 impl ColumnSource {
     /// The column that is wanted.
     pub fn wanted(&self, quantity: ColumnQuantity) -> Wanted<'_> {
-        Wanted { averaged: self.layout.averaged, ..Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref()) }
+        Wanted {
+            averaged: self.layout.averaged,
+            ..Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref())
+        }
     }
 
     /// Read the column alone: its samples, the instant from which the times count if they are dates,
@@ -107,13 +115,20 @@ impl BearingData {
         displacement: &ColumnSource,
     ) -> Result<BearingData, DataError> {
         let Some(other) = temperatures else {
-            let both =
-                [temperature.wanted(ColumnQuantity::Temperature), displacement.wanted(ColumnQuantity::Displacement)];
+            let both = [
+                temperature.wanted(ColumnQuantity::Temperature),
+                displacement.wanted(ColumnQuantity::Displacement),
+            ];
             let mut table = data.read_in_seconds(&displacement.layout, &both)?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
             let repairs = table.repairs.of_file(data.name());
-            return Ok(BearingData { temperature, displacement, start: table.start, repairs });
+            return Ok(BearingData {
+                temperature,
+                displacement,
+                start: table.start,
+                repairs,
+            });
         };
         let air = temperature.read(other, ColumnQuantity::Temperature);
         let sensor = displacement.read(data, ColumnQuantity::Displacement);
@@ -124,12 +139,22 @@ impl BearingData {
         };
         let (Some(first), Some(later)) = (&start, &later) else {
             let numbered = if later.is_none() { &data } else { &other };
-            let problem = "its times are numbers, which cannot be aligned with those of a second file".to_string();
+            let problem =
+                "its times are numbers, which cannot be aligned with those of a second file"
+                    .to_string();
             let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };
         let later = later.since(first);
-        displacement.times.iter_mut().for_each(|time| *time += later);
-        Ok(BearingData { temperature, displacement, start, repairs: [repairs, more].concat() })
+        displacement
+            .times
+            .iter_mut()
+            .for_each(|time| *time += later);
+        Ok(BearingData {
+            temperature,
+            displacement,
+            start,
+            repairs: [repairs, more].concat(),
+        })
     }
 }

@@ -15,17 +15,26 @@ pub enum DateOrder {
 
 impl DateOrder {
     /// All orders, with the words for them.
-    pub const WORDS: [(&'static str, DateOrder); 3] =
-        [("ymd", DateOrder::YearMonthDay), ("dmy", DateOrder::DayMonthYear), ("mdy", DateOrder::MonthDayYear)];
+    pub const WORDS: [(&'static str, DateOrder); 3] = [
+        ("ymd", DateOrder::YearMonthDay),
+        ("dmy", DateOrder::DayMonthYear),
+        ("mdy", DateOrder::MonthDayYear),
+    ];
 
     /// The word for this order.
     pub fn word(self) -> &'static str {
-        Self::WORDS.iter().find(|(_, order)| *order == self).map_or("", |(word, _)| word)
+        Self::WORDS
+            .iter()
+            .find(|(_, order)| *order == self)
+            .map_or("", |(word, _)| word)
     }
 
     /// The order that a word stands for.
     pub fn from_word(word: &str) -> Option<Self> {
-        Self::WORDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word.trim())).map(|(_, order)| *order)
+        Self::WORDS
+            .iter()
+            .find(|(name, _)| name.eq_ignore_ascii_case(word.trim()))
+            .map(|(_, order)| *order)
     }
 }
 
@@ -78,13 +87,21 @@ impl Wording {
 
 /// A value as TOML and Python write it.
 fn literal(value: &str) -> String {
-    if value.parse::<u64>().is_ok() { value.to_string() } else { format!("\"{value}\"") }
+    if value.parse::<u64>().is_ok() {
+        value.to_string()
+    } else {
+        format!("\"{value}\"")
+    }
 }
 
 /// A value as a shell takes it.
 fn shell(value: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.,:/+=".contains(c);
-    if !value.is_empty() && value.chars().all(is_plain) { value.to_string() } else { format!("'{value}'") }
+    if !value.is_empty() && value.chars().all(is_plain) {
+        value.to_string()
+    } else {
+        format!("'{value}'")
+    }
 }
 
 /// How a file is laid out, as far as the file does not say so itself.
@@ -123,7 +140,10 @@ pub struct Layout {
 impl Layout {
     /// A file whose column of times has this name.
     pub fn timed(time: &str) -> Self {
-        Layout { time: Some(time.to_string()), ..Layout::default() }
+        Layout {
+            time: Some(time.to_string()),
+            ..Layout::default()
+        }
     }
 
     /// This layout, with the options of another one where this one gives none. The words of
@@ -134,7 +154,11 @@ impl Layout {
             zone: self.zone.or_else(|| other.zone.clone()),
             dates: self.dates.or(other.dates),
             skip: self.skip.or(other.skip),
-            missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
+            missing: if self.missing.is_empty() {
+                other.missing.clone()
+            } else {
+                self.missing
+            },
             outliers: self.outliers.or(other.outliers),
             decimal: self.decimal.or(other.decimal),
             averaged: self.averaged.or(other.averaged),
@@ -167,9 +191,20 @@ impl<'a> Wanted<'a> {
     }
 
     /// The same, where another word stands for the quantity in the name of a column.
-    pub fn called(quantity: ColumnQuantity, column: Option<&'a str>, word: &'a str, unit: Option<&'a str>) -> Self {
+    pub fn called(
+        quantity: ColumnQuantity,
+        column: Option<&'a str>,
+        word: &'a str,
+        unit: Option<&'a str>,
+    ) -> Self {
         let column = column.map_or(Name::Beginning(word), Name::Exactly);
-        Wanted { column, quantity, unit, max_gap: None, averaged: None }
+        Wanted {
+            column,
+            quantity,
+            unit,
+            max_gap: None,
+            averaged: None,
+        }
     }
 }
 

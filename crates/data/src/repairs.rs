@@ -59,23 +59,42 @@ pub(super) fn many(count: u64, one: &str, more: &str) -> Option<String> {
 impl Repairs {
     /// The repairs as sentences that begin with the name of their file.
     pub fn of_file(&self, name: impl Display) -> Vec<String> {
-        self.sentences().iter().map(|sentence| format!("{name}: {sentence}")).collect()
+        self.sentences()
+            .iter()
+            .map(|sentence| format!("{name}: {sentence}"))
+            .collect()
     }
 
     /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
         let at_first = [
-            many(self.skipped, "skipped # line before the header", "skipped # lines before the header"),
+            many(
+                self.skipped,
+                "skipped # line before the header",
+                "skipped # lines before the header",
+            ),
             many(
                 self.unit_rows,
                 "took # line below the header as units",
                 "took # lines below the header as units and notes",
             ),
             self.encoding.map(|name| format!("read the text as {name}")),
-            self.order.as_ref().map(|order| format!("took dates as {order}")),
-            self.zone.as_ref().map(|zone| format!("took times in {zone}, from the name of their column")),
-            many(self.unsorted, "sorted # row that was out of order", "sorted # rows that were out of order"),
-            many(self.repeated, "left out # duplicate row", "left out # duplicate rows"),
+            self.order
+                .as_ref()
+                .map(|order| format!("took dates as {order}")),
+            self.zone
+                .as_ref()
+                .map(|zone| format!("took times in {zone}, from the name of their column")),
+            many(
+                self.unsorted,
+                "sorted # row that was out of order",
+                "sorted # rows that were out of order",
+            ),
+            many(
+                self.repeated,
+                "left out # duplicate row",
+                "left out # duplicate rows",
+            ),
             many(
                 self.folds,
                 "resolved # ambiguous stamp (clocks set back) by the order of rows",
@@ -83,15 +102,28 @@ impl Repairs {
             ),
         ];
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
-        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
-        at_first.into_iter().flatten().chain(columns).chain(commas).collect()
+        let commas = many(
+            self.decimal_commas,
+            "read # decimal comma",
+            "read # decimal commas",
+        );
+        at_first
+            .into_iter()
+            .flatten()
+            .chain(columns)
+            .chain(commas)
+            .collect()
     }
 }
 
 impl ColumnRepairs {
     fn sentences(&self) -> Vec<String> {
         let name = &self.name;
-        let missing = many(self.missing, "left out # cell without a value", "left out # cells without a value");
+        let missing = many(
+            self.missing,
+            "left out # cell without a value",
+            "left out # cells without a value",
+        );
         let outliers = many(
             self.outliers,
             "left out # value that differs strongly from those around it",
@@ -102,14 +134,23 @@ impl ColumnRepairs {
             "treated # value below absolute zero as missing",
             "treated # values below absolute zero as missing",
         );
-        let counted = [missing, cold, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
-        let unit = self.assumed_unit.map(|unit| format!("unit of `{name}` not given; assuming {unit}"));
+        let counted = [missing, cold, outliers]
+            .into_iter()
+            .flatten()
+            .map(|said| format!("{said} in `{name}`"));
+        let unit = self
+            .assumed_unit
+            .map(|unit| format!("unit of `{name}` not given; assuming {unit}"));
         let means = self.averaged.as_ref().map(|time| {
             format!(
                 "took `{name}` as means over the {time} before each stamp, from its name; set `averaged = 0` \
                     if they are instantaneous"
             )
         });
-        counted.chain(self.odd.clone()).chain(unit).chain(means).collect()
+        counted
+            .chain(self.odd.clone())
+            .chain(unit)
+            .chain(means)
+            .collect()
     }
 }

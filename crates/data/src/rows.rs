@@ -26,9 +26,18 @@ pub(super) struct CsvRows<'a> {
 impl<'a> CsvRows<'a> {
     /// The rows from this byte on, with this separator. Lines that begin with `#` are skipped if
     /// they are comments.
-    pub fn at(file: &'a str, bytes: &'a [u8], offset: usize, separator: u8, skips_comments: bool) -> Self {
+    pub fn at(
+        file: &'a str,
+        bytes: &'a [u8],
+        offset: usize,
+        separator: u8,
+        skips_comments: bool,
+    ) -> Self {
         let comment = Some(b'#').filter(|_| skips_comments);
-        let reader = ReaderBuilder::new().delimiter(separator).comment(comment).build();
+        let reader = ReaderBuilder::new()
+            .delimiter(separator)
+            .comment(comment)
+            .build();
         CsvRows {
             file,
             bytes,
@@ -47,14 +56,19 @@ impl<'a> CsvRows<'a> {
 
     /// The cells of the next row as texts; none at the end of the file.
     pub fn texts(&mut self) -> Option<Vec<String>> {
-        self.read()
-            .then(|| (0..self.fields).map(|field| String::from_utf8_lossy(self.cell(field)).into_owned()).collect())
+        self.read().then(|| {
+            (0..self.fields)
+                .map(|field| String::from_utf8_lossy(self.cell(field)).into_owned())
+                .collect()
+        })
     }
 
     /// From here on every row has as many cells as the row that was just read, which names them.
     pub fn below(mut self) -> Self {
         (self.width, self.first) = (self.fields, self.at);
-        self.named = (0..self.fields).rfind(|field| !self.cell(*field).is_empty()).map_or(0, |last| last + 1);
+        self.named = (0..self.fields)
+            .rfind(|field| !self.cell(*field).is_empty())
+            .map_or(0, |last| last + 1);
         self
     }
 
@@ -87,7 +101,8 @@ impl<'a> CsvRows<'a> {
         let (mut written, mut fields) = (0, 0);
         loop {
             let (cells, ends) = (&mut self.cells[written..], &mut self.ends[fields..]);
-            let (result, read, wrote, ended) = self.reader.read_record(&self.bytes[self.at..], cells, ends);
+            let (result, read, wrote, ended) =
+                self.reader.read_record(&self.bytes[self.at..], cells, ends);
             self.at += read;
             written += wrote;
             fields += ended;
@@ -116,8 +131,13 @@ impl<'a> CsvRows<'a> {
         if !self.read() {
             return Ok(false);
         }
-        let is_even = self.fields >= self.named && (self.width..self.fields).all(|field| self.cell(field).is_empty());
-        if is_even { Ok(true) } else { Err(self.uneven()) }
+        let is_even = self.fields >= self.named
+            && (self.width..self.fields).all(|field| self.cell(field).is_empty());
+        if is_even {
+            Ok(true)
+        } else {
+            Err(self.uneven())
+        }
     }
 
     /// Stand before the first row again.
@@ -148,12 +168,18 @@ impl<'a> CsvRows<'a> {
 
 /// The text with tabs in place of blanks, if its last line has only blanks between cells.
 pub(super) fn with_tabs(text: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
-    let last = text.trim_ascii().rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+    let last = text
+        .trim_ascii()
+        .rsplit(|byte| *byte == b'\n')
+        .next()
+        .unwrap_or_default();
     if last.iter().any(|byte| b",;\t".contains(byte)) {
         return text;
     }
     let lines = text.split(|byte| *byte == b'\n').map(|line| {
-        let cells = line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
+        let cells = line
+            .split(u8::is_ascii_whitespace)
+            .filter(|cell| !cell.is_empty());
         cells.collect::<Vec<_>>().join(&b'\t')
     });
     Cow::Owned(lines.collect::<Vec<_>>().join(&b'\n'))
@@ -161,7 +187,10 @@ pub(super) fn with_tabs(text: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
 
 /// The number of the line, from 1, that holds this byte.
 pub(super) fn line_at(bytes: &[u8], offset: usize) -> u64 {
-    1 + bytes[..offset].iter().filter(|byte| **byte == b'\n').count() as u64
+    1 + bytes[..offset]
+        .iter()
+        .filter(|byte| **byte == b'\n')
+        .count() as u64
 }
 
 /// The byte offset of the next row, after empty lines and comments.
@@ -170,7 +199,12 @@ fn row_start(bytes: &[u8], from: usize) -> usize {
     while let Some(byte) = bytes.get(at) {
         match byte {
             b'\n' | b'\r' => at += 1,
-            b'#' => at += bytes[at..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - at),
+            b'#' => {
+                at += bytes[at..]
+                    .iter()
+                    .position(|byte| *byte == b'\n')
+                    .unwrap_or(bytes.len() - at)
+            }
             _ => break,
         }
     }
@@ -189,7 +223,10 @@ pub(super) fn separator(line: &[u8]) -> u8 {
             !quoted
         })
         .collect();
-    [b';', b'\t'].into_iter().find(|byte| bare.contains(byte)).unwrap_or(b',')
+    [b';', b'\t']
+        .into_iter()
+        .find(|byte| bare.contains(byte))
+        .unwrap_or(b',')
 }
 
 fn name_of(separator: u8) -> &'static str {
@@ -203,8 +240,15 @@ fn name_of(separator: u8) -> &'static str {
 /// The names of a header, as a message lists them.
 pub(super) fn listed(header: &[String]) -> String {
     const MOST: usize = 20;
-    let named: Vec<String> =
-        header.iter().filter(|name| !name.is_empty()).map(|name| format!("`{}`", quoted(name.as_bytes()))).collect();
-    let more = if named.len() > MOST { format!(" and {} more", named.len() - MOST) } else { String::new() };
+    let named: Vec<String> = header
+        .iter()
+        .filter(|name| !name.is_empty())
+        .map(|name| format!("`{}`", quoted(name.as_bytes())))
+        .collect();
+    let more = if named.len() > MOST {
+        format!(" and {} more", named.len() - MOST)
+    } else {
+        String::new()
+    };
     named[..named.len().min(MOST)].join(", ") + &more
 }

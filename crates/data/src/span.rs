@@ -12,6 +12,8 @@ use jiff::{Span, SpanRelativeTo, Unit};
 /// ```
 pub fn seconds(text: &str) -> Option<f64> {
     let span: Span = text.trim().parse().ok()?;
-    let seconds = span.total((Unit::Second, SpanRelativeTo::days_are_24_hours())).ok()?;
+    let seconds = span
+        .total((Unit::Second, SpanRelativeTo::days_are_24_hours()))
+        .ok()?;
     (seconds > 0.0).then_some(seconds)
 }

@@ -19,7 +19,11 @@ pub(super) struct Stamp {
 
 impl Stamp {
     fn at(local: DateTime) -> Self {
-        Stamp { local, offset: None, later: SignedDuration::ZERO }
+        Stamp {
+            local,
+            offset: None,
+            later: SignedDuration::ZERO,
+        }
     }
 }
 
@@ -51,19 +55,34 @@ pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
             DateOrder::MonthDayYear => (c, a, b),
         };
         let is_first = order == DateOrder::YearMonthDay;
-        let year =
-            if (date.is_short || is_first && date.order.is_none()) && year < 100 { whole_year(year) } else { year };
+        let year = if (date.is_short || is_first && date.order.is_none()) && year < 100 {
+            whole_year(year)
+        } else {
+            year
+        };
         Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()
     };
     let day = of(date.order.or(order)?)?;
     let (time, later, rest) = time_of_day(rest)?;
-    let offset = if rest.trim().is_empty() { None } else { Some(offset(rest.trim())?) };
-    Some(Stamp { local: day.to_datetime(time), offset, later })
+    let offset = if rest.trim().is_empty() {
+        None
+    } else {
+        Some(offset(rest.trim())?)
+    };
+    Some(Stamp {
+        local: day.to_datetime(time),
+        offset,
+        later,
+    })
 }
 
 /// The year of two digits, as POSIX understands it.
 fn whole_year(short: i16) -> i16 {
-    if short < 69 { 2000 + short } else { 1900 + short }
+    if short < 69 {
+        2000 + short
+    } else {
+        1900 + short
+    }
 }
 
 /// Whether a text has the form of ISO 8601 or RFC 9557, and no leap second, which their reader
@@ -75,26 +94,43 @@ fn is_iso(text: &str) -> bool {
 
 /// The instant that a text with a zone or an offset names, as ISO 8601 or RFC 9557 write it.
 pub(super) fn instant(text: &str) -> Option<Timestamp> {
-    Some(text).filter(|text| is_iso(text) && has_zone(text)).and_then(|text| PARSER.parse_timestamp(text).ok())
+    Some(text)
+        .filter(|text| is_iso(text) && has_zone(text))
+        .and_then(|text| PARSER.parse_timestamp(text).ok())
 }
 
 /// Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
 fn has_zone(text: &str) -> bool {
-    text.bytes().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-'))
+    text.bytes()
+        .skip(10)
+        .any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-'))
 }
 
 /// The numbers of the date at the beginning of a text, and the text behind it.
 fn date(text: &str) -> Option<(Numbers, &str)> {
     let (first, rest) = digits(text)?;
     if first.len() == 8 && !rest.starts_with(['-', '/', '.']) {
-        let parts = [first[..4].parse().ok()?, first[4..6].parse().ok()?, first[6..].parse().ok()?];
-        return Some((Numbers { parts, order: Some(DateOrder::YearMonthDay), is_short: false }, rest));
+        let parts = [
+            first[..4].parse().ok()?,
+            first[4..6].parse().ok()?,
+            first[6..].parse().ok()?,
+        ];
+        return Some((
+            Numbers {
+                parts,
+                order: Some(DateOrder::YearMonthDay),
+                is_short: false,
+            },
+            rest,
+        ));
     }
     let separator = rest.chars().next().filter(|c| "-/. ".contains(*c))?;
     let (second, word, rest) = match digits(&rest[1..]) {
         Some((second, rest)) => (second.parse().ok()?, false, rest),
         None => {
-            let end = rest[1..].find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len() - 1);
+            let end = rest[1..]
+                .find(|c: char| !c.is_ascii_alphabetic())
+                .unwrap_or(rest.len() - 1);
             (month(&rest[1..=end])?, true, &rest[end + 1..])
         }
     };
@@ -109,25 +145,39 @@ fn date(text: &str) -> Option<(Numbers, &str)> {
         (1 | 2, 2 | 4, false) => None,
         _ => return None,
     };
-    Some((Numbers { parts, order, is_short: third.len() == 2 && first.len() != 4 }, rest))
+    Some((
+        Numbers {
+            parts,
+            order,
+            is_short: third.len() == 2 && first.len() != 4,
+        },
+        rest,
+    ))
 }
 
 /// The month that an English word stands for, from its first three letters.
 fn month(word: &str) -> Option<i16> {
-    const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    const MONTHS: [&str; 12] = [
+        "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
+    ];
     let lower = word.to_lowercase();
     let place = MONTHS.iter().position(|month| lower.starts_with(month))?;
     Some(place as i16 + 1)
 }
 
 fn digits(text: &str) -> Option<(&str, &str)> {
-    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let end = text
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(text.len());
     (end > 0 && end <= 9).then(|| text.split_at(end))
 }
 
 /// The time of day, what is to be added to it, and the text behind it. No text is midnight.
 fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
-    let text = text.strip_prefix(['T', 't', ',']).unwrap_or(text).trim_start();
+    let text = text
+        .strip_prefix(['T', 't', ','])
+        .unwrap_or(text)
+        .trim_start();
     if text.is_empty() || !text.starts_with(|c: char| c.is_ascii_digit()) {
         return Some((Time::midnight(), SignedDuration::ZERO, text));
     }
@@ -141,7 +191,11 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
         rest = rest.strip_prefix([':', '.'])?;
         let (minutes, after) = digits(rest).filter(|(minutes, _)| minutes.len() == 2)?;
         (minute, rest) = (minutes.parse().ok()?, after);
-        if let Some((seconds, after)) = rest.strip_prefix([':', '.']).and_then(digits).filter(|(s, _)| s.len() == 2) {
+        if let Some((seconds, after)) = rest
+            .strip_prefix([':', '.'])
+            .and_then(digits)
+            .filter(|(s, _)| s.len() == 2)
+        {
             (second, rest) = (seconds.parse().ok()?, after);
             if let Some((fraction, after)) = rest.strip_prefix(['.', ',']).and_then(digits) {
                 nanos = format!("{fraction:0<9}")[..9].parse().ok()?;
@@ -151,7 +205,11 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     } else {
         return None;
     }
-    let word: String = rest.trim_start().chars().take_while(|c| c.is_ascii_alphabetic() || *c == '.').collect();
+    let word: String = rest
+        .trim_start()
+        .chars()
+        .take_while(|c| c.is_ascii_alphabetic() || *c == '.')
+        .collect();
     let half = word.replace('.', "").to_lowercase();
     if half == "am" || half == "pm" {
         if !(1..=12).contains(&hour) {
@@ -173,7 +231,9 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
 /// The offset from UTC that a text gives: `Z`, `UTC`, `GMT`, `+01:00`, `+0100`, `UTC+1`.
 pub(super) fn offset(text: &str) -> Option<Offset> {
     let upper = text.to_uppercase();
-    let rest = ["UTC", "GMT", "Z"].iter().find_map(|name| upper.strip_prefix(name));
+    let rest = ["UTC", "GMT", "Z"]
+        .iter()
+        .find_map(|name| upper.strip_prefix(name));
     match rest {
         Some("") => return Some(Offset::UTC),
         None if !upper.starts_with(['+', '-', '\u{2212}']) => return None,
@@ -187,13 +247,24 @@ pub(super) fn offset(text: &str) -> Option<Offset> {
         None if numbers.len() == 4 => numbers.split_at(2),
         None => (numbers, "0"),
     };
-    let number = |text: &str| Some(text).filter(|text| !text.is_empty() && text.len() <= 2)?.parse::<i32>().ok();
-    Offset::from_seconds(sign * (3600 * number(hours)? + 60 * number(minutes).filter(|minutes| *minutes < 60)?)).ok()
+    let number = |text: &str| {
+        Some(text)
+            .filter(|text| !text.is_empty() && text.len() <= 2)?
+            .parse::<i32>()
+            .ok()
+    };
+    Offset::from_seconds(
+        sign * (3600 * number(hours)? + 60 * number(minutes).filter(|minutes| *minutes < 60)?),
+    )
+    .ok()
 }
 
 /// Whether a text is a date whose order of day, month and year must be known.
 pub(super) fn needs_order(text: &str) -> bool {
-    stamp(text, None).is_none() && DateOrder::WORDS.iter().any(|(_, order)| stamp(text, Some(*order)).is_some())
+    stamp(text, None).is_none()
+        && DateOrder::WORDS
+            .iter()
+            .any(|(_, order)| stamp(text, Some(*order)).is_some())
 }
 
 /// The form of a date: whether the year is first, with four digits, the sign behind the first
@@ -202,7 +273,12 @@ pub(super) fn needs_order(text: &str) -> bool {
 pub(super) fn form(text: &str) -> Option<(bool, Option<char>, bool)> {
     let (first, rest) = digits(text.trim())?;
     let sign = rest.chars().next().filter(|sign| "-/.".contains(*sign));
-    let is_long = |sign| rest.split(sign).nth(2).and_then(digits).is_some_and(|(last, _)| last.len() == 4);
+    let is_long = |sign| {
+        rest.split(sign)
+            .nth(2)
+            .and_then(digits)
+            .is_some_and(|(last, _)| last.len() == 4)
+    };
     let is_first = first.len() > 2;
     Some((is_first, sign, !is_first && sign.is_some_and(is_long)))
 }
@@ -210,44 +286,70 @@ pub(super) fn form(text: &str) -> Option<(bool, Option<char>, bool)> {
 /// Whether a text is a time of day without a date, such as 13:10.
 pub(super) fn is_time_of_day(text: &str) -> bool {
     let text = text.trim();
-    text.contains(':') && text.len() <= 12 && time_of_day(text).is_some_and(|(.., rest)| rest.trim().is_empty())
+    text.contains(':')
+        && text.len() <= 12
+        && time_of_day(text).is_some_and(|(.., rest)| rest.trim().is_empty())
 }
 
 /// A whole number that is a date with 8 to 14 digits: 20250101, 2025010123, 202501012300 or
 /// 20250101230000, from 1900 to 2099.
 pub(super) fn compact(text: &str) -> Option<Stamp> {
     let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
-    if !is_number || !matches!(text.len(), 8 | 10 | 12 | 14) || !(text.starts_with("19") || text.starts_with("20")) {
+    if !is_number
+        || !matches!(text.len(), 8 | 10 | 12 | 14)
+        || !(text.starts_with("19") || text.starts_with("20"))
+    {
         return None;
     }
-    let number = |at: usize| text.get(at..at + 2).map_or(Some(0), |digits| digits.parse::<i8>().ok());
+    let number = |at: usize| {
+        text.get(at..at + 2)
+            .map_or(Some(0), |digits| digits.parse::<i8>().ok())
+    };
     let day = Date::new(text[..4].parse().ok()?, number(4)?, number(6)?).ok()?;
     let (hour, minute, second) = (number(8)?, number(10)?, number(12)?);
-    let (hour, later) = if (hour, minute, second) == (24, 0, 0) { (0, 24) } else { (hour, 0) };
+    let (hour, later) = if (hour, minute, second) == (24, 0, 0) {
+        (0, 24)
+    } else {
+        (hour, 0)
+    };
     let local = day.to_datetime(Time::new(hour, minute, second, 0).ok()?);
-    Some(Stamp { later: SignedDuration::from_hours(later), ..Stamp::at(local) })
+    Some(Stamp {
+        later: SignedDuration::from_hours(later),
+        ..Stamp::at(local)
+    })
 }
 
 /// A year, the day of the year, and a time of day, if there is one, with blanks between them. A time
 /// without a colon is in hours, or as in 1330.
 pub(super) fn day_of_year(text: &str, is_in_hours: bool) -> Option<Stamp> {
     let mut parts = text.split_whitespace();
-    let (year, day, time) = (parts.next().filter(|year| year.len() == 4)?, parts.next()?, parts.next());
+    let (year, day, time) = (
+        parts.next().filter(|year| year.len() == 4)?,
+        parts.next()?,
+        parts.next(),
+    );
     let begin = Date::new(year.parse().ok()?, 1, 1).ok()?;
-    let day: f64 = day.parse().ok().filter(|day| (1.0..f64::from(begin.days_in_year()) + 1.0).contains(day))?;
+    let day: f64 = day
+        .parse()
+        .ok()
+        .filter(|day| (1.0..f64::from(begin.days_in_year()) + 1.0).contains(day))?;
     let number = |time: &str| time.parse::<f64>().ok().filter(|time| *time >= 0.0);
     let hours = match time {
         None => 0.0,
         Some(time) if time.contains(':') => {
             let (time, later, _) = time_of_day(time)?;
-            time.duration_since(Time::midnight()).as_secs_f64() / 3600.0 + later.as_secs_f64() / 3600.0
+            time.duration_since(Time::midnight()).as_secs_f64() / 3600.0
+                + later.as_secs_f64() / 3600.0
         }
         Some(time) if is_in_hours => number(time)?,
         Some(time) => number(time).map(|time| (time / 100.0).floor() + time % 100.0 / 60.0)?,
     };
     let seconds = 86_400.0 * (day - 1.0) + 3600.0 * Some(hours).filter(|hours| *hours <= 24.0)?;
     let later = SignedDuration::from_millis((1e3 * seconds).round() as i64);
-    let local = begin.to_datetime(Time::midnight()).checked_add(later).ok()?;
+    let local = begin
+        .to_datetime(Time::midnight())
+        .checked_add(later)
+        .ok()?;
     Some(Stamp::at(local))
 }
 
@@ -255,6 +357,8 @@ pub(super) fn day_of_year(text: &str, is_in_hours: bool) -> Option<Stamp> {
 pub(super) fn serial(days: f64) -> Option<Stamp> {
     let milliseconds = (days * 86_400_000.0).round() as i64;
     let local = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
-    let local = local.checked_add(Span::new().try_milliseconds(milliseconds).ok()?).ok()?;
+    let local = local
+        .checked_add(Span::new().try_milliseconds(milliseconds).ok()?)
+        .ok()?;
     Some(Stamp::at(local))
 }

@@ -50,12 +50,25 @@ pub(super) fn table(
     wanted: &[Wanted<'_>],
 ) -> Result<Table, DataError> {
     let names = &header.names;
-    let time_name = header.times.iter().map(|field| names[*field].as_str()).collect::<Vec<_>>().join(",");
-    let columns = wanted.iter().zip(&header.values).map(|(wanted, field)| Column::of(&names[*field], wanted));
-    let mut columns =
-        columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
+    let time_name = header
+        .times
+        .iter()
+        .map(|field| names[*field].as_str())
+        .collect::<Vec<_>>()
+        .join(",");
+    let columns = wanted
+        .iter()
+        .zip(&header.values)
+        .map(|(wanted, field)| Column::of(&names[*field], wanted));
+    let mut columns = columns
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
     let marks = Marks::of(layout);
-    let told = if layout.dates.is_none() { told_order(&mut rows, header)? } else { None };
+    let told = if layout.dates.is_none() {
+        told_order(&mut rows, header)?
+    } else {
+        None
+    };
     rows.rewind();
     let order = layout.dates.or(told.map(|(order, _)| order));
     let mut decimals = Decimals::of(layout, rows.commas_are_decimal());
@@ -72,9 +85,12 @@ pub(super) fn table(
         let cell = time_cell(&rows, header);
         if clock.is_none() && unit_rows < MOST_UNIT_ROWS && is_row_of_units(&rows, header, &cell) {
             unit_rows += 1;
-            unit_below = unit_below.or_else(|| Some(cell.to_string()).filter(|cell| unit::time(cell).is_some()));
+            unit_below = unit_below
+                .or_else(|| Some(cell.to_string()).filter(|cell| unit::time(cell).is_some()));
             for (column, field) in columns.iter_mut().zip(&header.values) {
-                column.take_unit(&String::from_utf8_lossy(rows.cell(*field))).map_err(|wrong| at(*field, wrong))?;
+                column
+                    .take_unit(&String::from_utf8_lossy(rows.cell(*field)))
+                    .map_err(|wrong| at(*field, wrong))?;
             }
             continue;
         }
@@ -82,28 +98,46 @@ pub(super) fn table(
             if (0..names.len()).all(|field| rows.cell(field).is_empty()) {
                 continue;
             }
-            return Err(at(header.times[0], ("has no time".into(), "give the row a time, or remove it".into())));
+            return Err(at(
+                header.times[0],
+                (
+                    "has no time".into(),
+                    "give the row a time, or remove it".into(),
+                ),
+            ));
         }
         count += 1;
         if count > MAX_ROWS {
             let problem = format!("it has more than {MAX_ROWS} rows");
-            return Err(DataError::file(file, problem, "split it, or keep fewer rows"));
+            return Err(DataError::file(
+                file,
+                problem,
+                "split it, or keep fewer rows",
+            ));
         }
         let mut errors = Vec::new();
         if clock.is_none() {
-            let settled = columns.iter_mut().filter_map(|column| column.settle_unit(layout.wording).err());
+            let settled = columns
+                .iter_mut()
+                .filter_map(|column| column.settle_unit(layout.wording).err());
             errors.extend(settled.map(|(problem, remedy)| DataError::file(file, problem, remedy)));
             let elsewhere = |field: &usize| {
-                !header.times.contains(field) && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)))
+                !header.times.contains(field)
+                    && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)))
             };
-            time_elsewhere = (0..names.len()).find(elsewhere).filter(|_| !cell.contains(':'));
+            time_elsewhere = (0..names.len())
+                .find(elsewhere)
+                .filter(|_| !cell.contains(':'));
         }
         let known = match &mut clock {
             Some(clock) => Ok(clock),
-            none => Clock::new(&time_name, unit_below.as_deref(), layout, order, &cell).map(|new| none.insert(new)),
+            none => Clock::new(&time_name, unit_below.as_deref(), layout, order, &cell)
+                .map(|new| none.insert(new)),
         };
         let when = known.and_then(|clock| clock.read(&cell));
-        let when = when.map_err(|wrong| errors.push(at(header.times[0], wrong))).unwrap_or_default();
+        let when = when
+            .map_err(|wrong| errors.push(at(header.times[0], wrong)))
+            .unwrap_or_default();
         if let Some(error) = DataError::of_all(errors) {
             return Err(error);
         }
@@ -113,8 +147,18 @@ pub(super) fn table(
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = layout.wording.option("missing", &quoted(cell));
                 let decimal = layout.wording.option("decimal", ",");
-                let remedy = if is_strict && remedy.contains("MARK") { NOT_REPAIRED } else { remedy };
-                at(*field, (problem.into(), remedy.replace("MARK", &mark).replace("DECIMAL", &decimal)))
+                let remedy = if is_strict && remedy.contains("MARK") {
+                    NOT_REPAIRED
+                } else {
+                    remedy
+                };
+                at(
+                    *field,
+                    (
+                        problem.into(),
+                        remedy.replace("MARK", &mark).replace("DECIMAL", &decimal),
+                    ),
+                )
             };
             if marks.is_word(cell) {
                 column.miss().map_err(wrong)?;
@@ -124,11 +168,17 @@ pub(super) fn table(
             if undecided.is_none() && !decimals.are_known() {
                 undecided = Some(wrong(THOUSANDS));
             }
-            column.take(when, value, rows.place(), &marks).map_err(wrong)?;
+            column
+                .take(when, value, rows.place(), &marks)
+                .map_err(wrong)?;
         }
     }
     let Some(clock) = clock else {
-        return Err(DataError::file(file, "it has a header but no rows", "give a file with measurements"));
+        return Err(DataError::file(
+            file,
+            "it has a header but no rows",
+            "give a file with measurements",
+        ));
     };
     if let Some(error) = undecided.filter(|_| !decimals.are_known()) {
         return Err(error);
@@ -152,8 +202,13 @@ pub(super) fn table(
     };
     let twice = match time_elsewhere {
         Some(field) => {
-            let both = layout.wording.option("time", &format!("{time_name},{}", names[field]));
-            format!("if the time of day is in `{}`, name both columns: {both}", names[field])
+            let both = layout
+                .wording
+                .option("time", &format!("{time_name},{}", names[field]));
+            format!(
+                "if the time of day is in `{}`, name both columns: {both}",
+                names[field]
+            )
         }
         None => {
             let zone = layout.wording.option("zone", "Europe/Paris");
@@ -165,7 +220,15 @@ pub(super) fn table(
     };
     let mut begin = f64::INFINITY;
     for column in &mut columns {
-        sorted(column, &mut repairs, file, layout, &twice, &|place| rows.line(place), clock.in_seconds())?;
+        sorted(
+            column,
+            &mut repairs,
+            file,
+            layout,
+            &twice,
+            &|place| rows.line(place),
+            clock.in_seconds(),
+        )?;
         begin = begin.min(column.samples[0].0);
     }
     Ok(Table {
@@ -174,7 +237,10 @@ pub(super) fn table(
         in_seconds: clock.in_seconds(),
         rows: count,
         time: time_name,
-        columns: columns.into_iter().map(|column| column.finished(begin)).collect(),
+        columns: columns
+            .into_iter()
+            .map(|column| column.finished(begin))
+            .collect(),
         repairs,
     })
 }
@@ -184,7 +250,16 @@ fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header) -> Cow<'r, str> {
     let text = |field: usize| String::from_utf8_lossy(rows.cell(field));
     match header.times[..] {
         [field] => text(field),
-        _ => Cow::Owned(header.times.iter().map(|field| text(*field)).collect::<Vec<_>>().join(" ").trim().to_string()),
+        _ => Cow::Owned(
+            header
+                .times
+                .iter()
+                .map(|field| text(*field))
+                .collect::<Vec<_>>()
+                .join(" ")
+                .trim()
+                .to_string(),
+        ),
     }
 }
 
@@ -192,7 +267,11 @@ fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header) -> Cow<'r, str> {
 /// time, and no wanted cell is a number.
 fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
     let is_number = |cell: &[u8]| {
-        std::str::from_utf8(cell).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite))
+        std::str::from_utf8(cell).is_ok_and(|text| {
+            text.replace(',', ".")
+                .parse::<f64>()
+                .is_ok_and(f64::is_finite)
+        })
     };
     let has_word = std::iter::once(time.as_bytes())
         .chain(header.values.iter().map(|field| rows.cell(*field)))
@@ -200,11 +279,17 @@ fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
     has_word
         && time.bytes().filter(u8::is_ascii_digit).count() < 2
         && !is_number(time.as_bytes())
-        && !header.values.iter().any(|field| is_number(rows.cell(*field)))
+        && !header
+            .values
+            .iter()
+            .any(|field| is_number(rows.cell(*field)))
 }
 
 /// The order of day, month and year, if the dates need one and tell it, with the reason.
-fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<(DateOrder, &'static str)>, DataError> {
+fn told_order(
+    rows: &mut CsvRows<'_>,
+    header: &Header,
+) -> Result<Option<(DateOrder, &'static str)>, DataError> {
     let mut orders = Orders::new();
     let mut looked = 0;
     let mut is_needed = false;

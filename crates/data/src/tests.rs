@@ -17,7 +17,10 @@ fn temperature(column: &str) -> Wanted<'_> {
 }
 
 fn displacement(column: &str) -> Wanted<'_> {
-    Wanted { quantity: ColumnQuantity::Displacement, ..temperature(column) }
+    Wanted {
+        quantity: ColumnQuantity::Displacement,
+        ..temperature(column)
+    }
 }
 
 /// Read the column `T` of a text.
@@ -26,24 +29,54 @@ fn read_t(text: &str) -> Result<Table, DataError> {
 }
 
 fn in_zone(zone: &'static str, text: &str) -> Result<Table, DataError> {
-    parse("t.csv", text.as_bytes(), &Layout { zone: Some(zone.into()), ..time() }, &[temperature("T")])
+    parse(
+        "t.csv",
+        text.as_bytes(),
+        &Layout {
+            zone: Some(zone.into()),
+            ..time()
+        },
+        &[temperature("T")],
+    )
 }
 
 /// The times and values of the only column.
 fn samples(table: &Table) -> Vec<(f64, f64)> {
     let column = &table.columns[0];
-    column.times.iter().copied().zip(column.values.iter().copied()).collect()
+    column
+        .times
+        .iter()
+        .copied()
+        .zip(column.values.iter().copied())
+        .collect()
 }
 
 #[test]
 fn stamps_become_seconds_from_the_first() {
-    let table =
-        read_t("time,T\n2015-08-13T00:00:00Z,15.5\n2015-08-13 00:10:00.5+00:00,14\n2015-08-13T03:00+02:00,-1e0\n");
+    let table = read_t(
+        "time,T\n2015-08-13T00:00:00Z,15.5\n2015-08-13 00:10:00.5+00:00,14\n2015-08-13T03:00+02:00,-1e0\n",
+    );
     let table = table.unwrap();
-    assert_eq!(samples(&table), [(0.0, 15.5), (600.5, 14.0), (3600.0, -1.0)]);
-    assert_eq!(table.start.map(|start| start.to_string()).as_deref(), Some("2015-08-13T00:00:00Z"));
-    assert_eq!(table.start.and_then(|start| start.after(90.0)), Start::parse("2015-08-13T00:01:30Z"));
-    assert_eq!((table.rows, table.in_seconds, table.repairs.sentences().len()), (3, true, 1));
+    assert_eq!(
+        samples(&table),
+        [(0.0, 15.5), (600.5, 14.0), (3600.0, -1.0)]
+    );
+    assert_eq!(
+        table.start.map(|start| start.to_string()).as_deref(),
+        Some("2015-08-13T00:00:00Z")
+    );
+    assert_eq!(
+        table.start.and_then(|start| start.after(90.0)),
+        Start::parse("2015-08-13T00:01:30Z")
+    );
+    assert_eq!(
+        (
+            table.rows,
+            table.in_seconds,
+            table.repairs.sentences().len()
+        ),
+        (3, true, 1)
+    );
     // A stamp without a zone is in the zone that is given, and a date alone is its midnight.
     let table = in_zone("+01:00", "time,T\n2015-08-13 01:00,1\n2015-08-14,2\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 1.0), (82_800.0, 2.0)]);
@@ -52,11 +85,21 @@ fn stamps_become_seconds_from_the_first() {
 
 #[test]
 fn numbers_become_seconds_by_the_unit_in_the_name() {
-    for (name, unit) in
-        [("time_s", 1.0), ("time_min", 60.0), ("time [h]", 3600.0), ("t_days", 86_400.0), ("t (ms)", 1e-3)]
-    {
+    for (name, unit) in [
+        ("time_s", 1.0),
+        ("time_min", 60.0),
+        ("time [h]", 3600.0),
+        ("t_days", 86_400.0),
+        ("t (ms)", 1e-3),
+    ] {
         let text = format!("{name},T\n10,1\n12.5,2\n");
-        let table = parse("t.csv", text.as_bytes(), &Layout::timed(name), &[temperature("T")]).unwrap();
+        let table = parse(
+            "t.csv",
+            text.as_bytes(),
+            &Layout::timed(name),
+            &[temperature("T")],
+        )
+        .unwrap();
         assert_eq!(samples(&table), [(0.0, 1.0), (2.5 * unit, 2.0)], "{name}");
         assert!(table.in_seconds && table.start.is_none());
     }
@@ -67,18 +110,44 @@ fn numbers_become_seconds_by_the_unit_in_the_name() {
 fn units_stand_in_the_names_of_columns() {
     let text = b"time,a_degC,b_K,c [degF],d_mm,e (um),f_m,north\n0,1,273.5,50,2.5,30,-0.01,7\n1,2,274,212,5,1,0.5,8\n";
     let wanted = ["a_degC", "b_K", "c [degF]", "north"].map(temperature);
-    let wanted: Vec<Wanted<'_>> = wanted.into_iter().chain(["d_mm", "e (um)", "f_m"].map(displacement)).collect();
+    let wanted: Vec<Wanted<'_>> = wanted
+        .into_iter()
+        .chain(["d_mm", "e (um)", "f_m"].map(displacement))
+        .collect();
     let table = parse("t.csv", text, &time(), &wanted).unwrap();
-    let first: Vec<f64> = table.columns.iter().map(|column| column.values[0]).collect();
+    let first: Vec<f64> = table
+        .columns
+        .iter()
+        .map(|column| column.values[0])
+        .collect();
     assert_eq!(first, [1.0, 273.5, 10.0, 7.0, 0.0025, 30e-6, -0.01]);
     assert_eq!(table.columns[2].values[1], 100.0);
-    let given = Wanted { unit: Some("cm"), ..displacement("north") };
-    assert_eq!(parse("t.csv", text, &time(), &[given]).unwrap().columns[0].values, [0.07, 0.08]);
-    let says = |wanted: Wanted<'_>| parse("t.csv", text, &time(), &[wanted]).unwrap_err().to_string();
-    assert!(says(displacement("north")).contains("gives no unit") && says(displacement("north")).contains("north_mm"));
+    let given = Wanted {
+        unit: Some("cm"),
+        ..displacement("north")
+    };
+    assert_eq!(
+        parse("t.csv", text, &time(), &[given]).unwrap().columns[0].values,
+        [0.07, 0.08]
+    );
+    let says = |wanted: Wanted<'_>| {
+        parse("t.csv", text, &time(), &[wanted])
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(
+        says(displacement("north")).contains("gives no unit")
+            && says(displacement("north")).contains("north_mm")
+    );
     assert!(says(displacement("b_K")).contains("gives no unit"));
     assert!(says(displacement("c [degF]")).contains("the unknown unit `degF`"));
-    assert!(says(Wanted { unit: Some("inch"), ..given }).contains("unknown unit `inch`"));
+    assert!(
+        says(Wanted {
+            unit: Some("inch"),
+            ..given
+        })
+        .contains("unknown unit `inch`")
+    );
 }
 
 /// Factors from the definitions of the units: 1 in = 25.4 mm, 1 ft = 12 in, g = 9.80665 m/s2, 1 lb =
@@ -114,30 +183,74 @@ fn an_input_is_converted_from_every_unit() {
         ("none", 1.0),
     ];
     for (unit, factor) in units {
-        for (name, given) in [(format!("a_{unit}"), None), (format!("a [{unit}]"), None), ("a".into(), Some(unit))] {
+        for (name, given) in [
+            (format!("a_{unit}"), None),
+            (format!("a [{unit}]"), None),
+            ("a".into(), Some(unit)),
+        ] {
             let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), given);
-            let column = &table.unwrap_or_else(|error| panic!("{name}: {error}")).columns[0];
-            assert!((column.values[0] - factor).abs() < 1e-15 * factor, "{name}: {:?}", column.values);
+            let column = &table
+                .unwrap_or_else(|error| panic!("{name}: {error}"))
+                .columns[0];
+            assert!(
+                (column.values[0] - factor).abs() < 1e-15 * factor,
+                "{name}: {:?}",
+                column.values
+            );
             assert_eq!((column.values[1] / column.values[0]).round(), -3.0);
             assert!(!column.unit.is_empty(), "{name}");
         }
     }
     // What else may be a name is none of a unit: N may be north, and in may be an input.
-    for name in ["ag", "ag_x", "acc_1", "ag_N", "ag_NS", "ag_ns", "acc_V", "a_in", "a_filtered", "a_A", "a (avg)"] {
-        let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), None).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!((&table.columns[0].values[..], table.columns[0].unit), (&[1.0, -3.0][..], ""), "{name}");
+    for name in [
+        "ag",
+        "ag_x",
+        "acc_1",
+        "ag_N",
+        "ag_NS",
+        "ag_ns",
+        "acc_V",
+        "a_in",
+        "a_filtered",
+        "a_A",
+        "a (avg)",
+    ] {
+        let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), None)
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(
+            (&table.columns[0].values[..], table.columns[0].unit),
+            (&[1.0, -3.0][..], ""),
+            "{name}"
+        );
         let said = table.repairs.sentences();
-        assert!(said.len() == 1 && said[0].contains("because nothing says its unit"), "{name}: {said:?}");
+        assert!(
+            said.len() == 1 && said[0].contains("because nothing says its unit"),
+            "{name}: {said:?}"
+        );
     }
-    assert_eq!(input("t_s,a [in]\n0,1\n1,2\n", None).unwrap().columns[0].values, [inch, 2.0 * inch]);
-    for unit in ["ft/s", "m/s", "mV", "kPa", "psi", "km", "%", "rad/s2", "m^3", "lbs"] {
-        for text in [format!("t_s,a_{unit}\n0,1\n1,2\n"), format!("t_s,a\ns,{unit}\n0,1\n1,2\n")] {
+    assert_eq!(
+        input("t_s,a [in]\n0,1\n1,2\n", None).unwrap().columns[0].values,
+        [inch, 2.0 * inch]
+    );
+    for unit in [
+        "ft/s", "m/s", "mV", "kPa", "psi", "km", "%", "rad/s2", "m^3", "lbs",
+    ] {
+        for text in [
+            format!("t_s,a_{unit}\n0,1\n1,2\n"),
+            format!("t_s,a\ns,{unit}\n0,1\n1,2\n"),
+        ] {
             let error = input(&text, None).expect_err(unit);
             assert!(error.problem.contains("unit that is not known"), "{error}");
-            assert_eq!(input(&text, Some("g")).unwrap().columns[0].values, [gravity, 2.0 * gravity]);
+            assert_eq!(
+                input(&text, Some("g")).unwrap().columns[0].values,
+                [gravity, 2.0 * gravity]
+            );
         }
     }
-    assert!(input("t_s,a_mn\n0,1\n1,2\n", None).is_ok_and(|table| table.columns[0].unit.is_empty()), "mN or MN");
+    assert!(
+        input("t_s,a_mn\n0,1\n1,2\n", None).is_ok_and(|table| table.columns[0].unit.is_empty()),
+        "mN or MN"
+    );
 }
 
 /// Read the column of an input from a text.
@@ -146,10 +259,24 @@ fn input(text: &str, unit: Option<&str>) -> Result<Table, DataError> {
 }
 
 /// Read an input that has a constant step, if it is given, from a column of this name.
-fn stepping(text: &str, step: Option<f64>, column: Option<&str>, unit: Option<&str>) -> Result<Table, DataError> {
+fn stepping(
+    text: &str,
+    step: Option<f64>,
+    column: Option<&str>,
+    unit: Option<&str>,
+) -> Result<Table, DataError> {
     let time = Some(if text.starts_with("t_s") { "t_s" } else { "1" }.into());
     let wanted = Wanted::called(ColumnQuantity::Input, column, "A", unit);
-    parse("a.txt", text.as_bytes(), &Layout { step, time, ..Layout::default() }, &[wanted])
+    parse(
+        "a.txt",
+        text.as_bytes(),
+        &Layout {
+            step,
+            time,
+            ..Layout::default()
+        },
+        &[wanted],
+    )
 }
 
 /// 0, 0.01 g, -0.02 g and 0.03 g, as the headers of the PEER database and its values may be written.
@@ -157,7 +284,10 @@ fn stepping(text: &str, step: Option<f64>, column: Option<&str>, unit: Option<&s
 fn records_with_a_constant_step_are_read_in_each_form() {
     let body = "  0.0 .1000E-01-.2000E-01\n  .3000E-01\n";
     let at2 = |third: &str, fourth: &str, body: &str, unit: Option<&str>| {
-        input(&format!("PEER\nPLACE, 1/1/1979\n{third}\n{fourth}\n{body}"), unit)
+        input(
+            &format!("PEER\nPLACE, 1/1/1979\n{third}\n{fourth}\n{body}"),
+            unit,
+        )
     };
     let in_g = "ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz LP=40.0 Hz";
     let plain = "ACCELERATION TIME SERIES";
@@ -168,34 +298,92 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         (in_g, "   4    0.0100    NPTS, DT", None, 0.01, g),
         (in_g, "NPTS = 4, DT = .005 SEC", Some("cm/s2"), 0.005, 0.01),
         (plain, "NPTS=  4, DT= .01", None, 0.01, g),
-        ("ACCELERATION TIME SERIES IN CM/SEC/SEC", "NPTS=  4, DT= .01", None, 0.01, 0.01),
-        ("ACCELERATION TIME SERIES IN UNITS OF CM/S/S", "NPTS=  4, DT= .01 SEC", None, 0.01, 0.01),
-        ("ACCELERATION IN (MM/S/S)", "NPTS=  4, DT= .01 SEC", None, 0.01, 1e-3),
+        (
+            "ACCELERATION TIME SERIES IN CM/SEC/SEC",
+            "NPTS=  4, DT= .01",
+            None,
+            0.01,
+            0.01,
+        ),
+        (
+            "ACCELERATION TIME SERIES IN UNITS OF CM/S/S",
+            "NPTS=  4, DT= .01 SEC",
+            None,
+            0.01,
+            0.01,
+        ),
+        (
+            "ACCELERATION IN (MM/S/S)",
+            "NPTS=  4, DT= .01 SEC",
+            None,
+            0.01,
+            1e-3,
+        ),
     ] {
-        let table = at2(third, fourth, body, unit).unwrap_or_else(|error| panic!("{fourth}: {error}"));
+        let table =
+            at2(third, fourth, body, unit).unwrap_or_else(|error| panic!("{fourth}: {error}"));
         let wanted = [0.0, 0.01, -0.02, 0.03].map(|value| value * factor);
-        let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
-        assert!(near(&table.columns[0].values, &wanted), "{third}: {:?}", table.columns[0].values);
-        assert!(near(&table.columns[0].times, &[0.0, 1.0, 2.0, 3.0].map(|i| i * step)), "{fourth}");
-        assert_eq!((table.in_seconds, table.repairs.sentences().len()), (true, 0), "{fourth}");
+        let near = |a: &[f64], b: &[f64]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15)
+        };
+        assert!(
+            near(&table.columns[0].values, &wanted),
+            "{third}: {:?}",
+            table.columns[0].values
+        );
+        assert!(
+            near(
+                &table.columns[0].times,
+                &[0.0, 1.0, 2.0, 3.0].map(|i| i * step)
+            ),
+            "{fourth}"
+        );
+        assert_eq!(
+            (table.in_seconds, table.repairs.sentences().len()),
+            (true, 0),
+            "{fourth}"
+        );
     }
     for (third, fourth, says) in [
-        ("IN UNITS OF CM/SEC", "NPTS= 4, DT= .01", "unit that is not known, `CM/SEC`"),
-        ("ACCELERATION IN FURLONGS", "NPTS= 4, DT= .01", "unit that is not known, `FURLONGS`"),
-        (in_g, "NPTS= 4, DT= .01 FORTNIGHTS", "is no header of a record"),
+        (
+            "IN UNITS OF CM/SEC",
+            "NPTS= 4, DT= .01",
+            "unit that is not known, `CM/SEC`",
+        ),
+        (
+            "ACCELERATION IN FURLONGS",
+            "NPTS= 4, DT= .01",
+            "unit that is not known, `FURLONGS`",
+        ),
+        (
+            in_g,
+            "NPTS= 4, DT= .01 FORTNIGHTS",
+            "is no header of a record",
+        ),
         (in_g, "NPTS= 4, DT= 1E-300", "too short"),
     ] {
         let error = at2(third, fourth, body, None).expect_err(fourth);
         assert!(error.problem.contains(says), "{error}");
     }
-    let marked = at2(in_g, "NPTS= 4, DT= .01", "0 1 -999 -999", None).unwrap().repairs.sentences();
-    assert_eq!(marked, ["kept `value` = -999 in line 5, which often marks a missing value, as does 1 other"]);
+    let marked = at2(in_g, "NPTS= 4, DT= .01", "0 1 -999 -999", None)
+        .unwrap()
+        .repairs
+        .sentences();
+    assert_eq!(
+        marked,
+        ["kept `value` = -999 in line 5, which often marks a missing value, as does 1 other"]
+    );
     // Values of which the scenario gives the step: all numbers, or those of a column.
-    let read = |text: &str, column| stepping(text, Some(0.5), column, Some("cm/s2")).map(|table| samples(&table));
+    let read = |text: &str, column| {
+        stepping(text, Some(0.5), column, Some("cm/s2")).map(|table| samples(&table))
+    };
     let samples = vec![(0.0, 0.01), (0.5, -0.02), (1.0, 0.03)];
     assert_eq!(read("1\n-2\n3\n", None), Ok(samples.clone()));
     assert_eq!(read("# a note\n1 -2\n3", None), Ok(samples.clone()));
-    assert_eq!(read("0 1\n0.5 -2\n1.0, 3\n", Some("2")), Ok(samples.clone()));
+    assert_eq!(
+        read("0 1\n0.5 -2\n1.0, 3\n", Some("2")),
+        Ok(samples.clone())
+    );
     for (text, column, says) in [
         ("1 2\n3\n", Some("2"), "`` is no number"),
         ("1 x\n", None, "`x` is no number"),
@@ -203,7 +391,10 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         ("1 2", Some("acc"), "by their numbers"),
         ("2020-01-01 2", None, "`2020-01-01` is no number"),
     ] {
-        assert!(read(text, column).is_err_and(|error| error.problem.contains(says)), "{text}");
+        assert!(
+            read(text, column).is_err_and(|error| error.problem.contains(says)),
+            "{text}"
+        );
     }
     // Columns that blanks separate.
     let text = "  0.0   1\n  0.5  -2\n  1.0   3\n";
@@ -214,22 +405,46 @@ fn records_with_a_constant_step_are_read_in_each_form() {
 #[test]
 fn what_is_no_record_is_refused_with_its_remedy() {
     for (text, says) in [
-        ("t_s,a_g\n0,1\n1,inf\n", "is not finite\n  fix: give the cell its value"),
-        ("t_s,a_g\n0,1\n1,strong\n", "is not a number\n  fix: give the cell its value"),
-        ("t_s,a_g\n0,1\n1e-300,2\n2,3\n", "from line 2 to this one is 1e-300 s, too short beside a record of 2 s"),
+        (
+            "t_s,a_g\n0,1\n1,inf\n",
+            "is not finite\n  fix: give the cell its value",
+        ),
+        (
+            "t_s,a_g\n0,1\n1,strong\n",
+            "is not a number\n  fix: give the cell its value",
+        ),
+        (
+            "t_s,a_g\n0,1\n1e-300,2\n2,3\n",
+            "from line 2 to this one is 1e-300 s, too short beside a record of 2 s",
+        ),
         ("t_s,a_g\n0,1\n1e-300,2\n", "too short"),
-        ("t_s,a_g\n0,1\n1000000,2\n1000000.000000001,3\n", "from line 3 to this one"),
-        ("Origin Time  2011/03/11 14:46:00\n", "a record in the format of K-NET and KiK-net\n  fix: convert it"),
+        (
+            "t_s,a_g\n0,1\n1000000,2\n1000000.000000001,3\n",
+            "from line 3 to this one",
+        ),
+        (
+            "Origin Time  2011/03/11 14:46:00\n",
+            "a record in the format of K-NET and KiK-net\n  fix: convert it",
+        ),
         ("EVENT_NAME: X\n", "a record in the format of ESM"),
-        ("Corrected acceleration (Format v01.20 with 13 text lines)\n", "a record in the format of COSMOS"),
+        (
+            "Corrected acceleration (Format v01.20 with 13 text lines)\n",
+            "a record in the format of COSMOS",
+        ),
     ] {
         let error = input(text, None).expect_err(text).to_string();
         assert!(error.contains(says), "{error}");
     }
     // A steep step is sound, and a number that may be a mark is kept with a warning.
     assert!(input("t_s,a_g\n0,1\n1e-9,2\n1000,3\n", None).is_ok());
-    let said = input("t_s,a_g\n0,1\n1,-999\n2,3\n", None).unwrap().repairs.sentences();
-    assert_eq!(said, ["kept `a_g` = -999 in line 3, which often marks a missing value"]);
+    let said = input("t_s,a_g\n0,1\n1,-999\n2,3\n", None)
+        .unwrap()
+        .repairs
+        .sentences();
+    assert_eq!(
+        said,
+        ["kept `a_g` = -999 in line 3, which often marks a missing value"]
+    );
 }
 
 /// A cell without a displacement leaves out only the displacement of its row, not the temperature,
@@ -237,33 +452,63 @@ fn what_is_no_record_is_refused_with_its_remedy() {
 #[test]
 fn columns_of_one_pass_share_their_time_and_nothing_else() {
     let text = b"time_h,temperature_degC,displacement_mm\n0,,1\n1,5,\n2,6,NaN\n3,7,4\n";
-    let begins = Wanted { column: Name::Beginning("displacement"), ..displacement("") };
+    let begins = Wanted {
+        column: Name::Beginning("displacement"),
+        ..displacement("")
+    };
     let time = &Layout::timed("time_h");
-    let table = parse("t.csv", text, time, &[temperature("temperature_degC"), begins]).unwrap();
+    let table = parse(
+        "t.csv",
+        text,
+        time,
+        &[temperature("temperature_degC"), begins],
+    )
+    .unwrap();
     assert_eq!(
         (&table.columns[0].times[..], &table.columns[0].values[..]),
         (&[3600.0, 7200.0, 10_800.0][..], &[5.0, 6.0, 7.0][..])
     );
-    assert_eq!((&table.columns[1].times[..], &table.columns[1].values[..]), (&[0.0, 10_800.0][..], &[1e-3, 4e-3][..]));
+    assert_eq!(
+        (&table.columns[1].times[..], &table.columns[1].values[..]),
+        (&[0.0, 10_800.0][..], &[1e-3, 4e-3][..])
+    );
     assert_eq!(table.columns[1].name, "displacement_mm");
     let sentences = table.repairs.sentences();
-    assert_eq!(sentences[0], "left out 1 cell without a value in `temperature_degC`");
-    assert_eq!(sentences[1], "left out 2 cells without a value in `displacement_mm`");
+    assert_eq!(
+        sentences[0],
+        "left out 1 cell without a value in `temperature_degC`"
+    );
+    assert_eq!(
+        sentences[1],
+        "left out 2 cells without a value in `displacement_mm`"
+    );
     // If only the temperature is wanted, time 0 is at its own first value.
-    assert_eq!(parse("t.csv", text, time, &[temperature("temperature_degC")]).unwrap().columns[0].times[0], 0.0);
+    assert_eq!(
+        parse("t.csv", text, time, &[temperature("temperature_degC")])
+            .unwrap()
+            .columns[0]
+            .times[0],
+        0.0
+    );
 }
 
 #[test]
 fn rows_are_sorted_and_taken_once_and_that_is_counted() {
     let table = read_t("time,T\n5,1\n3,2\n9,3\n3,2\n4,\n9,3\n7,NA\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 2.0), (2.0, 1.0), (6.0, 3.0)]);
-    let said = ["sorted 2 rows that were out of order", "left out 2 duplicate rows"];
+    let said = [
+        "sorted 2 rows that were out of order",
+        "left out 2 duplicate rows",
+    ];
     assert_eq!(table.repairs.sentences()[..2], said);
     assert_eq!(table.repairs.columns[0].missing, 2);
     let text = "time,T\n5,1\n3,2\n5,1.5\n";
     let error = read_t(text).unwrap_err();
     assert_eq!(error.line, Some(4));
-    assert!(error.problem.contains("at the same time as line 2"), "{error}");
+    assert!(
+        error.problem.contains("at the same time as line 2"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -281,9 +526,19 @@ fn files_of_any_system_are_read() {
         "logger\rtime,T\r0,1.5\r1,-2\r",
         "Logger: TL-20\ntime,T,\n0,1.5\n1,-2,\n",
     ] {
-        assert_eq!(read_t(text).map(|table| samples(&table)), Ok(plain.clone()), "{text:?}");
+        assert_eq!(
+            read_t(text).map(|table| samples(&table)),
+            Ok(plain.clone()),
+            "{text:?}"
+        );
     }
-    assert_eq!(read_t("time;T\n0,5;1,5\n1,5;-2\n").unwrap().repairs.decimal_commas, 1);
+    assert_eq!(
+        read_t("time;T\n0,5;1,5\n1,5;-2\n")
+            .unwrap()
+            .repairs
+            .decimal_commas,
+        1
+    );
 }
 
 /// In Europe/Paris the clocks skip 02:00 to 03:00 on 2015-03-29, and pass 02:00 to 03:00 twice on
@@ -293,22 +548,47 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
     let night = "time,T\n2015-10-25 01:30,1\n2015-10-25 02:00,2\n2015-10-25 02:30,3\n2015-10-25 02:00,4\n2015-10-25 02:30,5\n\
                  2015-10-25 03:00,6\n";
     let table = in_zone("Europe/Paris", night).unwrap();
-    let half_hours: Vec<f64> = samples(&table).iter().map(|sample| sample.0 / 1800.0).collect();
+    let half_hours: Vec<f64> = samples(&table)
+        .iter()
+        .map(|sample| sample.0 / 1800.0)
+        .collect();
     assert_eq!(half_hours, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(table.repairs.folds, 4);
     // A record that begins in such an hour begins with the first of the two, an hour before the
     // second.
     let late = "time,T\n2015-10-25 02:30,1\n2015-10-25 03:00,2\n";
-    assert_eq!(samples(&in_zone("Europe/Paris", late).unwrap())[1].0, 5400.0);
+    assert_eq!(
+        samples(&in_zone("Europe/Paris", late).unwrap())[1].0,
+        5400.0
+    );
     // In UTC the stamps repeat two times with different values.
-    assert!(in_zone("UTC", night).unwrap_err().problem.contains("another value of `T`"));
+    assert!(
+        in_zone("UTC", night)
+            .unwrap_err()
+            .problem
+            .contains("another value of `T`")
+    );
     let backwards = "time,T\n2015-10-25 03:00,1\n2015-10-25 02:30,2\n";
     let error = in_zone("Europe/Paris", backwards).unwrap_err();
-    assert!(error.problem.contains("occurred twice") && error.line == Some(3), "{error}");
-    let error = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 02:30,2\n").unwrap_err();
-    assert!(error.problem.contains("does not exist") && error.remedy.contains("+01:00"), "{error}");
+    assert!(
+        error.problem.contains("occurred twice") && error.line == Some(3),
+        "{error}"
+    );
+    let error = in_zone(
+        "Europe/Paris",
+        "time,T\n2015-03-29 01:30,1\n2015-03-29 02:30,2\n",
+    )
+    .unwrap_err();
+    assert!(
+        error.problem.contains("does not exist") && error.remedy.contains("+01:00"),
+        "{error}"
+    );
     assert_eq!(error.cell.as_deref(), Some("`time` = \"2015-03-29 02:30\""));
-    let spring = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 03:30,2\n").unwrap();
+    let spring = in_zone(
+        "Europe/Paris",
+        "time,T\n2015-03-29 01:30,1\n2015-03-29 03:30,2\n",
+    )
+    .unwrap();
     assert_eq!(spring.columns[0].times, [0.0, 3600.0]);
 }
 
@@ -316,11 +596,26 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
 fn a_gap_is_allowed_up_to_the_longest_one() {
     let text = b"time_h,T\n0,1\n6,2\n\n12.5,3\n13,4\n";
     let time = &Layout::timed("time_h");
-    let with = |max_gap| parse("t.csv", text, time, &[Wanted { max_gap, ..temperature("T") }]);
+    let with = |max_gap| {
+        parse(
+            "t.csv",
+            text,
+            time,
+            &[Wanted {
+                max_gap,
+                ..temperature("T")
+            }],
+        )
+    };
     assert!(with(None).is_ok() && with(Some(6.5 * 3600.0)).is_ok());
     let error = with(Some(6.0 * 3600.0)).unwrap_err();
     assert_eq!(error.line, Some(5));
-    assert!(error.problem.contains("for 6.5 h, since line 3, longer than the permitted 6 h"), "{error}");
+    assert!(
+        error
+            .problem
+            .contains("for 6.5 h, since line 3, longer than the permitted 6 h"),
+        "{error}"
+    );
 }
 
 /// Each mistake in a file is reported with its line, its value and its remedy.
@@ -329,44 +624,159 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
     for (text, line, says, remedy) in [
         ("", None, "it is empty", "first line names"),
         ("time,T\n", None, "no rows", "measurements"),
-        ("0,1\n1,2\n", Some(1), "contains numbers", "time_s,temperature_degC"),
-        ("time,t1,t2\n0,1,2\n", None, "no column is called `T`", "`time`, `t1`, `t2`"),
-        ("time,Temp\n0,1\n", None, "no column is called `T`", "`time`, `Temp`"),
+        (
+            "0,1\n1,2\n",
+            Some(1),
+            "contains numbers",
+            "time_s,temperature_degC",
+        ),
+        (
+            "time,t1,t2\n0,1,2\n",
+            None,
+            "no column is called `T`",
+            "`time`, `t1`, `t2`",
+        ),
+        (
+            "time,Temp\n0,1\n",
+            None,
+            "no column is called `T`",
+            "`time`, `Temp`",
+        ),
         ("tiem,T\n0,1\n", None, "did you mean `tiem`?", "`tiem`, `T`"),
-        ("time,T,T\n0,1,2\n", None, "2 columns match", "different names"),
-        ("time|T\n0|1\n", None, "no column is called `time`", "commas, semicolons or tabs"),
-        ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells, but the header names 2 columns", "semicolons"),
-        ("time,T,\n0,1,5,2\n", Some(2), "4 cells, but the header names 2 columns", "semicolons"),
-        ("time,T\n0,\"+0120,1\"\n1,\"+0137,1\"\n", Some(2), "a leading zero", "split the column"),
+        (
+            "time,T,T\n0,1,2\n",
+            None,
+            "2 columns match",
+            "different names",
+        ),
+        (
+            "time|T\n0|1\n",
+            None,
+            "no column is called `time`",
+            "commas, semicolons or tabs",
+        ),
+        (
+            "time,T\n0,15,5\n1,14,5\n",
+            Some(2),
+            "3 cells, but the header names 2 columns",
+            "semicolons",
+        ),
+        (
+            "time,T,\n0,1,5,2\n",
+            Some(2),
+            "4 cells, but the header names 2 columns",
+            "semicolons",
+        ),
+        (
+            "time,T\n0,\"+0120,1\"\n1,\"+0137,1\"\n",
+            Some(2),
+            "a leading zero",
+            "split the column",
+        ),
         ("time,T\n0,1\n1\n", Some(3), "1 cell, but", "fix the row"),
-        ("time;T\n0;1.5\n1;1,500\n", Some(3), "mixes decimal commas", "decimal points"),
-        ("time;T\n0;1.234,5\n", Some(2), "between thousands", "without them"),
-        ("time,T\n0,1\n1,\"1,234\"\n", Some(3), "decimals or thousands", "decimal points"),
+        (
+            "time;T\n0;1.5\n1;1,500\n",
+            Some(3),
+            "mixes decimal commas",
+            "decimal points",
+        ),
+        (
+            "time;T\n0;1.234,5\n",
+            Some(2),
+            "between thousands",
+            "without them",
+        ),
+        (
+            "time,T\n0,1\n1,\"1,234\"\n",
+            Some(3),
+            "decimals or thousands",
+            "decimal points",
+        ),
         ("time,T\n0,1\n1,\"2\n", Some(3), "", ""),
-        ("time,T\n0,1\n1,warm\n", Some(3), "`T` = \"warm\" is not a number", "missing = "),
-        ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "missing = "),
+        (
+            "time,T\n0,1\n1,warm\n",
+            Some(3),
+            "`T` = \"warm\" is not a number",
+            "missing = ",
+        ),
+        (
+            "time,T\n0,1\n1,inf\n",
+            Some(3),
+            "is not finite",
+            "missing = ",
+        ),
         ("time,T\n0,1\n,2\n", Some(3), "has no time", "remove it"),
-        ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number like the times before it", "fix"),
+        (
+            "time,T\n0,1\n2015-01-01,2\n",
+            Some(3),
+            "is not a number like the times before it",
+            "fix",
+        ),
         ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "fix"),
-        ("time,T\n2015-01-01 00:00,1\n", Some(2), "without a zone", "zone = \"UTC\""),
-        ("time,T\n13/08/2015 00:10,1\n", Some(2), "without a zone", "zone = \"UTC\""),
-        ("time,T\n05/06/2015 00:10,1\n", Some(2), "may be exchanged", "dates = \"dmy\""),
-        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "not a known time format", "2015-08-13 00:10"),
-        ("time,T\n0,1\n", None, "column `T` has 1 value", "two values"),
-        ("time,T\n0,\n1,\n", None, "column `T` has 0 values", "two values"),
+        (
+            "time,T\n2015-01-01 00:00,1\n",
+            Some(2),
+            "without a zone",
+            "zone = \"UTC\"",
+        ),
+        (
+            "time,T\n13/08/2015 00:10,1\n",
+            Some(2),
+            "without a zone",
+            "zone = \"UTC\"",
+        ),
+        (
+            "time,T\n05/06/2015 00:10,1\n",
+            Some(2),
+            "may be exchanged",
+            "dates = \"dmy\"",
+        ),
+        (
+            "time,T\n2015-02-30T00:00:00Z,1\n",
+            Some(2),
+            "not a known time format",
+            "2015-08-13 00:10",
+        ),
+        (
+            "time,T\n0,1\n",
+            None,
+            "column `T` has 1 value",
+            "two values",
+        ),
+        (
+            "time,T\n0,\n1,\n",
+            None,
+            "column `T` has 0 values",
+            "two values",
+        ),
     ] {
         let Err(error) = read_t(text) else {
             assert!(says.is_empty() || text.contains("\"2"), "{text:?} was read");
             continue;
         };
         assert_eq!(error.line, line, "{text:?}: {error}");
-        assert!(error.to_string().contains(says) && error.remedy.contains(remedy), "{text:?}: {error}");
+        assert!(
+            error.to_string().contains(says) && error.remedy.contains(remedy),
+            "{text:?}: {error}"
+        );
         assert!(error.to_string().starts_with("t.csv") && error.to_string().contains("\n  fix: "));
     }
-    let cold = parse("t.csv", b"time,T_degC\n0,1\n1,-300\n", &time(), &[temperature("T_degC")]).unwrap_err();
-    assert!(cold.problem.contains("absolute zero") && cold.line == Some(3), "{cold}");
+    let cold = parse(
+        "t.csv",
+        b"time,T_degC\n0,1\n1,-300\n",
+        &time(),
+        &[temperature("T_degC")],
+    )
+    .unwrap_err();
+    assert!(
+        cold.problem.contains("absolute zero") && cold.line == Some(3),
+        "{cold}"
+    );
     let zone = in_zone("Europe/Pariss", "time,T\n2015-01-01 00:00,1\n").unwrap_err();
-    assert!(zone.problem.contains("unknown time zone \"Europe/Pariss\""), "{zone}");
+    assert!(
+        zone.problem.contains("unknown time zone \"Europe/Pariss\""),
+        "{zone}"
+    );
     for (bytes, says) in [
         (&b"t\0i\0m\0"[..], "UTF-16"),
         (b"PK\x03\x04x", "zip archive"),
@@ -377,8 +787,18 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         assert!(error.problem.contains(says), "{error}");
     }
     let error = read(Path::new("/nowhere/t.csv"), &time(), &[]).unwrap_err();
-    assert!(error.to_string().starts_with("/nowhere/t.csv: cannot be read"), "{error}");
-    assert!(read(Path::new("/"), &time(), &[]).unwrap_err().problem.contains("directory"));
+    assert!(
+        error
+            .to_string()
+            .starts_with("/nowhere/t.csv: cannot be read"),
+        "{error}"
+    );
+    assert!(
+        read(Path::new("/"), &time(), &[])
+            .unwrap_err()
+            .problem
+            .contains("directory")
+    );
 }
 
 /// The text of a cell in a message stays on one line and contains no control characters.
@@ -386,7 +806,10 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
 fn a_hostile_cell_is_cut_and_defused() {
     let text = format!("time,T\n0,\u{1b}[2J{}\n", "x".repeat(1000));
     let message = read_t(&text).unwrap_err().to_string();
-    assert!(!message.contains('\u{1b}') && message.len() < 200, "{message}");
+    assert!(
+        !message.contains('\u{1b}') && message.len() < 200,
+        "{message}"
+    );
 }
 
 proptest! {

@@ -61,15 +61,26 @@ pub(super) struct InputUnit {
 }
 
 impl InputUnit {
-    pub const AS_GIVEN: InputUnit =
-        InputUnit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY, name: "" };
+    pub const AS_GIVEN: InputUnit = InputUnit {
+        times: 1.0,
+        over: 1.0,
+        origin: 0.0,
+        least: f64::NEG_INFINITY,
+        name: "",
+    };
 
     fn larger(times: f64) -> InputUnit {
-        InputUnit { times, ..Self::AS_GIVEN }
+        InputUnit {
+            times,
+            ..Self::AS_GIVEN
+        }
     }
 
     fn smaller(over: f64) -> InputUnit {
-        InputUnit { over, ..Self::AS_GIVEN }
+        InputUnit {
+            over,
+            ..Self::AS_GIVEN
+        }
     }
 
     /// The value of a cell in the unit of the results.
@@ -81,24 +92,40 @@ impl InputUnit {
 /// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
 fn temperature(name: &str) -> Option<InputUnit> {
     let name = name.replace('\u{2103}', "C").replace('\u{2109}', "F");
-    let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c)).collect();
+    let name: String = name
+        .chars()
+        .filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c))
+        .collect();
     let name = name.trim_end_matches('.');
-    let number = name.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
+    let number = name
+        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .unwrap_or(0);
     let (scale, name) = match name[..number].parse::<f64>() {
         // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
-        Ok(scale) if scale > 0.0 && scale < 1.0 => (InputUnit::smaller((1.0 / scale).round()), &name[number..]),
+        Ok(scale) if scale > 0.0 && scale < 1.0 => {
+            (InputUnit::smaller((1.0 / scale).round()), &name[number..])
+        }
         Ok(scale) if scale > 0.0 => (InputUnit::larger(scale), &name[number..]),
         _ if name == "mK" => (InputUnit::smaller(1e3), "K"),
         _ if number > 0 => return None,
         _ => (InputUnit::AS_GIVEN, name),
     };
     let lower = name.to_lowercase();
-    let bare =
-        ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
+    let bare = ["degrees", "degree", "degs", "deg"]
+        .iter()
+        .find_map(|prefix| lower.strip_prefix(prefix))
+        .unwrap_or(&lower);
     let (unit, least) = match bare {
         "c" | "celsius" | "centigrade" => (InputUnit::AS_GIVEN, -273.15),
         "k" | "kelvin" | "kelvins" => (InputUnit::AS_GIVEN, 0.0),
-        "f" | "fahrenheit" => (InputUnit { over: 1.8, origin: 32.0, ..InputUnit::AS_GIVEN }, -459.67),
+        "f" | "fahrenheit" => (
+            InputUnit {
+                over: 1.8,
+                origin: 32.0,
+                ..InputUnit::AS_GIVEN
+            },
+            -459.67,
+        ),
         "r" | "rankine" => (InputUnit::smaller(1.8), 0.0),
         _ => return None,
     };
@@ -106,7 +133,13 @@ fn temperature(name: &str) -> Option<InputUnit> {
     let of_scale = scale.times / scale.over;
     let origin = unit.origin / of_scale;
     let (times, over) = (scale.times, unit.over * scale.over);
-    Some(InputUnit { times, over, origin, least: least / of_scale, ..InputUnit::AS_GIVEN })
+    Some(InputUnit {
+        times,
+        over,
+        origin,
+        least: least / of_scale,
+        ..InputUnit::AS_GIVEN
+    })
 }
 
 /// A row of a table of units: what a unit is called, and its ratio to the SI unit.
@@ -116,19 +149,48 @@ type UnitRow = (&'static [&'static str], [f64; 2]);
 /// same unless two units differ in nothing else, as MN and mN do.
 fn in_table(table: &[UnitRow], name: &str) -> Option<(InputUnit, &'static str)> {
     let has = |same: fn(&str, &str) -> bool| {
-        let mut rows = table.iter().filter(move |(names, _)| names.iter().any(|known| same(known, name)));
+        let mut rows = table
+            .iter()
+            .filter(move |(names, _)| names.iter().any(|known| same(known, name)));
         rows.next().filter(|_| rows.next().is_none())
     };
     let (names, [times, over]) = has(|a, b| a == b).or_else(|| has(str::eq_ignore_ascii_case))?;
-    Some((InputUnit { times: *times, over: *over, ..InputUnit::AS_GIVEN }, names[0]))
+    Some((
+        InputUnit {
+            times: *times,
+            over: *over,
+            ..InputUnit::AS_GIVEN
+        },
+        names[0],
+    ))
 }
 
 /// Units of length. Those of a displacement end with um.
 const LENGTHS: [UnitRow; 6] = [
     (&["m", "metre", "metres", "meter", "meters"], [1.0, 1.0]),
     (&["cm"], [1.0, 1e2]),
-    (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], [1.0, 1e3]),
-    (&["um", "\u{b5}m", "\u{3bc}m", "micron", "microns", "micrometre", "micrometer"], [1.0, 1e6]),
+    (
+        &[
+            "mm",
+            "millimetre",
+            "millimetres",
+            "millimeter",
+            "millimeters",
+        ],
+        [1.0, 1e3],
+    ),
+    (
+        &[
+            "um",
+            "\u{b5}m",
+            "\u{3bc}m",
+            "micron",
+            "microns",
+            "micrometre",
+            "micrometer",
+        ],
+        [1.0, 1e6],
+    ),
     (&["ft", "foot", "feet"], [3048.0, 1e4]),
     (&["in", "inch", "inches"], [254.0, 1e4]),
 ];
@@ -143,8 +205,11 @@ const PER_SECOND_SQUARED: [&str; 5] = ["s2", "ss", "s-2", "sec2", "secsec"];
 const GRAVITY: f64 = 9.80665;
 
 /// Other units of acceleration.
-const GRAVITIES: [UnitRow; 3] =
-    [(&["g", "g's", "gs"], [GRAVITY, 1.0]), (&["mg"], [GRAVITY, 1e3]), (&["gal", "gals"], [1.0, 1e2])];
+const GRAVITIES: [UnitRow; 3] = [
+    (&["g", "g's", "gs"], [GRAVITY, 1.0]),
+    (&["mg"], [GRAVITY, 1e3]),
+    (&["gal", "gals"], [1.0, 1e2]),
+];
 
 /// Units of force.
 const FORCES: [UnitRow; 8] = [
@@ -170,18 +235,37 @@ fn displacement(name: &str) -> Option<InputUnit> {
 
 /// A unit of an input, and the SI unit to which it is converted; empty for `none`.
 fn input(name: &str) -> Option<(InputUnit, &'static str)> {
-    let bare: String = name.replace('\u{b2}', "2").chars().filter(|c| !" ^*\u{b7}/.".contains(*c)).collect();
+    let bare: String = name
+        .replace('\u{b2}', "2")
+        .chars()
+        .filter(|c| !" ^*\u{b7}/.".contains(*c))
+        .collect();
     let lower = bare.to_ascii_lowercase();
-    let length = PER_SECOND_SQUARED.iter().find_map(|end| in_table(&LENGTHS, lower.strip_suffix(end)?));
+    let length = PER_SECOND_SQUARED
+        .iter()
+        .find_map(|end| in_table(&LENGTHS, lower.strip_suffix(end)?));
     if let Some((unit, length)) = length {
         let of_length = |called: &&&str| called.strip_suffix("/s2") == Some(length);
-        return Some((InputUnit { name: ACCELERATIONS.iter().find(of_length)?, ..unit }, "m/s2"));
+        return Some((
+            InputUnit {
+                name: ACCELERATIONS.iter().find(of_length)?,
+                ..unit
+            },
+            "m/s2",
+        ));
     }
     if name.contains('/') {
         return None;
     }
-    let tables: [(&[UnitRow], _); 4] = [(&GRAVITIES, "m/s2"), (&FORCES, "N"), (&LENGTHS, "m"), (&PLAIN, "")];
-    let known = tables.into_iter().find_map(|(table, si)| Some((in_table(table, &bare)?, si)));
+    let tables: [(&[UnitRow], _); 4] = [
+        (&GRAVITIES, "m/s2"),
+        (&FORCES, "N"),
+        (&LENGTHS, "m"),
+        (&PLAIN, ""),
+    ];
+    let known = tables
+        .into_iter()
+        .find_map(|(table, si)| Some((in_table(table, &bare)?, si)));
     known.map(|((unit, name), si)| (InputUnit { name, ..unit }, si))
 }
 
@@ -214,7 +298,10 @@ pub(super) fn time(name: &str) -> Option<InputUnit> {
 /// The text in the last pair of brackets that ends a name, or stands before blanks and other
 /// brackets.
 fn bracketed(name: &str) -> impl Iterator<Item = &str> {
-    name.split(['[', '(']).skip(1).filter_map(|part| part.split([']', ')']).next()).map(str::trim)
+    name.split(['[', '('])
+        .skip(1)
+        .filter_map(|part| part.split([']', ')']).next())
+        .map(str::trim)
 }
 
 /// The units in a name. A unit is one of its parts between blanks, underscores and commas, up to
@@ -224,16 +311,26 @@ fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
     let is_input = quantity == ColumnQuantity::Input;
     let parts = parts(quantity, name);
     let unit = |text: &str| {
-        quantity.unit(text).filter(|_| !(is_input && WORDS_OR_UNITS.iter().any(|word| word.eq_ignore_ascii_case(text))))
+        quantity.unit(text).filter(|_| {
+            !(is_input
+                && WORDS_OR_UNITS
+                    .iter()
+                    .any(|word| word.eq_ignore_ascii_case(text)))
+        })
     };
-    let mut found: Vec<InputUnit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
+    let mut found: Vec<InputUnit> = parts
+        .iter()
+        .filter_map(|part| quantity.unit(joined_to_noun(part)?))
+        .collect();
     // `a/g` and `acc/cm/s2`, as DIN 1313 writes the heading of a column.
     let of_noun = || unit(parts.first()?.split_once('/')?.1);
     found.extend(is_input.then(of_noun).flatten());
     let mut at = 1;
     while at < parts.len() {
         let most = 3.min(parts.len() - at);
-        let longest = (1..=most).rev().find_map(|n| Some((n, unit(&parts[at..at + n].concat())?)));
+        let longest = (1..=most)
+            .rev()
+            .find_map(|n| Some((n, unit(&parts[at..at + n].concat())?)));
         at += longest.map_or(1, |(n, _)| n);
         found.extend(longest.map(|(_, unit)| unit));
     }
@@ -242,8 +339,11 @@ fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
 
 /// The parts of a name. A slash is within a unit of an input, and between words elsewhere.
 fn parts(quantity: ColumnQuantity, name: &str) -> Vec<&str> {
-    let is_between = |c: char| " _,;\t-[]()".contains(c) || c == '/' && quantity != ColumnQuantity::Input;
-    name.split(is_between).filter(|part| !part.is_empty()).collect()
+    let is_between =
+        |c: char| " _,;\t-[]()".contains(c) || c == '/' && quantity != ColumnQuantity::Input;
+    name.split(is_between)
+        .filter(|part| !part.is_empty())
+        .collect()
 }
 
 /// Units that are words as well at the end of a name: north, and input or inside. They count in
@@ -251,7 +351,9 @@ fn parts(quantity: ColumnQuantity, name: &str) -> Vec<&str> {
 const WORDS_OR_UNITS: [&str; 2] = ["N", "in"];
 
 /// Symbols that are units, though none of an input, besides those of a prefix and a unit.
-const FOREIGN: [&str; 12] = ["Pa", "bar", "psi", "ksi", "Hz", "rad", "deg", "degC", "lb", "lbs", "mph", "mA"];
+const FOREIGN: [&str; 12] = [
+    "Pa", "bar", "psi", "ksi", "Hz", "rad", "deg", "degC", "lb", "lbs", "mph", "mA",
+];
 
 /// Whether a part of the name of an input can be nothing but a unit: it has a slash before a small
 /// letter, a square, a degree or a per cent sign, it is a prefix with a symbol (`mV`, `kPa`, `km`),
@@ -272,13 +374,19 @@ fn joined_to_noun(part: &str) -> Option<&str> {
     }
     let before = part.trim_end_matches(['C', 'F', 'K', 'R', 'T']);
     let after = &part[before.len()..];
-    let is_noun = |text: &str| ["temperature", "temp", "tmp"].iter().any(|end| text.to_lowercase().ends_with(end));
+    let is_noun = |text: &str| {
+        ["temperature", "temp", "tmp"]
+            .iter()
+            .any(|end| text.to_lowercase().ends_with(end))
+    };
     match after {
         "C" | "F" | "K" | "R" if is_noun(before) => Some(after),
         "TC" | "TF" | "TK" => Some(&after[1..]),
         _ => {
-            let at =
-                part.to_lowercase().find("deg").filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
+            let at = part
+                .to_lowercase()
+                .find("deg")
+                .filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
             Some(&part[at..])
         }
     }
@@ -287,15 +395,25 @@ fn joined_to_noun(part: &str) -> Option<&str> {
 /// The words in brackets that are no unit, but say which sensor it is, or which statistic.
 fn is_note(text: &str) -> bool {
     let lower = text.to_lowercase();
-    text.contains(':') || ["avg", "mean", "min", "max", "smp", "std", "raw", "air", "steel"].contains(&lower.as_str())
+    text.contains(':')
+        || [
+            "avg", "mean", "min", "max", "smp", "std", "raw", "air", "steel",
+        ]
+        .contains(&lower.as_str())
 }
 
 /// The unit that the name of a column gives; an error if it gives two, or one that is not known.
-pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<InputUnit>, ProblemAndRemedy> {
+pub(super) fn of_name(
+    quantity: ColumnQuantity,
+    column: &str,
+) -> Result<Option<InputUnit>, ProblemAndRemedy> {
     let mut found: Option<InputUnit> = None;
     let mut unknown = None;
     for text in bracketed(column) {
-        match quantity.unit(text).or_else(|| text.split([' ', ',', ';']).find_map(|word| quantity.unit(word))) {
+        match quantity.unit(text).or_else(|| {
+            text.split([' ', ',', ';'])
+                .find_map(|word| quantity.unit(word))
+        }) {
             Some(unit) if found.is_none_or(|known| known == unit) => found = Some(unit),
             Some(_) => return Err(two(column)),
             None if is_note(text) => {}
@@ -309,22 +427,37 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
         return Err(unknown_unit(quantity, column, unit));
     }
     let named = words(quantity, column);
-    let claim = || parts(quantity, column).into_iter().skip(1).find(|part| is_claim(part));
+    let claim = || {
+        parts(quantity, column)
+            .into_iter()
+            .skip(1)
+            .find(|part| is_claim(part))
+    };
     if let Some(unit) = claim().filter(|_| quantity == ColumnQuantity::Input && named.is_empty()) {
         return Err(unknown_unit(quantity, column, unit));
     }
-    if named.iter().any(|unit| *unit != named[0]) { Err(two(column)) } else { Ok(named.first().copied()) }
+    if named.iter().any(|unit| *unit != named[0]) {
+        Err(two(column))
+    } else {
+        Ok(named.first().copied())
+    }
 }
 
 pub(super) fn unknown_unit(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {
     (
         format!("column `{column}` has the unknown unit `{unit}`"),
-        format!("convert it to one of {}, and give that in the name or as `unit`", quantity.units()),
+        format!(
+            "convert it to one of {}, and give that in the name or as `unit`",
+            quantity.units()
+        ),
     )
 }
 
 fn two(column: &str) -> ProblemAndRemedy {
-    (format!("the name of column `{column}` gives two units"), "keep only the right unit in the name".into())
+    (
+        format!("the name of column `{column}` gives two units"),
+        "keep only the right unit in the name".into(),
+    )
 }
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives

@@ -40,29 +40,64 @@ impl Axis {
     pub fn linear(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
         let [low, high] = widened(range);
         let (title, unit) = (title.into(), unit.to_string());
-        Axis { is_log: false, low, high, title, unit, whole: false, open: false, names: Vec::new() }
+        Axis {
+            is_log: false,
+            low,
+            high,
+            title,
+            unit,
+            whole: false,
+            open: false,
+            names: Vec::new(),
+        }
     }
 
     /// A linear axis over the finite ones of these values that ends at marks.
-    pub fn around(values: impl IntoIterator<Item = f64>, title: impl Into<Label>, unit: &str) -> Self {
-        Axis { open: true, ..Axis::linear(range_of(values), title, unit) }
+    pub fn around(
+        values: impl IntoIterator<Item = f64>,
+        title: impl Into<Label>,
+        unit: &str,
+    ) -> Self {
+        Axis {
+            open: true,
+            ..Axis::linear(range_of(values), title, unit)
+        }
     }
 
     /// A linear axis from zero to the first mark that is not below this number.
     pub fn from_zero(high: f64, title: impl Into<Label>, unit: &str) -> Self {
-        Axis { open: true, ..Axis::linear([0.0, high], title, unit) }
+        Axis {
+            open: true,
+            ..Axis::linear([0.0, high], title, unit)
+        }
     }
 
     /// A logarithmic axis over this range of positive numbers that ends at marks.
     pub fn log_around(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
-        Axis { open: true, ..Axis::log(range, title, unit) }
+        Axis {
+            open: true,
+            ..Axis::log(range, title, unit)
+        }
     }
 
     /// A logarithmic axis over this range of positive numbers.
     pub fn log(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
-        let high = if range[1] > 0.0 && range[1].is_finite() { range[1] } else { 1.0 };
-        let low = if range[0] > 0.0 && range[0] < high { range[0] } else { high / 10.0 };
-        Axis { is_log: true, low, high, ..Axis::linear(range, title, unit) }
+        let high = if range[1] > 0.0 && range[1].is_finite() {
+            range[1]
+        } else {
+            1.0
+        };
+        let low = if range[0] > 0.0 && range[0] < high {
+            range[0]
+        } else {
+            high / 10.0
+        };
+        Axis {
+            is_log: true,
+            low,
+            high,
+            ..Axis::linear(range, title, unit)
+        }
     }
 
     /// An axis for densities or shares: logarithmic, or from zero. The number is not above its lower
@@ -83,12 +118,18 @@ impl Axis {
 
     /// An axis with names at given positions instead of numbers.
     pub fn named(range: [f64; 2], names: Vec<(f64, Label)>) -> Self {
-        Axis { names, ..Axis::linear(range, "", "") }
+        Axis {
+            names,
+            ..Axis::linear(range, "", "")
+        }
     }
 
     /// The same axis with marks at whole numbers only.
     pub fn whole(self) -> Self {
-        Axis { whole: true, ..self }
+        Axis {
+            whole: true,
+            ..self
+        }
     }
 
     /// The two ends of the axis.
@@ -124,25 +165,44 @@ impl Axis {
     fn power(&self) -> i32 {
         let largest = self.low.abs().max(self.high.abs());
         let is_plain = self.is_log || (LITTLE..LARGE).contains(&largest);
-        if is_plain || self.whole { 0 } else { largest.log10().floor() as i32 }
+        if is_plain || self.whole {
+            0
+        } else {
+            largest.log10().floor() as i32
+        }
     }
 
     /// The marks of an axis of this length, if each number needs `room` of it.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         if !self.names.is_empty() {
-            let tick = |(place, name): &(f64, Label)| Tick { at: self.place(*place), label: Some(name.clone()) };
+            let tick = |(place, name): &(f64, Label)| Tick {
+                at: self.place(*place),
+                label: Some(name.clone()),
+            };
             return self.names.iter().map(tick).collect();
         }
-        let room = if self.whole { room.min(WHOLE_ROOM) } else { room };
+        let room = if self.whole {
+            room.min(WHOLE_ROOM)
+        } else {
+            room
+        };
         let most = (length / room).max(2.0);
-        if self.has_log_marks() { self.log_ticks(most) } else { self.linear_ticks(most) }
+        if self.has_log_marks() {
+            self.log_ticks(most)
+        } else {
+            self.linear_ticks(most)
+        }
     }
 
     /// The same axis with its ends moved outwards to marks, if the ends are not fixed.
     pub fn ending_at_marks(mut self, length: f64, room: f64) -> Self {
         if self.open {
             let most = (length / room).max(2.0);
-            [self.low, self.high] = if self.has_log_marks() { self.log_ends(most) } else { self.linear_ends(most) };
+            [self.low, self.high] = if self.has_log_marks() {
+                self.log_ends(most)
+            } else {
+                self.linear_ends(most)
+            };
         }
         self
     }
@@ -156,13 +216,20 @@ impl Axis {
     /// The distance of two marks, of which an axis of this range has at most so many.
     fn step(&self, most: f64) -> f64 {
         let step = nice_at_least((self.high - self.low) / most);
-        if self.whole { step.max(1.0).round() } else { step }
+        if self.whole {
+            step.max(1.0).round()
+        } else {
+            step
+        }
     }
 
     fn linear_ends(&self, most: f64) -> [f64; 2] {
         let mut step = self.step(most);
         loop {
-            let [low, high] = [(self.low / step + SLACK).floor(), (self.high / step - SLACK).ceil()];
+            let [low, high] = [
+                (self.low / step + SLACK).floor(),
+                (self.high / step - SLACK).ceil(),
+            ];
             if high - low <= most {
                 return [low * step, high * step];
             }
@@ -176,15 +243,28 @@ impl Axis {
         let ends = |set: &[f64]| {
             let numbers = multiples(set, low.floor() as i32 - 1..=high.ceil() as i32);
             let first = numbers.iter().filter(|x| x.log10() <= low + SLACK).count() - 1;
-            let last = numbers.partition_point(|x| x.log10() < high - SLACK).min(numbers.len() - 1);
+            let last = numbers
+                .partition_point(|x| x.log10() < high - SLACK)
+                .min(numbers.len() - 1);
             [numbers[first], numbers[last]]
         };
         let has_marks = |[low, high]: &[f64; 2]| {
-            let ticks = Axis { low: *low, high: *high, ..self.clone() }.log_ticks(most);
-            [0.0, 1.0].iter().all(|end| ticks.iter().any(|tick| (tick.at - end).abs() < SLACK))
+            let ticks = Axis {
+                low: *low,
+                high: *high,
+                ..self.clone()
+            }
+            .log_ticks(most);
+            [0.0, 1.0]
+                .iter()
+                .all(|end| ticks.iter().any(|tick| (tick.at - end).abs() < SLACK))
         };
         let [many, some, powers] = FEW_DECADES;
-        [many, &DIGITS, some].into_iter().map(ends).find(has_marks).unwrap_or_else(|| ends(powers))
+        [many, &DIGITS, some]
+            .into_iter()
+            .map(ends)
+            .find(has_marks)
+            .unwrap_or_else(|| ends(powers))
     }
 
     fn linear_ticks(&self, most: f64) -> Vec<Tick> {
@@ -193,17 +273,26 @@ impl Axis {
         let decimals = (-(step / factor).log10().floor()).clamp(0.0, 12.0) as usize;
         // A step of 2.5 needs one more digit than its size suggests.
         let decimals = decimals + usize::from(!is_whole_at(step / factor, decimals));
-        let (first, last) = ((self.low / step - SLACK).ceil() as i64, (self.high / step + SLACK).floor() as i64);
+        let (first, last) = (
+            (self.low / step - SLACK).ceil() as i64,
+            (self.high / step + SLACK).floor() as i64,
+        );
         let tick = |n: i64| {
             let x = n as f64 * step;
-            Tick { at: self.place(x), label: Some(Label::verbatim(&fixed(x / factor, decimals))) }
+            Tick {
+                at: self.place(x),
+                label: Some(Label::verbatim(&fixed(x / factor, decimals))),
+            }
         };
         (first..=last).map(tick).collect()
     }
 
     fn log_ticks(&self, most: f64) -> Vec<Tick> {
         let (first, last) = (self.low.log10() - SLACK, self.high.log10() + SLACK);
-        let tick = |x: f64, label: Option<Label>| Tick { at: self.place(x), label };
+        let tick = |x: f64, label: Option<Label>| Tick {
+            at: self.place(x),
+            label,
+        };
         let inside = |digits: &[f64]| {
             let mut numbers = multiples(digits, first.floor() as i32..=last.ceil() as i32);
             numbers.retain(|x| (first..=last).contains(&x.log10()));
@@ -213,13 +302,26 @@ impl Axis {
         if decades < 3 {
             // With few powers of ten on the axis, the marks are plain numbers: all in this list, or
             // 1, 2 and 5 times each power of ten, or only the powers, whichever fits.
-            let fitting = FEW_DECADES.into_iter().map(inside).find(|numbers| numbers.len() as f64 <= most);
+            let fitting = FEW_DECADES
+                .into_iter()
+                .map(inside)
+                .find(|numbers| numbers.len() as f64 <= most);
             let numbers = fitting.unwrap_or_else(|| inside(&[1.0]));
-            return numbers.into_iter().map(|x| tick(x, Some(plain(x)))).collect();
+            return numbers
+                .into_iter()
+                .map(|x| tick(x, Some(plain(x))))
+                .collect();
         }
         let every = (f64::from(decades) / most).ceil().max(1.0) as i32;
-        let power = |n: i32| tick(10f64.powi(n), (n % every == 0).then(|| power_of_ten(n).into()));
-        let mut ticks: Vec<Tick> = (first.ceil() as i32..=last.floor() as i32).map(power).collect();
+        let power = |n: i32| {
+            tick(
+                10f64.powi(n),
+                (n % every == 0).then(|| power_of_ten(n).into()),
+            )
+        };
+        let mut ticks: Vec<Tick> = (first.ceil() as i32..=last.floor() as i32)
+            .map(power)
+            .collect();
         if every == 1 {
             ticks.extend(inside(&DIGITS[1..]).into_iter().map(|x| tick(x, None)));
         }
@@ -229,7 +331,11 @@ impl Axis {
 
 const DIGITS: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
 /// The digits of the numbers at a logarithmic axis with few powers of ten on it.
-const FEW_DECADES: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
+const FEW_DECADES: [&[f64]; 3] = [
+    &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+    &[1.0, 2.0, 5.0],
+    &[1.0],
+];
 /// The space that a whole number of one or two digits needs.
 const WHOLE_ROOM: f64 = 13.0;
 /// A position farther out than anything that is visible.
@@ -239,7 +345,9 @@ const SLACK: f64 = 1e-9;
 
 /// These digits times each of these powers of ten.
 fn multiples(digits: &[f64], powers: RangeInclusive<i32>) -> Vec<f64> {
-    powers.flat_map(|n| digits.iter().map(move |digit| digit * 10f64.powi(n))).collect()
+    powers
+        .flat_map(|n| digits.iter().map(move |digit| digit * 10f64.powi(n)))
+        .collect()
 }
 
 /// The range, made wider if it is empty.
@@ -257,13 +365,19 @@ fn widened([low, high]: [f64; 2]) -> [f64; 2] {
 /// The smallest and the largest of the finite values.
 pub fn range_of(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let finite = values.into_iter().filter(|x| x.is_finite());
-    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    })
 }
 
 /// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `x`.
 fn nice_at_least(x: f64) -> f64 {
     let power = 10f64.powi(x.log10().floor() as i32);
-    [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|digit| digit * power).find(|step| *step >= x).unwrap_or(10.0 * power)
+    [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .map(|digit| digit * power)
+        .find(|step| *step >= x)
+        .unwrap_or(10.0 * power)
 }
 
 fn is_whole_at(x: f64, decimals: usize) -> bool {
@@ -274,7 +388,11 @@ fn is_whole_at(x: f64, decimals: usize) -> bool {
 fn fixed(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     let is_zero = text.chars().all(|c| ['-', '0', '.'].contains(&c));
-    minus(if is_zero { text.trim_start_matches('-') } else { &text })
+    minus(if is_zero {
+        text.trim_start_matches('-')
+    } else {
+        &text
+    })
 }
 
 /// A number with the typographic minus sign.
@@ -298,7 +416,11 @@ pub fn between([low, high]: [f64; 2]) -> Label {
         return plain(low);
     }
     let ratio = low.abs().max(high.abs()) / (high - low);
-    let digits = if ratio > 1.0 && ratio.is_finite() { 2 + ratio.log10().ceil() as usize } else { 2 };
+    let digits = if ratio > 1.0 && ratio.is_finite() {
+        2 + ratio.log10().ceil() as usize
+    } else {
+        2
+    };
     written(low, digits).and(" to ").and(written(high, digits))
 }
 
@@ -316,7 +438,10 @@ pub fn unit(label: &str) -> Label {
     let mut out = Label::default();
     let mut rest = label;
     while let Some((before, after)) = rest.split_once('^') {
-        let digits = after.len() - after.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
+        let digits = after.len()
+            - after
+                .trim_start_matches(|c: char| c.is_ascii_digit() || c == '-')
+                .len();
         out = out.and(Label::verbatim(before));
         out = match digits {
             0 => out.and("^"),
@@ -339,7 +464,11 @@ mod tests {
     }
 
     fn labels(axis: &Axis, length: f64) -> Vec<String> {
-        axis.ticks(length, 20.0).into_iter().filter_map(|tick| tick.label).map(|label| label.words()).collect()
+        axis.ticks(length, 20.0)
+            .into_iter()
+            .filter_map(|tick| tick.label)
+            .map(|label| label.words())
+            .collect()
     }
 
     fn axis(low: f64, high: f64) -> Axis {
@@ -349,8 +478,14 @@ mod tests {
     #[test]
     fn numbers_are_round_and_have_a_true_minus() {
         assert_eq!(labels(&axis(-7.0, 7.0), 100.0), ["−5", "0", "5"]);
-        assert_eq!(labels(&axis(0.0, 1.0), 100.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(labels(&axis(0.0, 1.0), 80.0), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(
+            labels(&axis(0.0, 1.0), 100.0),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(
+            labels(&axis(0.0, 1.0), 80.0),
+            ["0.00", "0.25", "0.50", "0.75", "1.00"]
+        );
         assert_eq!(labels(&axis(0.1, 0.3), 60.0), ["0.1", "0.2", "0.3"]);
     }
 
@@ -365,11 +500,25 @@ mod tests {
     #[test]
     fn powers_of_ten_are_written_alike_and_not_too_close() {
         let log = |low, high| Axis::log([low, high], "D", "");
-        assert_eq!(labels(&log(1e-5, 1e-1), 200.0), ["10−5", "10−4", "10−3", "10−2", "10−1"]);
+        assert_eq!(
+            labels(&log(1e-5, 1e-1), 200.0),
+            ["10−5", "10−4", "10−3", "10−2", "10−1"]
+        );
         assert_eq!(labels(&log(1e-8, 1e8), 100.0).len(), 5);
-        assert_eq!(labels(&log(0.02, 0.6), 100.0), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
-        assert!(log(1e-5, 1e-1).ticks(200.0, 20.0).iter().any(|tick| tick.label.is_none()));
-        assert_eq!((log(1.0, 100.0).place(10.0), log(1.0, 100.0).place(0.0)), (0.5, -FAR));
+        assert_eq!(
+            labels(&log(0.02, 0.6), 100.0),
+            ["0.02", "0.05", "0.1", "0.2", "0.5"]
+        );
+        assert!(
+            log(1e-5, 1e-1)
+                .ticks(200.0, 20.0)
+                .iter()
+                .any(|tick| tick.label.is_none())
+        );
+        assert_eq!(
+            (log(1.0, 100.0).place(10.0), log(1.0, 100.0).place(0.0)),
+            (0.5, -FAR)
+        );
     }
 
     #[test]
@@ -382,9 +531,19 @@ mod tests {
     /// The ends of an axis over data are marks, and the data are between them.
     #[test]
     fn an_open_axis_ends_at_marks() {
-        for (low, high) in [(-6.3, 6.2), (0.0, 1.77), (-7.0, 0.2), (3.0, 3.1), (1e-7, 4e-7), (0.0, 0.05)] {
+        for (low, high) in [
+            (-6.3, 6.2),
+            (0.0, 1.77),
+            (-7.0, 0.2),
+            (3.0, 3.1),
+            (1e-7, 4e-7),
+            (0.0, 0.05),
+        ] {
             for length in [40.0, 84.0, 150.0, 400.0] {
-                let linear = Axis { open: true, ..axis(low, high) };
+                let linear = Axis {
+                    open: true,
+                    ..axis(low, high)
+                };
                 let log = Axis::log_around([high / 40.0, high], "", "");
                 let long = Axis::log_around([high / 4e4, high], "", "");
                 for axis in [linear, log, long] {
@@ -392,10 +551,16 @@ mod tests {
                     let ended = axis.ending_at_marks(length, 17.0);
                     let ticks = ended.ticks(length, 17.0);
                     for end in [0.0, 1.0] {
-                        assert!(ticks.iter().any(|tick| (tick.at - end).abs() < 1e-6), "{ended:?} {length}");
+                        assert!(
+                            ticks.iter().any(|tick| (tick.at - end).abs() < 1e-6),
+                            "{ended:?} {length}"
+                        );
                     }
                     let slack = 1e-6 * (high - low);
-                    assert!(ended.low <= low + slack && ended.high >= high - slack, "{ended:?}");
+                    assert!(
+                        ended.low <= low + slack && ended.high >= high - slack,
+                        "{ended:?}"
+                    );
                 }
             }
         }

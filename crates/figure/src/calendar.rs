@@ -13,7 +13,13 @@ pub fn time(days: [f64; 2], start: Option<Start>) -> Axis {
     let dates = start.map_or_else(Vec::new, |start| dates(days, start));
     match dates.len() {
         0 | 1 => Axis::linear(days, "time *t*", "d"),
-        _ => Axis::named(days, dates.into_iter().map(|(day, date)| (day, Label::verbatim(&date))).collect()),
+        _ => Axis::named(
+            days,
+            dates
+                .into_iter()
+                .map(|(day, date)| (day, Label::verbatim(&date)))
+                .collect(),
+        ),
     }
 }
 
@@ -21,8 +27,12 @@ pub fn time(days: [f64; 2], start: Option<Start>) -> Axis {
 fn dates(days: [f64; 2], start: Start) -> Vec<(f64, String)> {
     let (first, time) = start.date();
     let length = days[1] - days[0];
-    let long = [1, 2, 3, 6, 12, 24, 60, 120].into_iter().find(|months| length / (30.4 * f64::from(*months)) <= MOST);
-    let short = [1, 2, 5, 10].into_iter().find(|step| length / f64::from(*step) <= MOST);
+    let long = [1, 2, 3, 6, 12, 24, 60, 120]
+        .into_iter()
+        .find(|months| length / (30.4 * f64::from(*months)) <= MOST);
+    let short = [1, 2, 5, 10]
+        .into_iter()
+        .find(|step| length / f64::from(*step) <= MOST);
     let step = match short {
         Some(step) => Span::new().days(step),
         None => Span::new().months(long.unwrap_or(240)),
@@ -31,7 +41,9 @@ fn dates(days: [f64; 2], start: Start) -> Vec<(f64, String)> {
     let begin = Date::new(first.year(), 1, 1).unwrap_or(first);
     let all = std::iter::successors(Some(begin), |date| date.checked_add(step).ok());
     let placed = all.map(|date| (f64::from(of(date)) - time, date));
-    let shown = placed.skip_while(|(day, _)| *day < days[0]).take_while(|(day, _)| *day <= days[1]);
+    let shown = placed
+        .skip_while(|(day, _)| *day < days[0])
+        .take_while(|(day, _)| *day <= days[1]);
     let name = |date: Date| match short {
         Some(_) => date.to_string(),
         None => date.strftime("%Y-%m").to_string(),
@@ -45,7 +57,10 @@ mod tests {
 
     fn shown(days: [f64; 2], start: &str) -> Vec<String> {
         let dates = dates(days, Start::parse(start).expect("a stamp"));
-        dates.into_iter().map(|(day, date)| format!("{day} {date}")).collect()
+        dates
+            .into_iter()
+            .map(|(day, date)| format!("{day} {date}"))
+            .collect()
     }
 
     /// A day of the year has its number less one, and what the start is later than midnight.
@@ -53,9 +68,20 @@ mod tests {
     fn dates_stand_where_they_are() {
         assert_eq!(
             shown([0.0, 366.0], "2023-11-15T12:00:00Z"),
-            ["46.5 2024-01", "137.5 2024-04", "228.5 2024-07", "320.5 2024-10"]
+            [
+                "46.5 2024-01",
+                "137.5 2024-04",
+                "228.5 2024-07",
+                "320.5 2024-10"
+            ]
         );
-        let days = ["31 2024-03-03", "33 2024-03-05", "35 2024-03-07", "37 2024-03-09", "39 2024-03-11"];
+        let days = [
+            "31 2024-03-03",
+            "33 2024-03-05",
+            "35 2024-03-07",
+            "37 2024-03-09",
+            "39 2024-03-11",
+        ];
         assert_eq!(shown([30.0, 40.0], "2024-02-01T00:00:00Z"), days);
         assert!(shown([0.0, 0.5], "2024-02-01T01:00:00Z").is_empty());
     }

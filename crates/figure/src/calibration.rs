@@ -2,7 +2,10 @@
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::theme::THIN;
-use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet};
+use super::{
+    Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of,
+    sheet,
+};
 use std::ops::Range;
 use stickslip_bearing::calibration::Calibration;
 
@@ -41,10 +44,15 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let record = &calibration.record;
     let shown = within(&record.times, days);
     let curve = |values: &[f64], scale: f64| -> Vec<[f64; 2]> {
-        thinned(shown.clone()).map(|i| [record.times[i] / DAY, scale * values[i]]).collect()
+        thinned(shown.clone())
+            .map(|i| [record.times[i] / DAY, scale * values[i]])
+            .collect()
     };
     let time = || calendar::time(days, record.start);
-    let (measured, modelled) = (curve(&record.readings, 1e3), curve(&calibration.modelled, 1e3));
+    let (measured, modelled) = (
+        curve(&record.readings, 1e3),
+        curve(&calibration.modelled, 1e3),
+    );
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     // The marks of slips are below the curves.
     let mark = low - 0.08 * (high - low);
@@ -54,7 +62,10 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     // In a stretch of this length the marks of slips are separate; in a longer one they would merge
     // to a line.
     if days[1] - days[0] <= CLOSER.1 {
-        let seen = calibration.slips.iter().filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
+        let seen = calibration
+            .slips
+            .iter()
+            .filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
         for slip in seen {
             above.mark([slip.time / DAY, mark], Mark::Triangle, palette.third);
         }

@@ -20,21 +20,40 @@ const FINER: usize = 4;
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(densities) = &summary.densities else {
-        return Err(Absent::Nothing("the run has no densities: set record.density = true"));
+        return Err(Absent::Nothing(
+            "the run has no densities: set record.density = true",
+        ));
     };
     if densities.velocity.density.len() < 2 || densities.displacement.density.len() < 2 {
-        return Err(Absent::Nothing("the body does not move at the times of the output grid"));
+        return Err(Absent::Nothing(
+            "the body does not move at the times of the output grid",
+        ));
     }
     let palette = style.palette();
-    let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
+    let unit = |time: i32, length: i32| {
+        Dimension {
+            time,
+            length,
+            ..Dimension::ONE
+        }
+        .label(&scenario.units)
+    };
     let axis_of = |curve: &DensityCurve, title: &str, unit: &str| {
-        Axis::linear([curve.edges[0], curve.edges[curve.edges.len() - 1]], title, unit)
+        Axis::linear(
+            [curve.edges[0], curve.edges[curve.edges.len() - 1]],
+            title,
+            unit,
+        )
     };
     let panel = |curve: &DensityCurve, horizontal: Axis, title: &str, unit: &str, is_log: bool| {
         let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, unit, is_log);
         let mut panel = Panel::new(horizontal, vertical, 66.0);
         let bin = |(i, density): (usize, &f64)| {
-            let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
+            let ends = if *density > 0.0 {
+                curve.ends.at(i)
+            } else {
+                [0.0; 2]
+            };
             ([curve.edges[i], curve.edges[i + 1]], *density, ends)
         };
         let steps: Vec<DensityBin> = curve.density.iter().enumerate().map(bin).collect();
@@ -43,10 +62,22 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let velocity = |is_log| {
         let horizontal = axis_of(&densities.velocity, "velocity *x*\u{2032}", &unit(-1, 1));
-        panel(&densities.velocity, horizontal, "density of *x*\u{2032}", &unit(1, -1), is_log)
+        panel(
+            &densities.velocity,
+            horizontal,
+            "density of *x*\u{2032}",
+            &unit(1, -1),
+            is_log,
+        )
     };
     let horizontal = axis_of(&densities.displacement, "displacement *x*", &unit(0, 1));
-    let displacement = panel(&densities.displacement, horizontal, "density of *x*", &unit(0, -1), style.log);
+    let displacement = panel(
+        &densities.displacement,
+        horizontal,
+        "density of *x*",
+        &unit(0, -1),
+        style.log,
+    );
     let [rows, columns] = &densities.joint_edges;
     let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
     let cells = finer(&densities.joint);
@@ -68,9 +99,21 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
-    let key = HELD.into_iter().zip(fills).map(|(held, fill)| LegendEntry::area(fill, words(held)));
-    let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed(key)];
-    Ok(sheet(&format!("Densities: {}", scenario.title), legend, panels))
+    let key = HELD
+        .into_iter()
+        .zip(fills)
+        .map(|(held, fill)| LegendEntry::area(fill, words(held)));
+    let panels = [
+        velocity(false).above_another(),
+        velocity(true),
+        displacement,
+        plane.keyed(key),
+    ];
+    Ok(sheet(
+        &format!("Densities: {}", scenario.title),
+        legend,
+        panels,
+    ))
 }
 
 /// The density in smaller cells, by linear interpolation between the middles of the cells of the
@@ -105,7 +148,8 @@ fn level(cells: &Array2<f64>, held: f64) -> f64 {
 /// axis.
 fn above(cells: &Array2<f64>, level: f64, [x, y]: [[f64; 2]; 2]) -> Vec<[[f64; 2]; 2]> {
     let (n, m) = cells.dim();
-    let place = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * i as f64 / n as f64;
+    let place =
+        |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * i as f64 / n as f64;
     let mut out = Vec::new();
     for (i, row) in cells.outer_iter().enumerate() {
         let mut begun = None;
@@ -114,7 +158,10 @@ fn above(cells: &Array2<f64>, level: f64, [x, y]: [[f64; 2]; 2]) -> Vec<[[f64; 2
             if is_reached {
                 begun.get_or_insert(j);
             } else if let Some(first) = begun.take() {
-                out.push([[place(x, i, n), place(y, first, m)], [place(x, i + 1, n), place(y, j, m)]]);
+                out.push([
+                    [place(x, i, n), place(y, first, m)],
+                    [place(x, i + 1, n), place(y, j, m)],
+                ]);
             }
         }
     }
@@ -131,14 +178,19 @@ mod tests {
     fn the_areas_hold_the_time_that_they_are_named_by() {
         let edge = |i: usize| -5.0 + 10.0 * i as f64 / 64.0;
         let square = |i: usize| (0.5 * (edge(i) + edge(i + 1))).powi(2);
-        let cells = finer(&Array2::from_shape_fn((64, 64), |(i, j)| (-0.5 * (square(i) + square(j))).exp()));
+        let cells = finer(&Array2::from_shape_fn((64, 64), |(i, j)| {
+            (-0.5 * (square(i) + square(j))).exp()
+        }));
         for held in HELD {
             let area: f64 = above(&cells, level(&cells, held), [[-5.0, 5.0]; 2])
                 .iter()
                 .map(|[from, to]| (to[0] - from[0]) * (to[1] - from[1]))
                 .sum();
             let expected = std::f64::consts::PI * -2.0 * (1.0 - held).ln();
-            assert!((area / expected - 1.0).abs() < 0.02, "{held}: {area} instead of {expected}");
+            assert!(
+                (area / expected - 1.0).abs() < 0.02,
+                "{held}: {area} instead of {expected}"
+            );
         }
     }
 }

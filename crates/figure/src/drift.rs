@@ -12,7 +12,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
-        return Err(Absent::Nothing("the simulated time has no whole period, or too many periods to compare x at"));
+        return Err(Absent::Nothing(
+            "the simulated time has no whole period, or too many periods to compare x at",
+        ));
     }
     let palette = style.palette();
     let unit = |dimension: Dimension| dimension.label(&scenario.units);
@@ -22,7 +24,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
 
     let panel = |values: &[f64], ends: &Ends, slope: f64, axis: (&str, Dimension)| {
-        let seen = values.iter().chain(&ends.low).chain(&ends.high).copied().chain([0.0]);
+        let seen = values
+            .iter()
+            .chain(&ends.low)
+            .chain(&ends.high)
+            .copied()
+            .chain([0.0]);
         let (title, dimension) = axis;
         let mut panel = Panel::new(time(), Axis::around(seen, title, &unit(dimension)), 80.0);
         if after > 0.0 {
@@ -43,7 +50,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let of_mean = ("mean of *x*(*nP*) − *x*(0)", Dimension::LENGTH);
     let mean = panel(&periods.mean, &periods.mean_ends, drift, of_mean);
     let of_variance = ("variance of *x*(*nP*)", Dimension::AREA);
-    let variance = panel(&periods.variance, &periods.variance_ends, 2.0 * diffusion, of_variance);
+    let variance = panel(
+        &periods.variance,
+        &periods.variance_ends,
+        2.0 * diffusion,
+        of_variance,
+    );
     let mut legend = vec![
         LegendEntry::mark(Mark::Disc, palette.first, "with 95 % interval"),
         LegendEntry::line(dashes, "measured slope"),
@@ -52,17 +64,26 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend.push(LegendEntry::area(palette.grid, "left out"));
     }
     legend.extend(reported(summary).into_iter().map(LegendEntry::words));
-    Ok(sheet(&format!("Wandering: {}", scenario.title), legend, [mean.above_another(), variance]))
+    Ok(sheet(
+        &format!("Wandering: {}", scenario.title),
+        legend,
+        [mean.above_another(), variance],
+    ))
 }
 
 /// The line with this slope through the mean of the points that are counted, from the first of them
 /// to the last. None if no point is counted.
 fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64; 2]; 2]> {
-    let counted = time.iter().zip(values).filter(|(t, value)| **t >= after * (1.0 - 1e-9) && value.is_finite());
+    let counted = time
+        .iter()
+        .zip(values)
+        .filter(|(t, value)| **t >= after * (1.0 - 1e-9) && value.is_finite());
     let counted: Vec<(f64, f64)> = counted.map(|(t, value)| (*t, *value)).collect();
     let (first, last) = (counted.first()?.0, counted.last()?.0);
     let n = counted.len() as f64;
-    let (t, value) = counted.iter().fold((0.0, 0.0), |(t, v), point| (t + point.0 / n, v + point.1 / n));
+    let (t, value) = counted.iter().fold((0.0, 0.0), |(t, v), point| {
+        (t + point.0 / n, v + point.1 / n)
+    });
     let at = |x: f64| [x, value + slope * (x - t)];
     (last > first && slope.is_finite()).then(|| [at(first), at(last)])
 }
@@ -72,8 +93,16 @@ fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
         let is_known = e.low.is_finite() && e.high.is_finite();
-        let range = || if is_known { between([e.low, e.high]) } else { "without interval".into() };
-        e.estimate.is_finite().then(|| Label::from(name).and(range()))
+        let range = || {
+            if is_known {
+                between([e.low, e.high])
+            } else {
+                "without interval".into()
+            }
+        };
+        e.estimate
+            .is_finite()
+            .then(|| Label::from(name).and(range()))
     };
     if summary.counted_periods() < 3 {
         return vec!["too few periods to detect a drift".into()];
@@ -83,6 +112,13 @@ fn reported(summary: &Summary) -> Vec<Label> {
         true => "settled: no significant slope",
         false => "not settled: significant slope",
     });
-    let numbers = [number(Statistic::DriftVelocity, "drift "), number(Statistic::DiffusionCoefficient, "diffusion ")];
-    numbers.into_iter().flatten().chain(verdict.map(Label::from)).collect()
+    let numbers = [
+        number(Statistic::DriftVelocity, "drift "),
+        number(Statistic::DiffusionCoefficient, "diffusion "),
+    ];
+    numbers
+        .into_iter()
+        .flatten()
+        .chain(verdict.map(Label::from))
+        .collect()
 }

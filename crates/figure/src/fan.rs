@@ -1,7 +1,9 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{
+    Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
+};
 use stickslip::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use stickslip::sums::Ends;
 
@@ -11,14 +13,21 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let bands = &summary.bands;
     let (time, x) = (&bands.time, &bands.displacement);
     if time.len() < 2 || x.mean.iter().all(|mean| mean.is_nan()) {
-        return Err(Absent::Nothing("the output grid has fewer than two rows, or every path was lost"));
+        return Err(Absent::Nothing(
+            "the output grid has fewer than two rows, or every path was lost",
+        ));
     }
     let palette = style.palette();
-    let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
+    let [time_unit, length_unit] =
+        [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time_axis = || Axis::linear([time[0], time[time.len() - 1]], "time *t*", &time_unit);
 
     let seen = widest(bands).into_iter().chain(x.mean.iter().copied());
-    let mut fan = Panel::new(time_axis(), Axis::around(seen, "displacement *x*(*t*)", &length_unit), 112.0);
+    let mut fan = Panel::new(
+        time_axis(),
+        Axis::around(seen, "displacement *x*(*t*)", &length_unit),
+        112.0,
+    );
     quantiles(bands, palette, &mut fan);
     let mean = Stroke::dashed(palette.second, LINE, &DASHES);
     fan.line(along(time, &x.mean), mean.clone());
@@ -41,14 +50,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    let bias = scenario.scheme.step().map(|h| LegendEntry::words(format!("with the bias of the step {h}")));
-    Ok(sheet(&format!("Displacement of the paths: {}", scenario.title), Vec::from_iter(bias), panels))
+    let bias = scenario
+        .scheme
+        .step()
+        .map(|h| LegendEntry::words(format!("with the bias of the step {h}")));
+    Ok(sheet(
+        &format!("Displacement of the paths: {}", scenario.title),
+        Vec::from_iter(bias),
+        panels,
+    ))
 }
 
 /// The lowest and the highest quantile of x at each time.
 pub(super) fn widest(bands: &Bands) -> Vec<f64> {
     let rows = &bands.displacement.quantiles;
-    rows.row(0).iter().chain(rows.row(QUANTILE_LEVELS.len() - 1)).copied().collect()
+    rows.row(0)
+        .iter()
+        .chain(rows.row(QUANTILE_LEVELS.len() - 1))
+        .copied()
+        .collect()
 }
 
 /// Draws the quantiles of x: two bands and the median.
@@ -67,5 +87,8 @@ fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
 
 /// The area between two curves, as points (x, low, high).
 fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
-    x.iter().zip(low.iter().zip(high)).map(|(x, (low, high))| [*x, *low, *high]).collect()
+    x.iter()
+        .zip(low.iter().zip(high))
+        .map(|(x, (low, high))| [*x, *low, *high])
+        .collect()
 }

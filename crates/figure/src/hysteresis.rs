@@ -11,7 +11,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let record = &calibration.record;
     let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
-        thinned(0..record.times.len()).map(|i| [record.temperatures[i], 1e3 * readings[i]]).collect()
+        thinned(0..record.times.len())
+            .map(|i| [record.temperatures[i], 1e3 * readings[i]])
+            .collect()
     };
     let (measured, modelled) = (curve(&record.readings), curve(&calibration.modelled));
     let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]));

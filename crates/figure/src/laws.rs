@@ -19,22 +19,35 @@ const NEXT_TO_NONE: f64 = 1e-3;
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     if summary.laws.is_none() {
-        return Err(Absent::Nothing("the run has no laws: set record.laws = true"));
+        return Err(Absent::Nothing(
+            "the run has no laws: set record.laws = true",
+        ));
     }
     let palette = style.palette();
     let mut panels = Vec::new();
     let (mut has_curve, mut has_quantiles) = (false, false);
     let mut ended = Vec::new();
     for (law, title) in DRAWN {
-        let Some(distribution) = summary.law(law).filter(|distribution| distribution.completed > 0) else { continue };
-        let Some([least, most]) = range(distribution) else { continue };
+        let Some(distribution) = summary
+            .law(law)
+            .filter(|distribution| distribution.completed > 0)
+        else {
+            continue;
+        };
+        let Some([least, most]) = range(distribution) else {
+            continue;
+        };
         let unit = law.dimension().label(&scenario.units);
         let shares = distribution.survival.iter().copied().chain([1.0]);
         let (vertical, _) = Axis::of_shares(shares, "share beyond", "", style.log);
         if is_narrow(distribution) {
             let axis = Axis::around(distribution.quantiles.iter().copied(), title, &unit);
             let mut panel = Panel::new(axis, vertical, 60.0);
-            for (i, (level, value)) in QUANTILE_LEVELS.into_iter().zip(&distribution.quantiles).enumerate() {
+            for (i, (level, value)) in QUANTILE_LEVELS
+                .into_iter()
+                .zip(&distribution.quantiles)
+                .enumerate()
+            {
                 panel.interval_across(1.0 - level, distribution.quantile_ends.at(i), palette.first);
                 panel.mark([*value, 1.0 - level], Mark::Disc, palette.first);
             }
@@ -53,11 +66,18 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let mut legend = vec![LegendEntry::words(format!("{} values", ended.join(", ")))];
     if has_curve {
-        legend.push(LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"));
+        legend.push(LegendEntry::line(
+            solid(palette.first),
+            "Kaplan\u{2013}Meier",
+        ));
         legend.push(LegendEntry::area(palette.narrow, "95 % interval"));
     }
     if has_quantiles {
-        legend.push(LegendEntry::mark(Mark::Disc, palette.first, "quantile, with 95 % interval"));
+        legend.push(LegendEntry::mark(
+            Mark::Disc,
+            palette.first,
+            "quantile, with 95 % interval",
+        ));
     }
     Ok(sheet(&format!("Laws: {}", scenario.title), legend, panels))
 }
@@ -68,7 +88,12 @@ const NARROW: usize = 3;
 /// Whether a law is hardly wider than the bins of its survival curve. It is drawn as its quantiles.
 fn is_narrow(of: &Distribution) -> bool {
     let is_filled = |count: &u64| *count > 0;
-    let ends = of.histogram.counts.iter().position(is_filled).zip(of.histogram.counts.iter().rposition(is_filled));
+    let ends = of
+        .histogram
+        .counts
+        .iter()
+        .position(is_filled)
+        .zip(of.histogram.counts.iter().rposition(is_filled));
     ends.is_some_and(|(first, last)| last - first < NARROW)
 }
 

@@ -23,22 +23,36 @@ impl LegendEntry {
 
     /// The entry of a curve.
     pub fn line(stroke: Stroke, label: impl Into<Label>) -> Self {
-        LegendEntry { stroke: Some(stroke), ..LegendEntry::words(label) }
+        LegendEntry {
+            stroke: Some(stroke),
+            ..LegendEntry::words(label)
+        }
     }
 
     /// The entry of an area.
     pub fn area(fill: Colour, label: impl Into<Label>) -> Self {
-        LegendEntry { fill: Some(fill), ..LegendEntry::words(label) }
+        LegendEntry {
+            fill: Some(fill),
+            ..LegendEntry::words(label)
+        }
     }
 
     /// The entry of a mark.
     pub fn mark(mark: Mark, colour: Colour, label: impl Into<Label>) -> Self {
-        LegendEntry { mark: Some((mark, colour)), ..LegendEntry::words(label) }
+        LegendEntry {
+            mark: Some((mark, colour)),
+            ..LegendEntry::words(label)
+        }
     }
 
     /// An entry of words alone.
     pub fn words(label: impl Into<Label>) -> Self {
-        LegendEntry { stroke: None, fill: None, mark: None, label: label.into() }
+        LegendEntry {
+            stroke: None,
+            fill: None,
+            mark: None,
+            label: label.into(),
+        }
     }
 
     fn sample(&self) -> f64 {
@@ -60,7 +74,13 @@ impl LegendEntry {
 const BETWEEN: f64 = 12.0;
 
 /// Draws the legend in as many rows as it needs, and returns its height.
-pub fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
+pub fn draw_legend(
+    legend: &[LegendEntry],
+    [x, y]: [f64; 2],
+    width: f64,
+    style: &Style,
+    items: &mut Vec<Item>,
+) -> f64 {
     let palette = style.palette();
     let mut rows: Vec<Vec<&LegendEntry>> = Vec::new();
     let mut used = f64::INFINITY;
@@ -78,17 +98,31 @@ pub fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: 
         for entry in row {
             let (from, to) = (at, at + entry.sample() - 4.0);
             if let Some(fill) = entry.fill {
-                let area = Rect { x: from, y: middle - 3.2, width: to - from, height: 6.4 };
+                let area = Rect {
+                    x: from,
+                    y: middle - 3.2,
+                    width: to - from,
+                    height: 6.4,
+                };
                 items.push(Item::filled(Outline::rect(area), fill));
             }
             if let Some(stroke) = &entry.stroke {
-                items.push(Item::stroked(Outline::line(&[[from, middle], [to, middle]]), stroke.clone()));
+                items.push(Item::stroked(
+                    Outline::line(&[[from, middle], [to, middle]]),
+                    stroke.clone(),
+                ));
             }
             if let Some((mark, colour)) = entry.mark {
                 items.extend(mark.draw([(from + to) / 2.0, middle], colour, palette.background));
             }
             let baseline = [at + entry.sample(), middle + 0.36 * LETTERS];
-            items.push(Item::words(entry.label.clone(), baseline, Align::Start, LETTERS, palette.ink));
+            items.push(Item::words(
+                entry.label.clone(),
+                baseline,
+                Align::Start,
+                LETTERS,
+                palette.ink,
+            ));
             at += entry.width() + BETWEEN;
         }
     }

@@ -61,20 +61,68 @@ use sheet::{Sheet, sheet, solid};
 
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[
-    Figure { name: "path", draws: path::draw },
-    Figure { name: "fan", draws: fan::draw },
-    Figure { name: "sticks", draws: sticks::draw },
-    Figure { name: "sub-phases", draws: sub_phases::draw },
-    Figure { name: "drift", draws: drift::draw },
-    Figure { name: "laws", draws: laws::draw },
-    Figure { name: "density", draws: density::draw },
-    Figure { name: "spectrum", draws: spectrum::draw },
-    Figure { name: "trade", draws: trade::draw },
-    Figure { name: "sweep", draws: sweep::draw },
-    Figure { name: "tornado", draws: tornado::draw },
-    Figure { name: "section", draws: section::draw },
-    Figure { name: "calibration", draws: calibration::draw },
-    Figure { name: "loops", draws: hysteresis::draw },
-    Figure { name: "residuals", draws: residuals::draw },
-    Figure { name: "overview", draws: overview::draw },
+    Figure {
+        name: "path",
+        draws: path::draw,
+    },
+    Figure {
+        name: "fan",
+        draws: fan::draw,
+    },
+    Figure {
+        name: "sticks",
+        draws: sticks::draw,
+    },
+    Figure {
+        name: "sub-phases",
+        draws: sub_phases::draw,
+    },
+    Figure {
+        name: "drift",
+        draws: drift::draw,
+    },
+    Figure {
+        name: "laws",
+        draws: laws::draw,
+    },
+    Figure {
+        name: "density",
+        draws: density::draw,
+    },
+    Figure {
+        name: "spectrum",
+        draws: spectrum::draw,
+    },
+    Figure {
+        name: "trade",
+        draws: trade::draw,
+    },
+    Figure {
+        name: "sweep",
+        draws: sweep::draw,
+    },
+    Figure {
+        name: "tornado",
+        draws: tornado::draw,
+    },
+    Figure {
+        name: "section",
+        draws: section::draw,
+    },
+    Figure {
+        name: "calibration",
+        draws: calibration::draw,
+    },
+    Figure {
+        name: "loops",
+        draws: hysteresis::draw,
+    },
+    Figure {
+        name: "residuals",
+        draws: residuals::draw,
+    },
+    Figure {
+        name: "overview",
+        draws: overview::draw,
+    },
 ];

@@ -23,7 +23,12 @@ impl Mark {
     pub fn draw(self, at: [f64; 2], colour: Colour, background: Colour) -> Vec<Item> {
         let [x, y] = at;
         let corners = |points: &[[f64; 2]]| {
-            Outline::polygon(&points.iter().map(|[a, b]| [x + a * MARK, y + b * MARK]).collect::<Vec<_>>())
+            Outline::polygon(
+                &points
+                    .iter()
+                    .map(|[a, b]| [x + a * MARK, y + b * MARK])
+                    .collect::<Vec<_>>(),
+            )
         };
         let path = match self {
             Mark::Disc | Mark::Circle => Outline::circle(at, MARK),
@@ -33,7 +38,10 @@ impl Mark {
         };
         match self {
             Mark::Circle => {
-                vec![Item::filled(path.clone(), background), Item::stroked(path, Stroke::solid(colour, 0.9))]
+                vec![
+                    Item::filled(path.clone(), background),
+                    Item::stroked(path, Stroke::solid(colour, 0.9)),
+                ]
             }
             _ => vec![Item::filled(path, colour)],
         }

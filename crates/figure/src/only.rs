@@ -13,13 +13,20 @@ pub struct Only {
 }
 
 /// What people call a panel, and its name.
-const CALLED: [(&str, &str); 3] =
-    [("histogram", "`sticks.A`"), ("phase", "the last panel of `path`"), ("survival", "`sticks.B`")];
+const CALLED: [(&str, &str); 3] = [
+    ("histogram", "`sticks.A`"),
+    ("phase", "the last panel of `path`"),
+    ("survival", "`sticks.B`"),
+];
 
 impl Only {
     /// The names of all figures, separated by commas.
     pub fn names() -> String {
-        FIGURES.iter().map(|figure| figure.name).collect::<Vec<_>>().join(", ")
+        FIGURES
+            .iter()
+            .map(|figure| figure.name)
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// The part with this name.
@@ -28,7 +35,9 @@ impl Only {
     ///
     /// The message says which names there are.
     pub fn named(text: &str) -> Result<Only, String> {
-        let (name, panel) = text.split_once('.').map_or((text, None), |(name, panel)| (name, Some(panel)));
+        let (name, panel) = text
+            .split_once('.')
+            .map_or((text, None), |(name, panel)| (name, Some(panel)));
         let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
             return Err(match CALLED.iter().find(|(word, _)| *word == name) {
                 Some((_, panel)) => format!("that is {panel}"),
@@ -37,8 +46,13 @@ impl Only {
         };
         let letter = |panel: &str| panel.parse().ok().filter(char::is_ascii_uppercase);
         match panel.map(letter) {
-            Some(None) => Err(format!("panels are named by capital letters, e.g. {name}.A")),
-            panel => Ok(Only { figure, panel: panel.flatten() }),
+            Some(None) => Err(format!(
+                "panels are named by capital letters, e.g. {name}.A"
+            )),
+            panel => Ok(Only {
+                figure,
+                panel: panel.flatten(),
+            }),
         }
     }
 
@@ -50,7 +64,9 @@ impl Only {
     pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let mut sheet = (self.figure.draws)(subject, style)?;
         if let Some(letter) = self.panel {
-            sheet = sheet.only(letter).map_err(|others| Absent::Panel(letter, others))?;
+            sheet = sheet
+                .only(letter)
+                .map_err(|others| Absent::Panel(letter, others))?;
         }
         Ok(sheet.alone(style))
     }

@@ -11,17 +11,23 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let drawn = subject.path()?;
     let path = PathTrace::of(&drawn)?;
     let curve = path.curve();
-    let range = sticks::range(&summary.stick_durations)
-        .ok_or(Absent::Nothing("no stick after the first of a path has ended"))?;
+    let range = sticks::range(&summary.stick_durations).ok_or(Absent::Nothing(
+        "no stick after the first of a path has ended",
+    ))?;
     let palette = style.palette();
-    let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
+    let [time_unit, length_unit] =
+        [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time_axis = || Axis::linear([0.0, scenario.time.end], "time *t*", &time_unit);
 
     let mut seen = fan::widest(&summary.bands);
     seen.extend(curve.iter().map(|point| point[1]));
     let displacement = |title: &str| Axis::around(seen.iter().copied(), title, &length_unit);
 
-    let time_of_path = Axis::linear([drawn.from, drawn.scenario.time.end], "time *t*", &time_unit);
+    let time_of_path = Axis::linear(
+        [drawn.from, drawn.scenario.time.end],
+        "time *t*",
+        &time_unit,
+    );
     let mut one = Panel::new(time_of_path, displacement("one path *x*(*t*)"), 84.0);
     let size = seen.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
     for [begin, end] in path.sticks() {
@@ -34,14 +40,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     fan::quantiles(&summary.bands, palette, &mut all);
 
     let durations = Axis::log(range, "stick duration *D*", &time_unit);
-    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, "fraction longer than *D*", ""), 84.0);
+    let mut outlasting = Panel::new(
+        durations,
+        Axis::from_zero(1.0, "fraction longer than *D*", ""),
+        84.0,
+    );
     sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
     let curve = |words: &str| LegendEntry::line(solid(palette.first), words);
     let area = LegendEntry::area;
-    let all = all.keyed([curve("median"), area(palette.narrow, "25–75 %"), area(palette.wide, "5–95 % of the paths")]);
+    let all = all.keyed([
+        curve("median"),
+        area(palette.narrow, "25–75 %"),
+        area(palette.wide, "5–95 % of the paths"),
+    ]);
     let panels = [
-        one.keyed([curve(&format!("path {}", drawn.number)), area(palette.wide, "stick")]),
+        one.keyed([
+            curve(&format!("path {}", drawn.number)),
+            area(palette.wide, "stick"),
+        ]),
         all,
         outlasting.keyed([curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]),
     ];

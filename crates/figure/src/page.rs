@@ -39,7 +39,10 @@ pub enum NoPage {
 /// It cannot be drawn, or a label names nothing that is at its axes.
 pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
     let known: Vec<&str> = match subject {
-        Subject::Sweep { sweeps, .. } => sweeps.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect(),
+        Subject::Sweep { sweeps, .. } => sweeps
+            .iter()
+            .flat_map(|(_, sweep)| sweep.question.design.names())
+            .collect(),
         _ => Vec::new(),
     };
     let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
@@ -47,7 +50,9 @@ pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Draw
         return Err(NoPage::Label(name.clone(), known.join(", ")));
     }
     match only {
-        Some(only) => only.draw(subject, style).map_err(|absent| NoPage::Without(only.figure, absent)),
+        Some(only) => only
+            .draw(subject, style)
+            .map_err(|absent| NoPage::Without(only.figure, absent)),
         None => page(subject, style),
     }
 }
@@ -59,7 +64,9 @@ pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Draw
 ///
 /// No figure of the subject can be drawn.
 pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
-    let figures = FIGURES.iter().filter(|figure| !APART.contains(&figure.name));
+    let figures = FIGURES
+        .iter()
+        .filter(|figure| !APART.contains(&figure.name));
     let mut sheets = Vec::new();
     let mut without = NoPage::Empty;
     for figure in figures {
@@ -80,15 +87,37 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
     let mut items = Vec::new();
     let mut top = EDGE;
     for (words, size, is_bold) in [(&heading, HEADING, true), (&line, SMALL, false)] {
-        let label = |text: &str| if is_bold { Label::bold(text) } else { Label::verbatim(text) };
-        for row in wrapped(words, |text| size * label(text).width() <= width - 2.0 * EDGE) {
+        let label = |text: &str| {
+            if is_bold {
+                Label::bold(text)
+            } else {
+                Label::verbatim(text)
+            }
+        };
+        for row in wrapped(words, |text| {
+            size * label(text).width() <= width - 2.0 * EDGE
+        }) {
             top += 1.3 * size;
-            items.push(Item::words(label(&row), [EDGE, top], Align::Start, size, palette.ink));
+            items.push(Item::words(
+                label(&row),
+                [EDGE, top],
+                Align::Start,
+                size,
+                palette.ink,
+            ));
         }
     }
     top += LETTERS;
-    let several = columns.iter().flat_map(|column| &column.sheets).map(Sheet::len).sum::<usize>() > 1;
-    let full = columns.iter().map(|column| column.height).fold(0.0, f64::max);
+    let several = columns
+        .iter()
+        .flat_map(|column| &column.sheets)
+        .map(Sheet::len)
+        .sum::<usize>()
+        > 1;
+    let full = columns
+        .iter()
+        .map(|column| column.height)
+        .fold(0.0, f64::max);
     let (mut height, mut letter, mut left_out) = (0.0, 0, 0);
     for (number, column) in columns.iter().enumerate() {
         let stretch = 1.0 + (full - column.height) / column.frames.max(1.0);
@@ -98,12 +127,22 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
             letter += sheet.len();
             left_out += drawn.left_out;
             let by = [EDGE + number as f64 * (style.points() + GAP), end];
-            items.push(Item::Moved { by, items: drawn.items });
+            items.push(Item::Moved {
+                by,
+                items: drawn.items,
+            });
             end += drawn.height + GAP;
         }
         height = f64::max(height, end - GAP + EDGE);
     }
-    Ok(Drawing { width, height, background: palette.background, title: heading, items, left_out })
+    Ok(Drawing {
+        width,
+        height,
+        background: palette.background,
+        title: heading,
+        items,
+        left_out,
+    })
 }
 
 /// Figures below each other.
@@ -123,11 +162,16 @@ fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<FigureColumn> {
     // them.
     let longest = |choice: &usize| {
         let mut sums = [0.0; 2];
-        heights.iter().enumerate().for_each(|(number, height)| sums[choice >> number & 1] += height);
+        heights
+            .iter()
+            .enumerate()
+            .for_each(|(number, height)| sums[choice >> number & 1] += height);
         f64::max(sums[0], sums[1])
     };
     let choices = (0..1 << sheets.len()).step_by(2);
-    let best = choices.min_by(|one, other| longest(one).total_cmp(&longest(other))).unwrap_or(0);
+    let best = choices
+        .min_by(|one, other| longest(one).total_cmp(&longest(other)))
+        .unwrap_or(0);
     let mut columns = [FigureColumn::default(), FigureColumn::default()];
     for (number, (sheet, height)) in sheets.into_iter().zip(&heights).enumerate() {
         let column = &mut columns[best >> number & 1];
@@ -135,7 +179,10 @@ fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<FigureColumn> {
         column.frames += sheet.frames();
         column.sheets.push(sheet);
     }
-    columns.into_iter().filter(|column| !column.sheets.is_empty()).collect()
+    columns
+        .into_iter()
+        .filter(|column| !column.sheets.is_empty())
+        .collect()
 }
 
 /// The words in rows that fit. A word that is too long for a row has a row of its own.

@@ -9,13 +9,37 @@ use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
 /// An element of a panel. Its positions are numbers of the two axes.
 #[derive(Clone, Debug)]
 enum Layer {
-    Line { points: Vec<[f64; 2]>, stroke: Stroke },
-    Band { points: Vec<[f64; 3]>, fill: Colour },
-    Bars { corners: Vec<[[f64; 2]; 2]>, fill: Colour },
-    Interval { at: f64, ends: [f64; 2], is_across: bool, colour: Colour },
-    Mark { at: [f64; 2], mark: Mark, colour: Colour },
-    Level { at: f64, stroke: Stroke },
-    Before { at: f64, fill: Colour },
+    Line {
+        points: Vec<[f64; 2]>,
+        stroke: Stroke,
+    },
+    Band {
+        points: Vec<[f64; 3]>,
+        fill: Colour,
+    },
+    Bars {
+        corners: Vec<[[f64; 2]; 2]>,
+        fill: Colour,
+    },
+    Interval {
+        at: f64,
+        ends: [f64; 2],
+        is_across: bool,
+        colour: Colour,
+    },
+    Mark {
+        at: [f64; 2],
+        mark: Mark,
+        colour: Colour,
+    },
+    Level {
+        at: f64,
+        stroke: Stroke,
+    },
+    Before {
+        at: f64,
+        fill: Colour,
+    },
 }
 
 /// Words beside a point. They are placed where there is space for them.
@@ -66,23 +90,41 @@ const TOLERANCE: f64 = 0.03;
 impl Panel {
     /// A panel without elements.
     pub fn new(x: Axis, y: Axis, height: f64) -> Self {
-        Panel { x, y, height, is_labelled: true, key: Vec::new(), layers: Vec::new(), notes: Vec::new() }
+        Panel {
+            x,
+            y,
+            height,
+            is_labelled: true,
+            key: Vec::new(),
+            layers: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// The same panel with a legend of its own above it.
     pub fn keyed(self, key: impl IntoIterator<Item = LegendEntry>) -> Self {
-        Panel { key: key.into_iter().collect(), ..self }
+        Panel {
+            key: key.into_iter().collect(),
+            ..self
+        }
     }
 
     /// The same panel with a frame that is `factor` times as high, and a vertical axis for it.
     pub fn stretched(&self, factor: f64) -> Self {
         let height = factor * self.height;
-        Panel { height, y: self.y.clone().ending_at_marks(height, Y_ROOM), ..self.clone() }
+        Panel {
+            height,
+            y: self.y.clone().ending_at_marks(height, Y_ROOM),
+            ..self.clone()
+        }
     }
 
     /// The same panel without numbers at its horizontal axis, because the panel below has them.
     pub fn above_another(self) -> Self {
-        Panel { is_labelled: false, ..self }
+        Panel {
+            is_labelled: false,
+            ..self
+        }
     }
 
     /// Adds a curve. It has a gap where a number is missing.
@@ -117,7 +159,12 @@ impl Panel {
 
     fn interval_along(&mut self, at: f64, ends: [f64; 2], is_across: bool, colour: Colour) {
         if ends.iter().all(|end| end.is_finite()) {
-            self.layers.push(Layer::Interval { at, ends, is_across, colour });
+            self.layers.push(Layer::Interval {
+                at,
+                ends,
+                is_across,
+                colour,
+            });
         }
     }
 
@@ -139,7 +186,11 @@ impl Panel {
     /// Adds words beside a point, at the first of these sides where there is space for them. They are
     /// left out if there is none.
     pub fn note(&mut self, at: [f64; 2], label: impl Into<Label>, places: &'static [Beside]) {
-        self.notes.push(Note { at, label: label.into(), places });
+        self.notes.push(Note {
+            at,
+            label: label.into(),
+            places,
+        });
     }
 
     /// The space that numbers and title need to the left of the frame.
@@ -149,12 +200,20 @@ impl Panel {
 
     fn number_width(&self) -> f64 {
         let ticks = self.y.ticks(self.height, Y_ROOM);
-        ticks.iter().filter_map(|tick| tick.label.as_ref()).map(|label| SMALL * label.width()).fold(0.0, f64::max)
+        ticks
+            .iter()
+            .filter_map(|tick| tick.label.as_ref())
+            .map(|label| SMALL * label.width())
+            .fold(0.0, f64::max)
     }
 
     /// The space that numbers and title need below the frame.
     pub fn footing(&self) -> f64 {
-        if self.is_labelled { TICK + GAP + SMALL + GAP + LETTERS * 1.3 } else { TICK }
+        if self.is_labelled {
+            TICK + GAP + SMALL + GAP + LETTERS * 1.3
+        } else {
+            TICK
+        }
     }
 
     /// Draws the panel with its frame at this place, and returns the number of notes for which there
@@ -162,10 +221,20 @@ impl Panel {
     pub fn draw(&self, frame: Rect, palette: &Palette, items: &mut Vec<Item>) -> usize {
         let across = self.x.clone().ending_at_marks(frame.width, X_ROOM);
         let place = |[x, y]: [f64; 2]| {
-            [frame.x + frame.width * across.place(x), frame.bottom() - frame.height * self.y.place(y)]
+            [
+                frame.x + frame.width * across.place(x),
+                frame.bottom() - frame.height * self.y.place(y),
+            ]
         };
-        let behind: Vec<Item> = self.layers.iter().flat_map(|layer| layer.draw(&place, frame)).collect();
-        items.push(Item::Clipped { inside: frame, items: behind });
+        let behind: Vec<Item> = self
+            .layers
+            .iter()
+            .flat_map(|layer| layer.draw(&place, frame))
+            .collect();
+        items.push(Item::Clipped {
+            inside: frame,
+            items: behind,
+        });
         self.draw_axes(frame, &across, palette, items);
         let is_seen = |at: &[f64; 2]| frame.grown(0.01).holds(*at);
         for layer in &self.layers {
@@ -180,15 +249,24 @@ impl Panel {
 
     fn draw_axes(&self, frame: Rect, across: &Axis, palette: &Palette, items: &mut Vec<Item>) {
         let pen = || Stroke::solid(palette.ink, THIN);
-        let corners = [[frame.x, frame.y], [frame.x, frame.bottom()], [frame.right(), frame.bottom()]];
+        let corners = [
+            [frame.x, frame.y],
+            [frame.x, frame.bottom()],
+            [frame.right(), frame.bottom()],
+        ];
         items.push(Item::stroked(Outline::line(&corners), pen()));
         let mut written_to = f64::NEG_INFINITY;
         for tick in across.ticks(frame.width, X_ROOM) {
             let x = frame.x + tick.at * frame.width;
-            items
-                .push(Item::stroked(Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
+            items.push(Item::stroked(
+                Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]),
+                pen(),
+            ));
             let half = |label: &Label| 0.5 * SMALL * label.width();
-            if let Some(label) = tick.label.filter(|label| self.is_labelled && x - half(label) > written_to) {
+            if let Some(label) = tick
+                .label
+                .filter(|label| self.is_labelled && x - half(label) > written_to)
+            {
                 written_to = x + half(&label) + GAP;
                 let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
                 items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
@@ -197,21 +275,36 @@ impl Panel {
         for tick in self.y.ticks(frame.height, Y_ROOM) {
             let y = frame.bottom() - tick.at * frame.height;
             let length = tick.length();
-            items.push(Item::stroked(Outline::line(&[[frame.x - length, y], [frame.x, y]]), pen()));
+            items.push(Item::stroked(
+                Outline::line(&[[frame.x - length, y], [frame.x, y]]),
+                pen(),
+            ));
             if let Some(label) = tick.label {
                 let at = [frame.x - TICK - GAP, y + 0.36 * SMALL];
                 items.push(Item::words(label, at, Align::End, SMALL, palette.ink));
             }
         }
         if self.is_labelled {
-            let at = [frame.x + frame.width / 2.0, frame.bottom() + self.footing() - 0.25 * LETTERS];
-            items.push(Item::words(across.title(), at, Align::Middle, LETTERS, palette.ink));
+            let at = [
+                frame.x + frame.width / 2.0,
+                frame.bottom() + self.footing() - 0.25 * LETTERS,
+            ];
+            items.push(Item::words(
+                across.title(),
+                at,
+                Align::Middle,
+                LETTERS,
+                palette.ink,
+            ));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
         // A title that is longer than the frame extends below it, because the letter is above it,
         // and is smaller where it would reach the next panel.
         let size = LETTERS.min((frame.height + BELOW) / self.y.title().width());
-        let at = [x, frame.y + frame.height.max(size * self.y.title().width()) / 2.0];
+        let at = [
+            x,
+            frame.y + frame.height.max(size * self.y.title().width()) / 2.0,
+        ];
         items.push(Item::words_upwards(self.y.title(), at, size, palette.ink));
     }
 
@@ -229,12 +322,12 @@ impl Panel {
         for layer in &self.layers {
             match layer {
                 Layer::Mark { at, .. } => marks.push(place(*at)),
-                Layer::Line { points, .. } => {
-                    curves.extend(sampled(&points.iter().map(|p| place(*p)).collect::<Vec<_>>()))
-                }
-                Layer::Level { at, .. } => {
-                    curves.extend(sampled(&[frame.x, frame.right()].map(|x| [x, place([f64::NAN, *at])[1]])))
-                }
+                Layer::Line { points, .. } => curves.extend(sampled(
+                    &points.iter().map(|p| place(*p)).collect::<Vec<_>>(),
+                )),
+                Layer::Level { at, .. } => curves.extend(sampled(
+                    &[frame.x, frame.right()].map(|x| [x, place([f64::NAN, *at])[1]]),
+                )),
                 _ => {}
             }
         }
@@ -247,13 +340,17 @@ impl Panel {
             let free = note.places.iter().find_map(|beside| {
                 let (at, needed) = placed(*beside, point, &note.label);
                 let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
-                let within = across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
+                let within =
+                    across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
                 // Words diagonally beside their mark must not extend over another mark.
                 let is_own = |mark: &&[f64; 2]| (mark[0] - point[0]).abs() < 0.01;
-                let reaches = |mark: &[f64; 2]| (needed.x..=needed.right()).contains(&mark[0]) && mark[1] == point[1];
-                let is_plain = beside.contains(&0) || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
-                let meets_nothing =
-                    !taken.iter().any(|other| other.meets(&needed)) && !curves.iter().any(|p| needed.holds(*p));
+                let reaches = |mark: &[f64; 2]| {
+                    (needed.x..=needed.right()).contains(&mark[0]) && mark[1] == point[1]
+                };
+                let is_plain = beside.contains(&0)
+                    || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
+                let meets_nothing = !taken.iter().any(|other| other.meets(&needed))
+                    && !curves.iter().any(|p| needed.holds(*p));
                 (within && is_plain && meets_nothing).then_some((at, needed))
             });
             let Some((at, needed)) = free else {
@@ -261,7 +358,13 @@ impl Panel {
                 continue;
             };
             taken.push(needed);
-            items.push(Item::words(note.label.clone(), at, Align::Start, LETTERS, palette.ink));
+            items.push(Item::words(
+                note.label.clone(),
+                at,
+                Align::Start,
+                LETTERS,
+                palette.ink,
+            ));
         }
         left_out
     }
@@ -269,7 +372,11 @@ impl Panel {
 
 impl Tick {
     fn length(&self) -> f64 {
-        if self.label.is_some() { TICK } else { TICK * 0.6 }
+        if self.label.is_some() {
+            TICK
+        } else {
+            TICK * 0.6
+        }
     }
 }
 
@@ -294,7 +401,15 @@ fn placed([right, down]: Beside, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], 
         0 => y + 0.26 * LETTERS,
         _ => y + gap + rise,
     };
-    ([x, y], Rect { x: x - 0.5, y: y - rise, width: width + 1.0, height: rise + fall })
+    (
+        [x, y],
+        Rect {
+            x: x - 0.5,
+            y: y - rise,
+            width: width + 1.0,
+            height: rise + fall,
+        },
+    )
 }
 
 impl Layer {
@@ -309,10 +424,23 @@ impl Layer {
             Layer::Band { points, fill } => {
                 let known = |p: &&[f64; 3]| !p[0].is_nan() && !p[1].is_nan() && !p[2].is_nan();
                 let edge = |k: usize| -> Vec<[f64; 2]> {
-                    simplified(&points.iter().filter(known).map(|p| place([p[0], p[k]])).collect::<Vec<_>>())
+                    simplified(
+                        &points
+                            .iter()
+                            .filter(known)
+                            .map(|p| place([p[0], p[k]]))
+                            .collect::<Vec<_>>(),
+                    )
                 };
-                let around: Vec<[f64; 2]> = edge(1).into_iter().chain(edge(2).into_iter().rev()).collect();
-                if around.len() < 3 { Vec::new() } else { vec![Item::filled(Outline::polygon(&around), *fill)] }
+                let around: Vec<[f64; 2]> = edge(1)
+                    .into_iter()
+                    .chain(edge(2).into_iter().rev())
+                    .collect();
+                if around.len() < 3 {
+                    Vec::new()
+                } else {
+                    vec![Item::filled(Outline::polygon(&around), *fill)]
+                }
             }
             Layer::Bars { corners, fill } => {
                 // All run the same way round, so that no two of them cancel where they overlap.
@@ -320,10 +448,20 @@ impl Layer {
                     let ([ax, ay], [bx, by]) = (place(*from), place(*to));
                     Outline::polygon(&[[ax, ay], [bx, ay], [bx, by], [ax, by]]).0
                 };
-                vec![Item::filled(Outline(corners.iter().flat_map(bar).collect()), *fill)]
+                vec![Item::filled(
+                    Outline(corners.iter().flat_map(bar).collect()),
+                    *fill,
+                )]
             }
-            Layer::Interval { at, ends, is_across, colour } => {
-                let bar = |ends: [[f64; 2]; 2]| Item::stroked(Outline::line(&ends), Stroke::solid(*colour, 0.9));
+            Layer::Interval {
+                at,
+                ends,
+                is_across,
+                colour,
+            } => {
+                let bar = |ends: [[f64; 2]; 2]| {
+                    Item::stroked(Outline::line(&ends), Stroke::solid(*colour, 0.9))
+                };
                 let end = |end: f64| place(if *is_across { [end, *at] } else { [*at, end] });
                 let across = |[x, y]: [f64; 2]| match is_across {
                     true => bar([[x, y - CAP], [x, y + CAP]]),
@@ -335,11 +473,20 @@ impl Layer {
             Layer::Mark { .. } => Vec::new(),
             Layer::Level { at, stroke } => {
                 let y = place([f64::NAN, *at])[1];
-                vec![Item::stroked(Outline::line(&[[frame.x, y], [frame.right(), y]]), stroke.clone())]
+                vec![Item::stroked(
+                    Outline::line(&[[frame.x, y], [frame.right(), y]]),
+                    stroke.clone(),
+                )]
             }
             Layer::Before { at, fill } => {
                 let x = place([*at, f64::NAN])[0].clamp(frame.x, frame.right());
-                vec![Item::filled(Outline::rect(Rect { width: x - frame.x, ..frame }), *fill)]
+                vec![Item::filled(
+                    Outline::rect(Rect {
+                        width: x - frame.x,
+                        ..frame
+                    }),
+                    *fill,
+                )]
             }
         }
     }
@@ -347,12 +494,19 @@ impl Layer {
 
 /// The pieces of a curve between missing numbers.
 fn pieces(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
-    points.split(|[x, y]| x.is_nan() || y.is_nan()).filter(|piece| piece.len() > 1)
+    points
+        .split(|[x, y]| x.is_nan() || y.is_nan())
+        .filter(|piece| piece.len() > 1)
 }
 
 /// A square around a point.
 fn around([x, y]: [f64; 2], half: f64) -> Rect {
-    Rect { x: x - half, y: y - half, width: 2.0 * half, height: 2.0 * half }
+    Rect {
+        x: x - half,
+        y: y - half,
+        width: 2.0 * half,
+        height: 2.0 * half,
+    }
 }
 
 /// Points along a curve, no farther apart than the stem of a letter.
@@ -376,7 +530,9 @@ fn sampled(curve: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// new curve (algorithm of Ramer, and Douglas and Peucker).
 fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut keep = vec![false; points.len()];
-    let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
+    let Some(last) = points.len().checked_sub(1) else {
+        return Vec::new();
+    };
     (keep[0], keep[last]) = (true, true);
     let mut open = vec![(0, last)];
     while let Some((a, b)) = open.pop() {
@@ -388,14 +544,23 @@ fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
             open.extend([(a, i), (i, b)]);
         }
     }
-    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
+    points
+        .iter()
+        .zip(keep)
+        .filter(|(_, keep)| *keep)
+        .map(|(point, _)| *point)
+        .collect()
 }
 
 /// The distance of a point from the line segment between two others.
 fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];
-    let s = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if square > 0.0 {
+        ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     (to[0] - s * along[0]).hypot(to[1] - s * along[1])
 }
 
@@ -405,12 +570,17 @@ mod tests {
 
     #[test]
     fn a_simplified_curve_stays_within_the_tolerance() {
-        let curve: Vec<[f64; 2]> =
-            (0..2000).map(|i| f64::from(i) / 10.0).map(|x| [x, 20.0 * (x / 9.0).sin()]).collect();
+        let curve: Vec<[f64; 2]> = (0..2000)
+            .map(|i| f64::from(i) / 10.0)
+            .map(|x| [x, 20.0 * (x / 9.0).sin()])
+            .collect();
         let simple = simplified(&curve);
         assert!(simple.len() < 400, "{}", simple.len());
         for p in &curve {
-            let nearest = simple.windows(2).map(|pair| distance(*p, pair[0], pair[1])).fold(f64::INFINITY, f64::min);
+            let nearest = simple
+                .windows(2)
+                .map(|pair| distance(*p, pair[0], pair[1]))
+                .fold(f64::INFINITY, f64::min);
             assert!(nearest <= TOLERANCE * 1.000_001, "{nearest}");
         }
     }
@@ -427,15 +597,27 @@ mod tests {
             panel.mark(at, Mark::Disc, Colour::hex(0));
             panel.note(at, "*τ*_{12}", &[[0, 1], [0, -1]]);
         }
-        let frame = Rect { x: 0.0, y: 0.0, width: 200.0, height: 100.0 };
+        let frame = Rect {
+            x: 0.0,
+            y: 0.0,
+            width: 200.0,
+            height: 100.0,
+        };
         let mut items = Vec::new();
-        let left_out = panel.draw(frame, super::super::theme::Style::default().palette(), &mut items);
+        let left_out = panel.draw(
+            frame,
+            super::super::theme::Style::default().palette(),
+            &mut items,
+        );
         let boxes: Vec<Rect> = items
             .iter()
             .filter_map(|item| match item {
-                Item::Words { label, at, .. } if label.words() == "τ12" => {
-                    Some(Rect { x: at[0], y: at[1] - 6.0, width: LETTERS * label.width(), height: 6.0 })
-                }
+                Item::Words { label, at, .. } if label.words() == "τ12" => Some(Rect {
+                    x: at[0],
+                    y: at[1] - 6.0,
+                    width: LETTERS * label.width(),
+                    height: 6.0,
+                }),
                 _ => None,
             })
             .collect();

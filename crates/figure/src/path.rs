@@ -10,7 +10,8 @@ use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
 use super::words::grouped;
 use super::{
-    Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
+    Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of,
+    sheet, solid,
 };
 use std::ops::Range;
 use stickslip::model::{Drive, Model, Sign};
@@ -37,76 +38,143 @@ const SHORT: f64 = 0.005;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let path @ DrawnPath { scenario, number, from } = subject.path()?;
+    let path @ DrawnPath {
+        scenario,
+        number,
+        from,
+    } = subject.path()?;
     let trace = PathTrace::of(&path)?;
     let palette = style.palette();
-    let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
-    let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
+    let units = [
+        Dimension::TIME,
+        Dimension::LENGTH,
+        Dimension::VELOCITY,
+        Dimension::FORCE,
+    ];
+    let [time_unit, length_unit, velocity_unit, force_unit] =
+        units.map(|d| d.label(&scenario.units));
     // With a load there is no level of its own.
-    let friction = if scenario.model.has_load() { 0.0 } else { scenario.model.friction.static_force };
+    let friction = if scenario.model.has_load() {
+        0.0
+    } else {
+        scenario.model.friction.static_force
+    };
     let end = scenario.time.end;
     let margin = MARGIN * (end - from);
     let time = || Axis::linear([from - margin, end + margin], "time *t*", &time_unit);
 
     let displacement = over_time(&trace, palette, time(), &length_unit);
 
-    let size = |values: &dyn Fn(&StateAt) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
+    let size = |values: &dyn Fn(&StateAt) -> f64| {
+        trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max)
+    };
     let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
     let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
-    let is_shared = is_dimensionless && trace.moments.len() <= MOST_SHARED && (1.0 / ALIKE..ALIKE).contains(&ratio);
+    let is_shared = is_dimensionless
+        && trace.moments.len() <= MOST_SHARED
+        && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
     let dry = friction_force(&trace, &scenario.model);
     let forces = |panel: &mut Panel| {
         panel.line(dry.clone(), force.clone());
-        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
+        panel.line(
+            trace.samples().map(|s| [s.time, s.spring]).collect(),
+            spring.clone(),
+        );
     };
     let is_crowded = trace.moments.len() > MOST_DRAWN;
     let mut middle = Vec::new();
     if is_shared {
-        let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
-        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*), force", ""), 104.0);
+        let seen = trace
+            .samples()
+            .flat_map(|s| [s.velocity, s.spring])
+            .chain(dry.iter().map(|p| p[1]));
+        let mut panel = Panel::new(
+            time(),
+            Axis::around(seen, "velocity *ẋ*(*t*), force", ""),
+            104.0,
+        );
         forces(&mut panel);
         velocities(&trace, palette, &mut panel);
         middle.push(panel);
     } else if !is_crowded {
         let seen = trace.samples().map(|s| s.velocity);
-        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*)", &velocity_unit), 76.0);
+        let mut panel = Panel::new(
+            time(),
+            Axis::around(seen, "velocity *ẋ*(*t*)", &velocity_unit),
+            76.0,
+        );
         velocities(&trace, palette, &mut panel);
         middle.push(panel.above_another());
-        let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
+        let seen = trace
+            .samples()
+            .map(|s| s.spring)
+            .chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, "force", &force_unit), 76.0);
         forces(&mut panel);
         middle.push(panel);
     }
-    middle.extend(short_slip(&trace, palette, SHORT * (end - from), &time_unit, &velocity_unit));
+    middle.extend(short_slip(
+        &trace,
+        palette,
+        SHORT * (end - from),
+        &time_unit,
+        &velocity_unit,
+    ));
     let name = match (&scenario.model.force, scenario.model.oscillator.drive) {
         (Some(_), _) => "*b*",
         (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
         (None, Drive::Force(_)) => "*cT* − *Kx*",
     };
     let force_axis = format!("force {name}");
-    let plane = phase_plane(&trace, palette, friction, &velocity_unit, (force_axis, &force_unit));
+    let plane = phase_plane(
+        &trace,
+        palette,
+        friction,
+        &velocity_unit,
+        (force_axis, &force_unit),
+    );
 
-    let mut legend = vec![LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
-    let names = (1..).zip(["slip", "2nd sub-phase", "3rd and later"]).take(trace.most_sub_phases());
+    let mut legend = vec![LegendEntry::line(
+        Stroke::dashed(palette.ink, LINE, &DASH_DOT),
+        "static",
+    )];
+    let names = (1..)
+        .zip(["slip", "2nd sub-phase", "3rd and later"])
+        .take(trace.most_sub_phases());
     legend.extend(names.map(|(k, name)| LegendEntry::line(solid(of_sub_phase(k, palette)), name)));
     if !is_crowded {
         legend.push(LegendEntry::line(spring, name));
         legend.push(LegendEntry::line(force, "friction *F*"));
     }
     if trace.moments.len() > MOST_MARKED {
-        let done = if is_crowded { "for velocity and forces" } else { "to be marked" };
-        let words = format!("{} events, too close {done}", grouped(trace.moments.len() as u64));
+        let done = if is_crowded {
+            "for velocity and forces"
+        } else {
+            "to be marked"
+        };
+        let words = format!(
+            "{} events, too close {done}",
+            grouped(trace.moments.len() as u64)
+        );
         legend.push(LegendEntry::words(words));
     }
     let plane = match in_full(&trace).len() < trace.pieces.len() {
         true => plane.keyed([LegendEntry::words("longest slip bold, others thin")]),
         false => plane,
     };
-    let displacement = if is_crowded { displacement } else { displacement.above_another() };
+    let displacement = if is_crowded {
+        displacement
+    } else {
+        displacement.above_another()
+    };
     let panels: Vec<Panel> = [vec![displacement], middle, vec![plane]].concat();
-    Ok(sheet(&format!("Path {number}: {}", scenario.title), legend, panels))
+    Ok(sheet(
+        &format!("Path {number}: {}", scenario.title),
+        legend,
+        panels,
+    ))
 }
 
 /// The colour of sub-phase k of a slip.
@@ -129,30 +197,52 @@ fn stroke(piece: &DrawnPhase, palette: &Palette) -> Stroke {
 fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Panel {
     let [low, high] = range_of(trace.samples().map(|s| s.displacement));
     // Where x is far from zero, the events are marked at the lower edge instead of at zero.
-    let base =
-        if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
+    let base = if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 {
+        low - 0.3 * (high - low)
+    } else {
+        0.0
+    };
     let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
-    let axis = Axis::around([low - room, high + room, base], "displacement *x*(*t*)", unit);
+    let axis = Axis::around(
+        [low - room, high + room, base],
+        "displacement *x*(*t*)",
+        unit,
+    );
     let mut panel = Panel::new(time, axis, 108.0);
     panel.level(base, Stroke::solid(palette.faint, 0.4));
     if trace.moments.len() <= MOST_LED {
         for moment in &trace.moments {
             let t = moment.at.time;
-            panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
+            panel.line(
+                vec![[t, base], [t, moment.at.displacement]],
+                Stroke::dashed(palette.faint, THIN, &DOTS),
+            );
         }
     }
-    draw_pieces(&trace.pieces, |s| [s.time, s.displacement], palette, &mut panel);
+    draw_pieces(
+        &trace.pieces,
+        |s| [s.time, s.displacement],
+        palette,
+        &mut panel,
+    );
     mark_events(trace, |_| base, palette, &mut panel);
     if trace.moments.len() > MOST_MARKED {
         return panel;
     }
     // The events with most space around them are named first, so that as many as possible have a
     // name.
-    let mut moments: Vec<(f64, &LabelledEvent)> =
-        trace.moments.iter().map(|moment| (trace.distance(moment), moment)).collect();
+    let mut moments: Vec<(f64, &LabelledEvent)> = trace
+        .moments
+        .iter()
+        .map(|moment| (trace.distance(moment), moment))
+        .collect();
     moments.sort_by(|one, other| other.0.total_cmp(&one.0));
     for (_, moment) in moments {
-        let places: &[Beside] = if moment.at.displacement >= base { &UNDER } else { &OVER };
+        let places: &[Beside] = if moment.at.displacement >= base {
+            &UNDER
+        } else {
+            &OVER
+        };
         panel.note([moment.at.time, base], &moment.name, places);
     }
     panel
@@ -164,7 +254,11 @@ const SIDES: [Beside; 6] = [[1, 0], [-1, 0], [1, -1], [1, 1], [-1, -1], [-1, 1]]
 
 impl LabelledEvent {
     fn mark(&self) -> Mark {
-        if self.is_turn { Mark::Circle } else { Mark::Disc }
+        if self.is_turn {
+            Mark::Circle
+        } else {
+            Mark::Disc
+        }
     }
 }
 
@@ -178,47 +272,98 @@ fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
 /// The pieces that the phase plane shows in full. With few events these are all pieces, else the
 /// longest complete slip with the sticks before and after it.
 fn in_full(trace: &PathTrace) -> Range<usize> {
-    trace.longest_slip().filter(|_| trace.moments.len() > FEW).unwrap_or(0..trace.pieces.len())
+    trace
+        .longest_slip()
+        .filter(|_| trace.moments.len() > FEW)
+        .unwrap_or(0..trace.pieces.len())
 }
 
 /// The velocity in the longest slip over the time since it began, if slips are so short.
-fn short_slip(trace: &PathTrace, palette: &Palette, short: f64, time_unit: &str, velocity_unit: &str) -> Option<Panel> {
+fn short_slip(
+    trace: &PathTrace,
+    palette: &Palette,
+    short: f64,
+    time_unit: &str,
+    velocity_unit: &str,
+) -> Option<Panel> {
     let slip = trace.longest_slip()?;
     let slip = &trace.pieces[slip.start + 1..slip.end - 1];
     let [begin, end] = [slip.first()?.begin(), slip.last()?.end()];
     if !(0.0 < end - begin && end - begin < short) {
         return None;
     }
-    let began = trace.moments.iter().find(|moment| moment.at.time == begin)?;
+    let began = trace
+        .moments
+        .iter()
+        .find(|moment| moment.at.time == begin)?;
     let title = Label::from("time in the longest slip, *t* − ").and(&began.name);
     let time = Axis::around([0.0, end - begin], title, time_unit);
-    let seen = slip.iter().flat_map(|piece| &piece.samples).map(|s| s.velocity);
-    let mut panel = Panel::new(time, Axis::around(seen, "velocity *ẋ*", velocity_unit), 60.0);
+    let seen = slip
+        .iter()
+        .flat_map(|piece| &piece.samples)
+        .map(|s| s.velocity);
+    let mut panel = Panel::new(
+        time,
+        Axis::around(seen, "velocity *ẋ*", velocity_unit),
+        60.0,
+    );
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     draw_pieces(slip, |s| [s.time - begin, s.velocity], palette, &mut panel);
     Some(panel)
 }
 
 /// Draws pieces as curves through a point for each sample, in the order of time.
-fn draw_pieces(pieces: &[DrawnPhase], point: impl Fn(&StateAt) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
+fn draw_pieces(
+    pieces: &[DrawnPhase],
+    point: impl Fn(&StateAt) -> [f64; 2],
+    palette: &Palette,
+    panel: &mut Panel,
+) {
     for piece in pieces {
-        panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
+        panel.line(
+            piece.samples.iter().map(&point).collect(),
+            stroke(piece, palette),
+        );
     }
 }
 
 /// Marks the events at this height, unless there are too many of them.
-fn mark_events(trace: &PathTrace, height: impl Fn(&StateAt) -> f64, palette: &Palette, panel: &mut Panel) {
-    for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
-        panel.mark([moment.at.time, height(&moment.at)], moment.mark(), palette.ink);
+fn mark_events(
+    trace: &PathTrace,
+    height: impl Fn(&StateAt) -> f64,
+    palette: &Palette,
+    panel: &mut Panel,
+) {
+    for moment in trace
+        .moments
+        .iter()
+        .filter(|_| trace.moments.len() <= MOST_MARKED)
+    {
+        panel.mark(
+            [moment.at.time, height(&moment.at)],
+            moment.mark(),
+            palette.ink,
+        );
     }
 }
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
 fn friction_force(trace: &PathTrace, model: &Model) -> Vec<[f64; 2]> {
-    let dry = |sign: f64, s: &StateAt| model.sliding_friction(Sign::of(sign), s.time, s.displacement, s.velocity);
-    let force = |piece: &DrawnPhase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| dry(sign, s))];
-    trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
+    let dry = |sign: f64, s: &StateAt| {
+        model.sliding_friction(Sign::of(sign), s.time, s.displacement, s.velocity)
+    };
+    let force = |piece: &DrawnPhase, s: &StateAt| {
+        [
+            s.time,
+            piece.slip.map_or(s.spring, |(_, sign)| dry(sign, s)),
+        ]
+    };
+    trace
+        .pieces
+        .iter()
+        .flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s)))
+        .collect()
 }
 
 /// The last panel: the force of the spring against the velocity. With many events, only the longest
@@ -233,30 +378,62 @@ fn phase_plane(
     // Sticks, which have the velocity zero, must not be on the edge.
     let [low, high] = range_of(trace.samples().map(|s| s.velocity));
     let room = 0.04 * (high - low);
-    let x = Axis::around([low - room, high + room], "velocity *ẋ*(*t*)", velocity_unit);
+    let x = Axis::around(
+        [low - room, high + room],
+        "velocity *ẋ*(*t*)",
+        velocity_unit,
+    );
     // A threshold of which the force stays far is left out.
     let [least, most] = range_of(trace.samples().map(|s| s.spring));
     let levels = [(friction, most, "*f*_{s}"), (-friction, -least, "−*f*_{s}")];
-    let levels = levels.into_iter().filter(|(_, reached, _)| friction > 0.0 && *reached > 0.5 * friction);
+    let levels = levels
+        .into_iter()
+        .filter(|(_, reached, _)| friction > 0.0 && *reached > 0.5 * friction);
     let levels: Vec<(f64, &str)> = levels.map(|(level, _, name)| (level, name)).collect();
-    let y = Axis::around(levels.iter().map(|(level, _)| *level).chain([least, most]), force, force_unit);
+    let y = Axis::around(
+        levels.iter().map(|(level, _)| *level).chain([least, most]),
+        force,
+        force_unit,
+    );
     let mut panel = Panel::new(x, y, 124.0);
     for (level, _) in &levels {
         panel.level(*level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
     let full = in_full(trace);
-    let points = |piece: &DrawnPhase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
-    let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
+    let points = |piece: &DrawnPhase| {
+        piece
+            .samples
+            .iter()
+            .map(|s| [s.velocity, s.spring])
+            .collect()
+    };
+    let others = trace
+        .pieces
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !full.contains(i));
     for (_, piece) in others {
-        panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));
+        panel.line(
+            points(piece),
+            Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4),
+        );
     }
     for piece in &trace.pieces[full.clone()] {
         panel.line(points(piece), stroke(piece, palette));
     }
     let times = trace.pieces[full.start].begin()..=trace.pieces[full.end - 1].end();
-    let moments = || trace.moments.iter().filter(|moment| times.contains(&moment.at.time));
+    let moments = || {
+        trace
+            .moments
+            .iter()
+            .filter(|moment| times.contains(&moment.at.time))
+    };
     for moment in moments() {
-        panel.mark([moment.at.velocity, moment.at.spring], moment.mark(), palette.ink);
+        panel.mark(
+            [moment.at.velocity, moment.at.spring],
+            moment.mark(),
+            palette.ink,
+        );
     }
     for (level, name) in levels {
         panel.note([f64::INFINITY, level], name, &[[-1, -1], [-1, 1]]);
@@ -275,7 +452,12 @@ mod tests {
 
     fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
-        let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number, from: 0.0 }).expect("not lost");
+        let trace = PathTrace::of(&DrawnPath {
+            scenario: &scenario,
+            number,
+            from: 0.0,
+        })
+        .expect("not lost");
         (scenario, trace)
     }
 
@@ -284,8 +466,12 @@ mod tests {
     #[test]
     fn the_events_of_shaw_are_those_of_the_paper() {
         let (_, trace) = trace("shaw", 0);
-        let marks: Vec<(String, String)> =
-            trace.moments.iter().take(5).map(|m| (m.name.clone(), format!("{:.2}", m.at.time))).collect();
+        let marks: Vec<(String, String)> = trace
+            .moments
+            .iter()
+            .take(5)
+            .map(|m| (m.name.clone(), format!("{:.2}", m.at.time)))
+            .collect();
         let expected = [
             ("*τ*_{0}", "0.00"),
             ("*τ*_{½}", "2.58"),
@@ -293,10 +479,16 @@ mod tests {
             ("*τ*_{1+½}", "14.86"),
             ("*τ*_{2}", "25.75"),
         ];
-        assert_eq!(marks, expected.map(|(name, time)| (name.to_string(), time.to_string())));
+        assert_eq!(
+            marks,
+            expected.map(|(name, time)| (name.to_string(), time.to_string()))
+        );
         // The forces at these events in the phase plane.
         let forces: Vec<f64> = trace.moments[2..5].iter().map(|m| m.at.spring).collect();
-        assert!((forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01, "{forces:?}");
+        assert!(
+            (forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01,
+            "{forces:?}"
+        );
         assert!((trace.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
         assert!((trace.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
     }
@@ -310,13 +502,24 @@ mod tests {
             for pair in trace.pieces.windows(2) {
                 assert_eq!(pair[0].samples.last(), pair[1].samples.first());
             }
-            let last = trace.pieces.last().and_then(|piece| piece.samples.last()).expect("it has an end");
+            let last = trace
+                .pieces
+                .last()
+                .and_then(|piece| piece.samples.last())
+                .expect("it has an end");
             assert!((last.time - scenario.time.end).abs() < 1e-9);
             for piece in &trace.pieces {
-                assert!(piece.samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
+                assert!(
+                    piece
+                        .samples
+                        .windows(2)
+                        .all(|pair| pair[0].time <= pair[1].time)
+                );
                 for s in &piece.samples {
                     match piece.slip {
-                        None => assert!(s.velocity == 0.0 && s.displacement == piece.samples[0].displacement),
+                        None => assert!(
+                            s.velocity == 0.0 && s.displacement == piece.samples[0].displacement
+                        ),
                         Some((_, sign)) => assert!(s.velocity * sign >= 0.0, "{name} {}", s.time),
                     }
                 }
@@ -330,13 +533,33 @@ mod tests {
     fn a_body_with_initial_velocity_begins_with_it() {
         let mut shaw = Scenario::shipped("shaw").expect("shipped");
         shaw.model.initial_velocity = 3.0;
-        for scheme in [Kind::DiscreteVi.with(0.01), Kind::CorrectedVi.with(0.01), Kind::EventDriven.with(1e-3)] {
+        for scheme in [
+            Kind::DiscreteVi.with(0.01),
+            Kind::CorrectedVi.with(0.01),
+            Kind::EventDriven.with(1e-3),
+        ] {
             let scenario = shaw.with_scheme(scheme).expect("suits");
-            let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number: 0, from: 0.0 }).expect("not lost");
-            let begin: Vec<f64> = trace.samples().filter(|s| s.time == 0.0).map(|s| s.velocity).collect();
-            assert!(!begin.is_empty() && begin.iter().all(|v| *v == 3.0), "{scheme}: {begin:?}");
+            let trace = PathTrace::of(&DrawnPath {
+                scenario: &scenario,
+                number: 0,
+                from: 0.0,
+            })
+            .expect("not lost");
+            let begin: Vec<f64> = trace
+                .samples()
+                .filter(|s| s.time == 0.0)
+                .map(|s| s.velocity)
+                .collect();
+            assert!(
+                !begin.is_empty() && begin.iter().all(|v| *v == 3.0),
+                "{scheme}: {begin:?}"
+            );
             let first = trace.moments[0].at;
-            assert_eq!((first.time, first.velocity, first.spring), (0.0, 3.0, 0.0), "K (beta T - x) = 6 - 6");
+            assert_eq!(
+                (first.time, first.velocity, first.spring),
+                (0.0, 3.0, 0.0),
+                "K (beta T - x) = 6 - 6"
+            );
         }
     }
 
@@ -346,7 +569,11 @@ mod tests {
     fn a_slip_of_several_sub_phases_has_its_turns_named() {
         let (_, trace) = trace("rho025", 41);
         assert!(trace.most_sub_phases() >= 2);
-        let turn = trace.moments.iter().find(|m| m.is_turn).expect("there is one");
+        let turn = trace
+            .moments
+            .iter()
+            .find(|m| m.is_turn)
+            .expect("there is one");
         assert!(turn.name.contains("}^{1}"), "{}", turn.name);
     }
 
@@ -356,10 +583,17 @@ mod tests {
     fn friction_holds_in_sticks_and_drags_in_slips() {
         let (scenario, trace) = trace("shaw", 0);
         let force = friction_force(&trace, &scenario.model);
-        let samples: Vec<(bool, f64)> =
-            trace.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
+        let samples: Vec<(bool, f64)> = trace
+            .pieces
+            .iter()
+            .flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring)))
+            .collect();
         for ((is_static, spring), [_, f]) in samples.into_iter().zip(force) {
-            assert!(if is_static { f == spring && f.abs() < 1.2 + 0.01 } else { f.abs() == 1.0 });
+            assert!(if is_static {
+                f == spring && f.abs() < 1.2 + 0.01
+            } else {
+                f.abs() == 1.0
+            });
         }
     }
 }

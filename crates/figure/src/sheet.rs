@@ -25,8 +25,16 @@ const LETTER: f64 = 1.1 * LETTERS;
 const FOOT: f64 = 3.0;
 
 /// A sheet with a legend for all panels.
-pub fn sheet(title: &str, legend: impl Into<Vec<LegendEntry>>, panels: impl Into<Vec<Panel>>) -> Sheet {
-    Sheet { title: title.to_string(), legend: legend.into(), panels: panels.into() }
+pub fn sheet(
+    title: &str,
+    legend: impl Into<Vec<LegendEntry>>,
+    panels: impl Into<Vec<Panel>>,
+) -> Sheet {
+    Sheet {
+        title: title.to_string(),
+        legend: legend.into(),
+        panels: panels.into(),
+    }
 }
 
 /// The letter of the panel with this number, counted from 0; none behind Z.
@@ -46,7 +54,11 @@ impl Sheet {
         let number = (0..self.len()).find(|number| letter(*number) == Some(asked));
         let Some(number) = number else {
             let last = letter(self.len() - 1).unwrap_or('Z');
-            return Err(if last == 'A' { "A".to_string() } else { format!("A to {last}") });
+            return Err(if last == 'A' {
+                "A".to_string()
+            } else {
+                format!("A to {last}")
+            });
         };
         let mut panel = self.panels.swap_remove(number);
         panel.is_labelled = true;
@@ -69,28 +81,57 @@ impl Sheet {
     pub fn draw(&self, style: &Style, letters: Option<usize>, stretch: f64) -> Drawing {
         let palette = style.palette();
         let width = style.points();
-        let panels: Vec<Panel> = self.panels.iter().map(|panel| panel.stretched(stretch)).collect();
+        let panels: Vec<Panel> = self
+            .panels
+            .iter()
+            .map(|panel| panel.stretched(stretch))
+            .collect();
         let mut items = Vec::new();
         let left = panels.iter().map(Panel::margin).fold(0.0, f64::max) + EDGE;
         let right = EDGE + 6.0;
         let mut y = EDGE;
         let put = |key: &[LegendEntry], y: f64, items: &mut Vec<_>| {
-            draw_legend(key, [left.min(30.0), y], width - left.min(30.0) - EDGE, style, items)
+            draw_legend(
+                key,
+                [left.min(30.0), y],
+                width - left.min(30.0) - EDGE,
+                style,
+                items,
+            )
         };
         y += put(&self.legend, y, &mut items);
         // Below a legend of its own, a panel needs no further space for its letter.
         let is_keyed = panels.first().is_some_and(|panel| !panel.key.is_empty());
-        y += if letters.is_some() && !is_keyed { LETTER } else { UNDER };
+        y += if letters.is_some() && !is_keyed {
+            LETTER
+        } else {
+            UNDER
+        };
         let mut missing = 0;
         for (number, panel) in panels.iter().enumerate() {
             let key = put(&panel.key, y, &mut items);
-            let foot = if key > 0.0 { y + 0.5 * LegendEntry::ROW + 0.36 * LETTERS } else { y - FOOT };
+            let foot = if key > 0.0 {
+                y + 0.5 * LegendEntry::ROW + 0.36 * LETTERS
+            } else {
+                y - FOOT
+            };
             if let Some(letter) = letters.and_then(|first| letter(first + number)) {
                 let label = Label::bold(&letter.to_string());
-                items.push(Item::words(label, [EDGE, foot], Align::Start, LETTER, palette.ink));
+                items.push(Item::words(
+                    label,
+                    [EDGE, foot],
+                    Align::Start,
+                    LETTER,
+                    palette.ink,
+                ));
             }
             y += if key > 0.0 { key + UNDER } else { 0.0 };
-            let frame = Rect { x: left, y, width: (width - left - right).max(20.0), height: panel.height };
+            let frame = Rect {
+                x: left,
+                y,
+                width: (width - left - right).max(20.0),
+                height: panel.height,
+            };
             missing += panel.draw(frame, palette, &mut items);
             y = frame.bottom() + panel.footing() + if panel.is_labelled { APART } else { CLOSE };
         }

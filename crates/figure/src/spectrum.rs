@@ -1,6 +1,8 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
-use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{
+    Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
+};
 use stickslip::stats::Dimension;
 use stickslip::sums::Ends;
 
@@ -8,43 +10,89 @@ use stickslip::sums::Ends;
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(spectrum) = &summary.spectrum else {
-        return Err(Absent::Nothing("the run has no spectrum: set record.spectrum = true"));
+        return Err(Absent::Nothing(
+            "the run has no spectrum: set record.spectrum = true",
+        ));
     };
     let of = &spectrum.velocity;
-    let [least, most] = range_of(of.spectrum[1..].iter().copied().filter(|power| *power > 0.0));
+    let [least, most] = range_of(
+        of.spectrum[1..]
+            .iter()
+            .copied()
+            .filter(|power| *power > 0.0),
+    );
     if !(least > 0.0 && least < most) {
         return Err(Absent::Nothing(
             "x' is identical in all paths at every row of the output grid, or there is only one path",
         ));
     }
     let palette = style.palette();
-    let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
+    let unit = |time: i32, length: i32| {
+        Dimension {
+            time,
+            length,
+            ..Dimension::ONE
+        }
+        .label(&scenario.units)
+    };
     let frequencies = &spectrum.frequency;
-    let horizontal =
-        Axis::log([frequencies[1], frequencies[frequencies.len() - 1]], "angular frequency *ω*", &unit(-1, 0));
-    let vertical = Axis::log_around([least, most], "power spectrum *S*(*ω*) of *x*\u{2032}", &unit(-1, 2));
+    let horizontal = Axis::log(
+        [frequencies[1], frequencies[frequencies.len() - 1]],
+        "angular frequency *ω*",
+        &unit(-1, 0),
+    );
+    let vertical = Axis::log_around(
+        [least, most],
+        "power spectrum *S*(*ω*) of *x*\u{2032}",
+        &unit(-1, 2),
+    );
     let mut power = Panel::new(horizontal, vertical, 96.0);
     let curve = |values: &[f64]| -> Vec<[f64; 2]> {
-        frequencies.iter().zip(values).skip(1).map(|(w, s)| [*w, *s]).filter(|point| point[1] > 0.0).collect()
+        frequencies
+            .iter()
+            .zip(values)
+            .skip(1)
+            .map(|(w, s)| [*w, *s])
+            .filter(|point| point[1] > 0.0)
+            .collect()
     };
     power.band(band(frequencies, &of.spectrum_ends, 1), palette.narrow);
     power.line(curve(&of.spectrum), solid(palette.first));
     let lags = &spectrum.lag;
     let horizontal = Axis::linear([0.0, lags[lags.len() - 1]], "lag *s*", &unit(1, 0));
-    let seen =
-        of.autocovariance_ends.low[..lags.len()].iter().chain(&of.autocovariance_ends.high[..lags.len()]).copied();
+    let seen = of.autocovariance_ends.low[..lags.len()]
+        .iter()
+        .chain(&of.autocovariance_ends.high[..lags.len()])
+        .copied();
     let title = "autocovariance *C*(*s*) of *x*\u{2032}";
-    let mut covariance = Panel::new(horizontal, Axis::around(seen.chain([0.0]), title, &unit(-2, 2)), 72.0);
+    let mut covariance = Panel::new(
+        horizontal,
+        Axis::around(seen.chain([0.0]), title, &unit(-2, 2)),
+        72.0,
+    );
     covariance.level(0.0, Stroke::solid(palette.faint, 0.4));
     covariance.band(band(lags, &of.autocovariance_ends, 0), palette.narrow);
-    covariance.line(lags.iter().zip(&of.autocovariance).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
+    covariance.line(
+        lags.iter()
+            .zip(&of.autocovariance)
+            .map(|(l, c)| [*l, *c])
+            .collect(),
+        solid(palette.first),
+    );
     let legend = [
         LegendEntry::line(solid(palette.first), "deviations from the mean over paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
-    Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))
+    Ok(sheet(
+        &format!("Spectrum: {}", scenario.title),
+        legend,
+        [power, covariance],
+    ))
 }
 
 fn band(at: &[f64], ends: &Ends, from: usize) -> Vec<[f64; 3]> {
-    (from..at.len()).map(|i| [at[i], ends.at(i)[0], ends.at(i)[1]]).filter(|[_, low, _]| low.is_finite()).collect()
+    (from..at.len())
+        .map(|i| [at[i], ends.at(i)[0], ends.at(i)[1]])
+        .filter(|[_, low, _]| low.is_finite())
+        .collect()
 }

@@ -11,10 +11,14 @@ pub type DensityBin = ([f64; 2], f64, [f64; 2]);
 pub fn draw(bins: &[DensityBin], floor: f64, palette: &Palette, panel: &mut Panel) {
     let stepped = |of: &dyn Fn(&DensityBin) -> [f64; 2]| -> Vec<[f64; 3]> {
         let ends = |bin: &DensityBin| of(bin).map(|end| end.max(floor));
-        bins.iter().flat_map(|bin| bin.0.map(|edge| [edge, ends(bin)[0], ends(bin)[1]])).collect()
+        bins.iter()
+            .flat_map(|bin| bin.0.map(|edge| [edge, ends(bin)[0], ends(bin)[1]]))
+            .collect()
     };
     panel.band(stepped(&|bin| [floor, bin.1]), palette.wide);
     panel.band(stepped(&|bin| bin.2), palette.narrow);
-    let tops = bins.iter().flat_map(|(edges, density, _)| edges.map(|edge| [edge, *density]));
+    let tops = bins
+        .iter()
+        .flat_map(|(edges, density, _)| edges.map(|edge| [edge, *density]));
     panel.line(tops.collect(), solid(palette.first));
 }

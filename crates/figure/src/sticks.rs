@@ -26,15 +26,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let all = bins(sticks);
     let (bins, shorter) = drawn(&all);
     let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
-        return Err(Absent::Nothing("no stick after the first of a path has ended"));
+        return Err(Absent::Nothing(
+            "no stick after the first of a path has ended",
+        ));
     };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
     let durations = || Axis::log([first.edges[0], last.edges[1]], "stick duration *D*", &unit);
 
-    let (axis, floor) = Axis::of_shares(bins.iter().map(|bin| bin.density), "density per decade", "", style.log);
+    let (axis, floor) = Axis::of_shares(
+        bins.iter().map(|bin| bin.density),
+        "density per decade",
+        "",
+        style.log,
+    );
     let mut density = Panel::new(durations(), axis, 84.0);
-    let steps: Vec<DensityBin> = bins.iter().map(|bin| (bin.edges, bin.density, [bin.density; 2])).collect();
+    let steps: Vec<DensityBin> = bins
+        .iter()
+        .map(|bin| (bin.edges, bin.density, [bin.density; 2]))
+        .collect();
     steps::draw(&steps, floor, palette, &mut density);
 
     let mut curve = survival(sticks);
@@ -42,22 +52,39 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (axis, floor) = Axis::of_shares(shares, "fraction longer than *D*", "", style.log);
     let mut outlasting = Panel::new(durations(), axis, 84.0);
     if style.log {
-        curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor));
+        curve
+            .ends
+            .iter_mut()
+            .for_each(|[_, low, _]| *low = low.max(floor));
     }
     curve.draw(palette, &mut outlasting);
 
-    let mut counts = format!("{} ended, {} censored", grouped(sticks.completed), grouped(sticks.censored));
+    let mut counts = format!(
+        "{} ended, {} censored",
+        grouped(sticks.completed),
+        grouped(sticks.censored)
+    );
     if shorter > 0 {
         counts += &format!("; {} shorter than shown", grouped(shorter));
     }
     let interval = LegendEntry::area(palette.narrow, "95 % interval");
-    let curve = if sticks.step.is_some() { "Kaplan–Meier, in steps of the scheme" } else { "Kaplan–Meier" };
+    let curve = if sticks.step.is_some() {
+        "Kaplan–Meier, in steps of the scheme"
+    } else {
+        "Kaplan–Meier"
+    };
     let legend = [LegendEntry::words(counts)];
     let panels = [
-        density.above_another().keyed([LegendEntry::line(solid(palette.first), "density")]),
+        density
+            .above_another()
+            .keyed([LegendEntry::line(solid(palette.first), "density")]),
         outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval]),
     ];
-    Ok(sheet(&format!("Stick durations: {}", scenario.title), legend, panels))
+    Ok(sheet(
+        &format!("Stick durations: {}", scenario.title),
+        legend,
+        panels,
+    ))
 }
 
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
@@ -81,8 +108,13 @@ fn bins(sticks: &Distribution) -> Vec<DrawnBin> {
         if edges[0] <= 0.0 {
             continue;
         }
-        let per_decade = |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
-        out.push(DrawnBin { edges, count, density: per_decade(count as f64) });
+        let per_decade =
+            |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
+        out.push(DrawnBin {
+            edges,
+            count,
+            density: per_decade(count as f64),
+        });
     }
     out
 }
@@ -92,8 +124,14 @@ fn bins(sticks: &Distribution) -> Vec<DrawnBin> {
 fn drawn(bins: &[DrawnBin]) -> (&[DrawnBin], u64) {
     let total: u64 = bins.iter().map(|bin| bin.count).sum();
     let below = |end: usize| bins[..end].iter().map(|bin| bin.count).sum::<u64>();
-    let first = (0..bins.len()).rev().find(|end| below(*end) as f64 <= NEXT_TO_NONE * total as f64).unwrap_or(0);
-    let last = bins.iter().rposition(|bin| bin.count > 0).map_or(first, |last| last + 1);
+    let first = (0..bins.len())
+        .rev()
+        .find(|end| below(*end) as f64 <= NEXT_TO_NONE * total as f64)
+        .unwrap_or(0);
+    let last = bins
+        .iter()
+        .rposition(|bin| bin.count > 0)
+        .map_or(first, |last| last + 1);
     (&bins[first..last], below(first))
 }
 
@@ -113,12 +151,18 @@ pub(super) struct SurvivalCurve {
 /// The survival curve of the file.
 pub(super) fn survival(sticks: &Distribution) -> SurvivalCurve {
     let edges = &sticks.histogram.edges;
-    let mut curve = SurvivalCurve { shares: Vec::new(), ends: Vec::new() };
+    let mut curve = SurvivalCurve {
+        shares: Vec::new(),
+        ends: Vec::new(),
+    };
     let mut put = |edge: f64, share: f64, [low, high]: [f64; 2]| {
         curve.shares.push([edge, share]);
         curve.ends.push([edge, low, high]);
     };
-    edges.first().into_iter().for_each(|edge| put(*edge, 1.0, [1.0; 2]));
+    edges
+        .first()
+        .into_iter()
+        .for_each(|edge| put(*edge, 1.0, [1.0; 2]));
     let mut before = (1.0, [1.0; 2]);
     for (i, share) in sticks.survival.iter().enumerate() {
         let here = (*share, sticks.survival_ends.at(i));
@@ -152,14 +196,27 @@ mod tests {
         for scheme in ["discrete-vi", "event-driven"] {
             let mut scenario = Scenario::shipped("rho025").expect("shipped");
             if scheme == "event-driven" {
-                scenario = scenario.with_scheme(stickslip::scheme::EventDriven { tolerance: 1e-2 }).expect("suits");
+                scenario = scenario
+                    .with_scheme(stickslip::scheme::EventDriven { tolerance: 1e-2 })
+                    .expect("suits");
             }
             scenario.ensemble.paths = 256;
-            let summary = Run::of(&scenario).without_bias().simulate().expect("no sink").summary;
+            let summary = Run::of(&scenario)
+                .without_bias()
+                .simulate()
+                .expect("no sink")
+                .summary;
             let bins = bins(&summary.stick_durations);
-            let total: f64 = bins.iter().map(|bin| bin.density * (bin.edges[1] / bin.edges[0]).log10()).sum();
+            let total: f64 = bins
+                .iter()
+                .map(|bin| bin.density * (bin.edges[1] / bin.edges[0]).log10())
+                .sum();
             assert!((total - 1.0).abs() < 1e-9, "{scheme}: {total}");
-            assert!(bins.windows(2).all(|pair| (pair[0].edges[1] / pair[1].edges[0] - 1.0).abs() < 1e-9), "{scheme}");
+            assert!(
+                bins.windows(2)
+                    .all(|pair| (pair[0].edges[1] / pair[1].edges[0] - 1.0).abs() < 1e-9),
+                "{scheme}"
+            );
         }
     }
 }

@@ -17,11 +17,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let shares = &counts.shares[..=last];
     let ends: Vec<[f64; 2]> = (0..=last).map(|i| counts.share_ends.at(i)).collect();
 
-    let k = Axis::linear([0.4, (last as f64).max(3.0) + 1.6], "number *k* of sub-phases of a slip", "").whole();
-    let [_, most] = range_of(shares.iter().copied().chain(ends.iter().map(|ends| ends[1])));
+    let k = Axis::linear(
+        [0.4, (last as f64).max(3.0) + 1.6],
+        "number *k* of sub-phases of a slip",
+        "",
+    )
+    .whole();
+    let [_, most] = range_of(
+        shares
+            .iter()
+            .copied()
+            .chain(ends.iter().map(|ends| ends[1])),
+    );
     let [least, _] = range_of(shares.iter().copied().filter(|share| *share > 0.0));
     let title = "fraction of slips";
-    let floor = if style.log { 10f64.powf((least / 1.5).log10().floor()) } else { 0.0 };
+    let floor = if style.log {
+        10f64.powf((least / 1.5).log10().floor())
+    } else {
+        0.0
+    };
     let vertical = match style.log {
         true => Axis::log_around([floor, most], title, ""),
         false => Axis::from_zero(most, title, ""),
@@ -35,7 +49,18 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         panel.interval(k, [low.max(floor), high], palette.ink);
     }
     let slips: u64 = counts.counts.iter().sum();
-    let words = format!("{} slips ended, {} censored", grouped(slips), grouped(counts.censored));
-    let legend = [LegendEntry::words(words), LegendEntry::area(palette.narrow, "fraction, with 95 % interval")];
-    Ok(sheet(&format!("Sub-phases of slips: {}", scenario.title), legend, [panel]))
+    let words = format!(
+        "{} slips ended, {} censored",
+        grouped(slips),
+        grouped(counts.censored)
+    );
+    let legend = [
+        LegendEntry::words(words),
+        LegendEntry::area(palette.narrow, "fraction, with 95 % interval"),
+    ];
+    Ok(sheet(
+        &format!("Sub-phases of slips: {}", scenario.title),
+        legend,
+        [panel],
+    ))
 }

@@ -56,7 +56,14 @@ pub enum Subject<'a> {
 
 /// The statistics of a sweep that are drawn: those that are named or, if none is, two of them.
 fn named_or_usual(named: &[Statistic]) -> &[Statistic] {
-    if named.is_empty() { &[Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare] } else { named }
+    if named.is_empty() {
+        &[
+            Statistic::StickDurationMean,
+            Statistic::SubPhasesMultipleShare,
+        ]
+    } else {
+        named
+    }
 }
 
 /// Sweeps with the names of their files, and the statistics to draw.
@@ -65,29 +72,69 @@ type Sweeps<'a> = (&'a [(String, Sweep)], &'a [Statistic]);
 impl<'a> Subject<'a> {
     /// A heading, and a line that says what the numbers come from.
     pub(super) fn heading(&self, style: &Style) -> (String, String) {
-        let origin = |scenario: &Scenario| format!("{}, seed {}", setting(&scenario.scheme), scenario.ensemble.seed);
+        let origin = |scenario: &Scenario| {
+            format!(
+                "{}, seed {}",
+                setting(&scenario.scheme),
+                scenario.ensemble.seed
+            )
+        };
         match self {
-            Subject::Path(DrawnPath { scenario, number, .. }) => {
-                (scenario.title.clone(), format!("{}, path {number}", origin(scenario)))
-            }
-            Subject::Run { scenario, summary, path } => {
+            Subject::Path(DrawnPath {
+                scenario, number, ..
+            }) => (
+                scenario.title.clone(),
+                format!("{}, path {number}", origin(scenario)),
+            ),
+            Subject::Run {
+                scenario,
+                summary,
+                path,
+            } => {
                 let paths = counted(summary.completed_paths);
                 let number = path.number;
-                (scenario.title.clone(), format!("{}, {paths}; path {number} is drawn", origin(scenario)))
+                (
+                    scenario.title.clone(),
+                    format!("{}, {paths}; path {number} is drawn", origin(scenario)),
+                )
             }
             Subject::Trade(prices) => {
-                let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
+                let origin = format!(
+                    "biases against {}, seed {}",
+                    prices.reference.replace("--", ""),
+                    prices.seed
+                );
                 (prices.title.clone(), origin.replace("scheme ", ""))
             }
             Subject::Sweep { sweeps, statistics } => {
-                let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
-                let Some((_, first)) = sweeps.first() else { return Default::default() };
+                let all: Vec<&Scenario> = sweeps
+                    .iter()
+                    .map(|(_, sweep)| &sweep.question.scenario)
+                    .collect();
+                let Some((_, first)) = sweeps.first() else {
+                    return Default::default();
+                };
                 let drawn = named_or_usual(statistics).iter();
-                let drawn: Vec<String> = drawn.map(|statistic| of_statistic(*statistic, style).words()).collect();
-                let keys: Vec<String> =
-                    first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
-                let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
-                let line = format!("{}; otherwise as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
+                let drawn: Vec<String> = drawn
+                    .map(|statistic| of_statistic(*statistic, style).words())
+                    .collect();
+                let keys: Vec<String> = first
+                    .question
+                    .design
+                    .axes()
+                    .iter()
+                    .map(|axis| of_axis(axis, style).words())
+                    .collect();
+                let over = if keys.is_empty() {
+                    "every key".to_string()
+                } else {
+                    keys.join(" and ")
+                };
+                let line = format!(
+                    "{}; otherwise as in \"{}\"",
+                    origin_of_sweeps(&all),
+                    first.question.scenario.title
+                );
                 (format!("Sweep over {over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
@@ -104,13 +151,20 @@ impl<'a> Subject<'a> {
 
     /// The scenario and the results of a run.
     pub(super) fn run(&self) -> Result<(&'a Scenario, &'a Summary), Absent> {
-        let Subject::Run { scenario, summary, .. } = self else { return Err(Absent::Elsewhere("a file of `mc run`")) };
+        let Subject::Run {
+            scenario, summary, ..
+        } = self
+        else {
+            return Err(Absent::Elsewhere("a file of `mc run`"));
+        };
         Ok((scenario, summary))
     }
 
     /// The sweeps and the statistics to draw.
     pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
-        let Subject::Sweep { sweeps, statistics } = self else { return Err(Absent::Elsewhere("a file of `mc sweep`")) };
+        let Subject::Sweep { sweeps, statistics } = self else {
+            return Err(Absent::Elsewhere("a file of `mc sweep`"));
+        };
         Ok((sweeps, named_or_usual(statistics)))
     }
 
@@ -124,32 +178,48 @@ impl<'a> Subject<'a> {
 
     /// The costs that a trade has found.
     pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
-        let Subject::Trade(prices) = self else { return Err(Absent::Elsewhere("a file of `mc trade`")) };
+        let Subject::Trade(prices) = self else {
+            return Err(Absent::Elsewhere("a file of `mc trade`"));
+        };
         Ok(prices)
     }
 }
 
 /// A scheme with its step or tolerance, e.g. "discrete-vi step 0.01".
 fn setting(scheme: &Scheme) -> String {
-    scheme.to_string().replace("--scheme ", "").replace("--", "")
+    scheme
+        .to_string()
+        .replace("--scheme ", "")
+        .replace("--", "")
 }
 
 /// A number of paths in words.
 fn counted(paths: u64) -> String {
-    format!("{} path{}", grouped(paths), if paths == 1 { "" } else { "s" })
+    format!(
+        "{} path{}",
+        grouped(paths),
+        if paths == 1 { "" } else { "s" }
+    )
 }
 
 /// What sweeps have in common, or what each of them has.
 fn origin_of_sweeps(all: &[&Scenario]) -> String {
     let rest = |scenario: &&Scenario| {
-        format!("{} at each point, seed {}", counted(scenario.ensemble.paths), scenario.ensemble.seed)
+        format!(
+            "{} at each point, seed {}",
+            counted(scenario.ensemble.paths),
+            scenario.ensemble.seed
+        )
     };
     let rests: Vec<String> = all.iter().map(rest).collect();
     match &rests[..] {
         // The legend names the schemes of several sweeps.
         [first, _, ..] if rests.iter().all(|other| other == first) => first.clone(),
         _ => {
-            let each = all.iter().zip(&rests).map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
+            let each = all
+                .iter()
+                .zip(&rests)
+                .map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
             each.collect::<Vec<_>>().join("; ")
         }
     }

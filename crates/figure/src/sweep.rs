@@ -5,7 +5,10 @@ use super::axis::minus;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, of_axis, of_statistic};
-use super::{Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::{
+    Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of,
+    sheet,
+};
 use stickslip::stats::{Estimate, Statistic};
 use stickslip::study::sweep::{self, Design, Sweep};
 
@@ -32,9 +35,17 @@ impl Curve<'_> {
     /// The values of the key and the estimates there, in their order.
     fn estimates(&self, statistic: Statistic) -> Vec<(f64, Estimate)> {
         let values = &self.sweep.question.design.axes()[0].values;
-        let point =
-            |(x, p): (&f64, &usize)| Some((*x, *self.sweep.points[*p].as_ref()?.estimates.get(statistic.index())?));
-        let mut known: Vec<(f64, Estimate)> = values.iter().zip(&self.points).filter_map(point).collect();
+        let point = |(x, p): (&f64, &usize)| {
+            Some((
+                *x,
+                *self.sweep.points[*p]
+                    .as_ref()?
+                    .estimates
+                    .get(statistic.index())?,
+            ))
+        };
+        let mut known: Vec<(f64, Estimate)> =
+            values.iter().zip(&self.points).filter_map(point).collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         known
     }
@@ -42,19 +53,30 @@ impl Curve<'_> {
 
 /// An estimate less the bias of its step, where that is certain.
 fn without_step(e: &Estimate) -> Option<f64> {
-    e.corrected().filter(|_| e.bias.is_some_and(|bias| bias.weight() > 0.0)).map(|corrected| corrected.estimate)
+    e.corrected()
+        .filter(|_| e.bias.is_some_and(|bias| bias.weight() > 0.0))
+        .map(|corrected| corrected.estimate)
 }
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, statistics) = subject.sweeps()?;
-    let Some(first) = sweeps.first().map(|(_, sweep)| sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
+    let Some(first) = sweeps
+        .first()
+        .map(|(_, sweep)| sweep)
+        .filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
         return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
     };
     let axis = &first.question.design.axes()[0];
-    let has_same_axis =
-        |(_, other): &(String, Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
+    let has_same_axis = |(_, other): &(String, Sweep)| {
+        other
+            .question
+            .design
+            .axes()
+            .first()
+            .is_some_and(|other| other.key == axis.key)
+    };
     if !sweeps.iter().all(has_same_axis) {
         return Err(Absent::Nothing("the sweeps must vary the same key first"));
     }
@@ -62,9 +84,16 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let curves = curves(sweeps, palette);
     let (mut panels, mut has_corrected) = (Vec::new(), false);
     for (n, &statistic) in statistics.iter().enumerate() {
-        let drawn: Vec<Vec<(f64, Estimate)>> = curves.iter().map(|curve| curve.estimates(statistic)).collect();
+        let drawn: Vec<Vec<(f64, Estimate)>> = curves
+            .iter()
+            .map(|curve| curve.estimates(statistic))
+            .collect();
         let all = || drawn.iter().flatten().map(|(_, e)| e);
-        let numbers = || all().flat_map(|e| [e.estimate, e.low, e.high]).chain(all().filter_map(without_step));
+        let numbers = || {
+            all()
+                .flat_map(|e| [e.estimate, e.low, e.high])
+                .chain(all().filter_map(without_step))
+        };
         let [least, most] = range_of(numbers());
         if !least.is_finite() {
             return Err(Absent::Nothing("the statistic does not exist at any point"));
@@ -80,7 +109,10 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let mut panel = Panel::new(horizontal(axis, style), vertical, HEIGHT);
         for (curve, points) in curves.iter().zip(&drawn) {
             let colour = curve.stroke.colour;
-            panel.line(points.iter().map(|(x, e)| [*x, e.estimate]).collect(), curve.stroke.clone());
+            panel.line(
+                points.iter().map(|(x, e)| [*x, e.estimate]).collect(),
+                curve.stroke.clone(),
+            );
             for (x, e) in points {
                 panel.interval(*x, [e.low, e.high], colour);
                 if let Some(y) = without_step(e) {
@@ -92,7 +124,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
                 }
             }
         }
-        panels.push(if n + 1 < statistics.len() { panel.above_another() } else { panel });
+        panels.push(if n + 1 < statistics.len() {
+            panel.above_another()
+        } else {
+            panel
+        });
     }
     let mut legend: Vec<LegendEntry> = (curves.iter())
         .map(|curve| LegendEntry {
@@ -101,11 +137,24 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         })
         .collect();
     if has_corrected {
-        legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "corrected for the bias of the step"));
-    } else if sweeps.iter().any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some()) {
-        legend.push(LegendEntry::words("with the bias of the step, where there is one"));
+        legend.push(LegendEntry::mark(
+            Mark::Circle,
+            palette.ink,
+            "corrected for the bias of the step",
+        ));
+    } else if sweeps
+        .iter()
+        .any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some())
+    {
+        legend.push(LegendEntry::words(
+            "with the bias of the step, where there is one",
+        ));
     }
-    Ok(sheet(&format!("Sweep: {}", first.question.scenario.title), legend, panels))
+    Ok(sheet(
+        &format!("Sweep: {}", first.question.scenario.title),
+        legend,
+        panels,
+    ))
 }
 
 /// The space at both ends of the horizontal axis, as a share of it, for the bars of the outermost
@@ -119,9 +168,18 @@ pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     let [low, high] = range_of(values.iter().copied());
     let is_even = |pair: [f64; 2]| (pair[0] - pair[1]).abs() < 1e-6 * pair[0].abs();
     let is_log = low > 0.0
-        && values.windows(3).all(|v| is_even([v[1] / v[0], v[2] / v[1]]))
-        && values.windows(3).any(|v| !is_even([v[1] - v[0], v[2] - v[1]]));
-    let room = MARGIN * if is_log { (high / low).ln() } else { high - low };
+        && values
+            .windows(3)
+            .all(|v| is_even([v[1] / v[0], v[2] / v[1]]))
+        && values
+            .windows(3)
+            .any(|v| !is_even([v[1] - v[0], v[2] - v[1]]));
+    let room = MARGIN
+        * if is_log {
+            (high / low).ln()
+        } else {
+            high - low
+        };
     match is_log {
         true => Axis::log([low / room.exp(), high * room.exp()], title, ""),
         false => Axis::linear([low - room, high + room], title, ""),
@@ -132,14 +190,25 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
     let own = |i: usize| -> (Stroke, Mark) {
         let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
         let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];
-        (Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]), MARKS[i % 4])
+        (
+            Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]),
+            MARKS[i % 4],
+        )
     };
-    let kinds: Vec<_> = sweeps.iter().map(|(_, sweep)| sweep.question.scenario.scheme.kind()).collect();
+    let kinds: Vec<_> = sweeps
+        .iter()
+        .map(|(_, sweep)| sweep.question.scenario.scheme.kind())
+        .collect();
     let are_distinct = (0..kinds.len()).all(|i| !kinds[..i].contains(&kinds[i]));
     let mut curves = Vec::new();
     for (i, (file, sweep)) in sweeps.iter().enumerate() {
         let scheme = sweep.question.scenario.scheme;
-        let varies_step = sweep.question.design.axes().iter().any(|axis| axis.key == "time.step");
+        let varies_step = sweep
+            .question
+            .design
+            .axes()
+            .iter()
+            .any(|axis| axis.key == "time.step");
         let name = match (are_distinct, scheme.step()) {
             (false, _) => file.clone(),
             (true, Some(h)) if !varies_step => format!("{}, step {h}", scheme.name()),
@@ -147,23 +216,45 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
         };
         let design = &sweep.question.design;
         let length = design.axes()[0].values.len();
-        let others = if matches!(design, Design::Grid(_)) { design.points() / length } else { 1 };
+        let others = if matches!(design, Design::Grid(_)) {
+            design.points() / length
+        } else {
+            1
+        };
         let shown = others.min(MOST_CURVES);
         for k in 0..shown {
             // The curves that are drawn are spread over the values of the other axes.
-            let other = if shown > 1 { k * (others - 1) / (shown - 1) } else { 0 };
+            let other = if shown > 1 {
+                k * (others - 1) / (shown - 1)
+            } else {
+                0
+            };
             let points: Vec<usize> = (0..length).map(|i| i * others + other).collect();
-            let (stroke, mark) = if others == 1 && are_distinct { look(kinds[i]) } else { own(curves.len()) };
+            let (stroke, mark) = if others == 1 && are_distinct {
+                look(kinds[i])
+            } else {
+                own(curves.len())
+            };
             let at = design.settings(points[0]);
             let axes = design.axes().iter().zip(&at).skip(1).filter(|_| others > 1);
-            let mut label = if others == 1 || sweeps.len() > 1 { Label::verbatim(&name) } else { Label::default() };
+            let mut label = if others == 1 || sweeps.len() > 1 {
+                Label::verbatim(&name)
+            } else {
+                Label::default()
+            };
             for (n, (axis, setting)) in axes.enumerate() {
                 let comma = if n > 0 || sweeps.len() > 1 { ", " } else { "" };
                 let value = stickslip_data::numbers::significant(setting.value, 4);
                 label = label.and(comma).and(letter(&axis.name));
                 label = label.and(format!(" = {}", minus(&value)));
             }
-            curves.push(Curve { sweep, label, stroke, mark, points });
+            curves.push(Curve {
+                sweep,
+                label,
+                stroke,
+                mark,
+                points,
+            });
         }
     }
     curves

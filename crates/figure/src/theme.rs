@@ -31,14 +31,23 @@ pub const COLUMN: f64 = 86.0;
 
 impl Default for Style<'_> {
     fn default() -> Self {
-        Style { theme: Theme::Light, width: COLUMN, log: false, title: None, labels: &[] }
+        Style {
+            theme: Theme::Light,
+            width: COLUMN,
+            log: false,
+            title: None,
+            labels: &[],
+        }
     }
 }
 
 impl Style<'_> {
     /// The words that the user gave to one of these names.
     pub(super) fn words(&self, names: &[&str]) -> Option<&str> {
-        self.labels.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, words)| words.as_str())
+        self.labels
+            .iter()
+            .find(|(name, _)| names.contains(&name.as_str()))
+            .map(|(_, words)| words.as_str())
     }
 
     /// Width of one figure in points of 1/72 inch.
@@ -133,7 +142,11 @@ mod tests {
     fn luminance(colour: Colour) -> f64 {
         let linear = |channel: u8| {
             let c = f64::from(channel) / 255.0;
-            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
         };
         let [r, g, b] = colour.0.map(linear);
         0.2126 * r + 0.7152 * g + 0.0722 * b
@@ -158,10 +171,17 @@ mod tests {
             let phases = [palette.first, palette.second, palette.third];
             for (i, one) in phases.iter().enumerate() {
                 for other in &phases[..i] {
-                    assert!(contrast(*one, *other) > 1.15, "{one:?} {other:?} {}", contrast(*one, *other));
+                    assert!(
+                        contrast(*one, *other) > 1.15,
+                        "{one:?} {other:?} {}",
+                        contrast(*one, *other)
+                    );
                 }
             }
-            assert!(contrast(palette.wide, palette.narrow) > 1.3 && contrast(palette.wide, palette.background) > 1.15);
+            assert!(
+                contrast(palette.wide, palette.narrow) > 1.3
+                    && contrast(palette.wide, palette.background) > 1.15
+            );
         }
     }
 }

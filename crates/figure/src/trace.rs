@@ -41,12 +41,15 @@ const FEW_ROWS: usize = 16;
 impl DrawnPhase {
     /// Puts what the scheme knows of the motion between the first instant and the last one.
     fn follow(&mut self, motion: &[Segment], model: &Model) {
-        let ([Some(first), Some(last)], Some((_, sign))) = ([self.samples.first(), self.samples.last()], self.slip)
+        let ([Some(first), Some(last)], Some((_, sign))) =
+            ([self.samples.first(), self.samples.last()], self.slip)
         else {
             return;
         };
         let begin = motion.partition_point(|segment| segment.end() <= first.time);
-        let end = motion.partition_point(|segment| segment.start < last.time).max(begin);
+        let end = motion
+            .partition_point(|segment| segment.start < last.time)
+            .max(begin);
         let places = FEW_ROWS.div_ceil((end - begin).max(1));
         let is_inside = |at: &StateAt| first.time < at.time && at.time < last.time;
         let place = |k: usize| (k as f64 + 0.5) / places as f64;
@@ -64,20 +67,42 @@ fn state(segment: &Segment, part: f64, sign: f64, model: &Model) -> StateAt {
     // The polynomial may turn by its rounding before the sub-phase does.
     let velocity = sign * (sign * velocity).max(0.0);
     let spring = match segment.along {
-        Along::Step { temperature } => shown(model, segment.start, temperature, [segment.displacement, velocity]),
+        Along::Step { temperature } => shown(
+            model,
+            segment.start,
+            temperature,
+            [segment.displacement, velocity],
+        ),
         Along::Smooth { .. } => {
-            let (time, x) = (segment.start + part * segment.length, segment.displacement + way);
+            let (time, x) = (
+                segment.start + part * segment.length,
+                segment.displacement + way,
+            );
             let friction = model.sliding_friction(Sign::of(sign), time, x, velocity);
             let force = model.oscillator.mass * acceleration + friction;
-            if model.force.is_some() { force } else { force + 2.0 * model.oscillator.damping * velocity }
+            if model.force.is_some() {
+                force
+            } else {
+                force + 2.0 * model.oscillator.damping * velocity
+            }
         }
     };
-    StateAt { time: segment.start + part * segment.length, displacement: segment.displacement + way, velocity, spring }
+    StateAt {
+        time: segment.start + part * segment.length,
+        displacement: segment.displacement + way,
+        velocity,
+        spring,
+    }
 }
 
 /// The force of the spring or, where there is a force of the user's own, the whole of b.
 fn shown(model: &Model, time: f64, temperature: f64, [x, velocity]: [f64; 2]) -> f64 {
-    model.total_force(time, temperature, x, if model.force.is_some() { velocity } else { 0.0 })
+    model.total_force(
+        time,
+        temperature,
+        x,
+        if model.force.is_some() { velocity } else { 0.0 },
+    )
 }
 
 /// An event of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
@@ -128,25 +153,46 @@ impl PathTrace {
     /// The path was lost.
     pub fn of(path: &DrawnPath) -> Result<PathTrace, Absent> {
         let replay = Replay::of(path.scenario, path.number);
-        let trace = PathTrace::cut(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(path.number))?;
+        let trace = PathTrace::cut(&replay)
+            .filter(|_| !replay.is_lost())
+            .ok_or(Absent::Lost(path.number))?;
         Ok(trace.refined(&replay).beginning_at(path.from))
     }
 
     /// The rows of its trajectory, with its events inserted between them. None if events or
     /// trajectory were not kept.
     fn cut(replay: &Replay) -> Option<PathTrace> {
-        let (events, rows) = (replay.block.rows.events.as_ref()?, replay.block.rows.trajectories.as_ref()?);
+        let (events, rows) = (
+            replay.block.rows.events.as_ref()?,
+            replay.block.rows.trajectories.as_ref()?,
+        );
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
         let row = |i: usize| {
             let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
-            let spring = shown(model, time[i], rows.temperature[i], [displacement, velocity]);
-            StateAt { time: time[i], displacement, velocity, spring }
+            let spring = shown(
+                model,
+                time[i],
+                rows.temperature[i],
+                [displacement, velocity],
+            );
+            StateAt {
+                time: time[i],
+                displacement,
+                velocity,
+                spring,
+            }
         };
         let end = time.len().min(rows.displacement.len());
         let mut next_row = 0;
-        let mut piece = DrawnPhase { slip: None, samples: Vec::new() };
-        let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
+        let mut piece = DrawnPhase {
+            slip: None,
+            samples: Vec::new(),
+        };
+        let mut trace = PathTrace {
+            pieces: Vec::new(),
+            moments: Vec::new(),
+        };
         let mut count = EventNumbers::default();
         for i in 0..events.time.len() {
             let [time, displacement] = [events.time[i], events.displacement[i]];
@@ -154,7 +200,12 @@ impl PathTrace {
                 // A body with initial velocity begins its first slip with it.
                 Some(v0) if time == 0.0 && *v0 != 0.0 => row(0),
                 // The velocity is zero at an event, so the force b is that of the spring alone.
-                _ => StateAt { time, displacement, velocity: 0.0, spring: events.force[i] },
+                _ => StateAt {
+                    time,
+                    displacement,
+                    velocity: 0.0,
+                    spring: events.force[i],
+                },
             };
             while next_row < end && row(next_row).time < at.time {
                 piece.samples.push(row(next_row));
@@ -162,28 +213,58 @@ impl PathTrace {
             }
             piece.samples.push(at);
             let name = count.name(events.kind[i]);
-            trace.moments.push(LabelledEvent { at, name, is_turn: events.kind[i] == 2 });
+            trace.moments.push(LabelledEvent {
+                at,
+                name,
+                is_turn: events.kind[i] == 2,
+            });
             let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
-            let before = std::mem::replace(&mut piece, DrawnPhase { slip, samples: vec![at] });
+            let before = std::mem::replace(
+                &mut piece,
+                DrawnPhase {
+                    slip,
+                    samples: vec![at],
+                },
+            );
             trace.pieces.push(before);
         }
         piece.samples.extend((next_row..end).map(row));
         trace.pieces.push(piece);
-        if let Some(first) =
-            trace.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
-            && trace.moments.first().is_none_or(|moment| moment.at.time > 0.0)
+        if let Some(first) = trace
+            .pieces
+            .iter()
+            .find_map(|piece| piece.samples.first())
+            .filter(|first| first.time == 0.0)
+            && trace
+                .moments
+                .first()
+                .is_none_or(|moment| moment.at.time > 0.0)
         {
-            trace.moments.insert(0, LabelledEvent { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
+            trace.moments.insert(
+                0,
+                LabelledEvent {
+                    at: *first,
+                    name: "*τ*_{0}".to_string(),
+                    is_turn: false,
+                },
+            );
         }
         Some(trace)
     }
 
     /// The same path with the motion that the scheme knows in sub-phases of few rows.
     fn refined(mut self, replay: &Replay) -> PathTrace {
-        let is_coarse = |piece: &&mut DrawnPhase| piece.slip.is_some() && piece.samples.len() < FEW_ROWS;
+        let is_coarse =
+            |piece: &&mut DrawnPhase| piece.slip.is_some() && piece.samples.len() < FEW_ROWS;
         let coarse: Vec<&mut DrawnPhase> = self.pieces.iter_mut().filter(is_coarse).collect();
-        let motion = if coarse.is_empty() { Vec::new() } else { replay.motion() };
-        coarse.into_iter().for_each(|piece| piece.follow(&motion, &replay.scenario.model));
+        let motion = if coarse.is_empty() {
+            Vec::new()
+        } else {
+            replay.motion()
+        };
+        coarse
+            .into_iter()
+            .for_each(|piece| piece.follow(&motion, &replay.scenario.model));
         self
     }
 
@@ -204,13 +285,18 @@ impl PathTrace {
 
     /// The times at which each stick begins and ends.
     pub fn sticks(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.pieces.iter().filter(|piece| piece.slip.is_none()).map(|piece| [piece.begin(), piece.end()])
+        self.pieces
+            .iter()
+            .filter(|piece| piece.slip.is_none())
+            .map(|piece| [piece.begin(), piece.end()])
     }
 
     /// The time from an event to the nearest other event.
     pub fn distance(&self, moment: &LabelledEvent) -> f64 {
         let others = self.moments.iter().filter(|other| *other != moment);
-        others.map(|other| (other.at.time - moment.at.time).abs()).fold(f64::INFINITY, f64::min)
+        others
+            .map(|other| (other.at.time - moment.at.time).abs())
+            .fold(f64::INFINITY, f64::min)
     }
 
     pub fn samples(&self) -> impl Iterator<Item = &StateAt> {
@@ -219,14 +305,22 @@ impl PathTrace {
 
     /// The most sub-phases of a slip; zero if there is no slip.
     pub fn most_sub_phases(&self) -> usize {
-        self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0)
+        self.pieces
+            .iter()
+            .filter_map(|piece| piece.slip)
+            .map(|(k, _)| k)
+            .max()
+            .unwrap_or(0)
     }
 
     /// The longest complete slip, with the sticks before and after it.
     pub fn longest_slip(&self) -> Option<Range<usize>> {
-        let sticks: Vec<usize> = (0..self.pieces.len()).filter(|i| self.pieces[*i].slip.is_none()).collect();
+        let sticks: Vec<usize> = (0..self.pieces.len())
+            .filter(|i| self.pieces[*i].slip.is_none())
+            .collect();
         let slips = sticks.windows(2).map(|pair| pair[0]..pair[1] + 1);
-        let length = |slip: &Range<usize>| self.pieces[slip.end - 1].begin() - self.pieces[slip.start].end();
+        let length =
+            |slip: &Range<usize>| self.pieces[slip.end - 1].begin() - self.pieces[slip.start].end();
         slips.max_by(|one, other| length(one).total_cmp(&length(other)))
     }
 }

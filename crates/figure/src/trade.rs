@@ -2,7 +2,9 @@
 //! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};
-use super::{Absent, Axis, Colour, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::{
+    Absent, Axis, Colour, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
+};
 use stickslip::scheme::Kind;
 use stickslip::study::trade::{Number, PriceCurve, Prices};
 
@@ -13,14 +15,28 @@ const YEAR: f64 = 3.2e7;
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let prices = subject.trade()?;
     let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
-    let curves: Vec<(&PriceCurve, Vec<[f64; 2]>)> =
-        prices.curves.iter().map(|curve| (curve, curve.costs.iter().filter(is_drawn).copied().collect())).collect();
+    let curves: Vec<(&PriceCurve, Vec<[f64; 2]>)> = prices
+        .curves
+        .iter()
+        .map(|curve| {
+            (
+                curve,
+                curve.costs.iter().filter(is_drawn).copied().collect(),
+            )
+        })
+        .collect();
     let points = || curves.iter().flat_map(|(_, points)| points);
     if points().next().is_none() {
-        return Err(Absent::Nothing("no scheme reaches any target for this statistic"));
+        return Err(Absent::Nothing(
+            "no scheme reaches any target for this statistic",
+        ));
     }
     let palette = style.palette();
-    let seconds = Axis::log_around(range_of(points().map(|point| point[0])), "CPU time on one thread", "s");
+    let seconds = Axis::log_around(
+        range_of(points().map(|point| point[0])),
+        "CPU time on one thread",
+        "s",
+    );
     let error = format!("relative RMSE, {}", prices.statistic.words());
     let errors = Axis::log_around(range_of(points().map(|point| point[1])), error, "");
     let mut panel = Panel::new(seconds, errors, 150.0);
@@ -29,7 +45,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     for (curve, points) in &curves {
         let (stroke, mark) = look(curve.scheme);
         panel.line(points.clone(), stroke.clone());
-        points.iter().for_each(|point| panel.mark(*point, mark, stroke.colour));
+        points
+            .iter()
+            .for_each(|point| panel.mark(*point, mark, stroke.colour));
         if !points.is_empty() || !curve.biases.is_empty() {
             legend.push(LegendEntry {
                 mark: Some((mark, stroke.colour)),
@@ -38,16 +56,29 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
     }
     let panels = std::iter::once(panel).chain(biases(prices, style));
-    Ok(sheet(&format!("Cost of accuracy: {}", prices.title), legend, panels.collect::<Vec<_>>()))
+    Ok(sheet(
+        &format!("Cost of accuracy: {}", prices.title),
+        legend,
+        panels.collect::<Vec<_>>(),
+    ))
 }
 
 /// The bias of each scheme against its step, with the order that was seen. None if no scheme has a
 /// bias that differs from zero.
 fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
     let palette = style.palette();
-    let ends = |bias: &Number| [-1.0, 1.0].map(|side| bias.value.abs() + side * TWO_SIDED * bias.error);
-    let all = || prices.curves.iter().flat_map(|curve| &curve.biases).filter(|(_, bias)| bias.value != 0.0);
-    let seen = all().filter(|(_, bias)| ends(bias)[0] > 0.0).flat_map(|(_, bias)| [bias.value.abs(), ends(bias)[1]]);
+    let ends =
+        |bias: &Number| [-1.0, 1.0].map(|side| bias.value.abs() + side * TWO_SIDED * bias.error);
+    let all = || {
+        prices
+            .curves
+            .iter()
+            .flat_map(|curve| &curve.biases)
+            .filter(|(_, bias)| bias.value != 0.0)
+    };
+    let seen = all()
+        .filter(|(_, bias)| ends(bias)[0] > 0.0)
+        .flat_map(|(_, bias)| [bias.value.abs(), ends(bias)[1]]);
     let sizes = range_of(seen);
     if !sizes[0].is_finite() {
         return None;
@@ -60,14 +91,22 @@ fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
     for curve in &prices.curves {
         let (stroke, mark) = look(curve.scheme);
         let points = || curve.biases.iter().filter(|(_, bias)| bias.value != 0.0);
-        panel.line(points().map(|(step, bias)| [*step, bias.value.abs()]).collect(), stroke.clone());
+        panel.line(
+            points()
+                .map(|(step, bias)| [*step, bias.value.abs()])
+                .collect(),
+            stroke.clone(),
+        );
         for (step, bias) in points() {
             panel.interval(*step, ends(bias), stroke.colour);
             panel.mark([*step, bias.value.abs()], mark, stroke.colour);
         }
         if let Some(Number { value, error }) = curve.order {
             let slope = format!("slope {value:.2} \u{b1} {error:.2}");
-            key.push(LegendEntry { mark: Some((mark, stroke.colour)), ..LegendEntry::line(stroke, &slope) });
+            key.push(LegendEntry {
+                mark: Some((mark, stroke.colour)),
+                ..LegendEntry::line(stroke, &slope)
+            });
         }
     }
     Some(panel.keyed(key))
@@ -89,10 +128,20 @@ pub(super) const MARKS: [Mark; 4] = [Mark::Disc, Mark::Square, Mark::Triangle, M
 pub(super) fn look(kind: Kind) -> (Stroke, Mark) {
     let look = kind.look();
     let rgb = u32::from_str_radix(look.colour.trim_start_matches('#'), 16).unwrap_or(0);
-    let dash: Vec<f64> =
-        look.dash.split_whitespace().filter_map(|length| length.parse::<f64>().ok()).map(|l| 0.6 * l).collect();
-    let place = Kind::ALL.iter().position(|other| *other == kind).unwrap_or(0);
-    (Stroke::dashed(Colour::hex(rgb), LINE, &dash), MARKS[place % 4])
+    let dash: Vec<f64> = look
+        .dash
+        .split_whitespace()
+        .filter_map(|length| length.parse::<f64>().ok())
+        .map(|l| 0.6 * l)
+        .collect();
+    let place = Kind::ALL
+        .iter()
+        .position(|other| *other == kind)
+        .unwrap_or(0);
+    (
+        Stroke::dashed(Colour::hex(rgb), LINE, &dash),
+        MARKS[place % 4],
+    )
 }
 
 #[cfg(test)]
@@ -104,7 +153,10 @@ mod tests {
         for (i, one) in Kind::ALL.iter().enumerate() {
             for other in &Kind::ALL[..i] {
                 let ((a, mark), (b, other_mark)) = (look(*one), look(*other));
-                assert!(a.dash != b.dash && mark != other_mark && a.colour != b.colour, "{one:?} {other:?}");
+                assert!(
+                    a.dash != b.dash && mark != other_mark && a.colour != b.colour,
+                    "{one:?} {other:?}"
+                );
             }
         }
     }

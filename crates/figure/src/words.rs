@@ -7,8 +7,7 @@ use stickslip::study::sweep::SweepAxis;
 use stickslip_data::numbers;
 
 /// The names of Greek letters that people give to quantities, each before its letter.
-const GREEK: &str =
-    "alpha α beta β gamma γ delta δ epsilon ε zeta ζ kappa κ lambda λ mu μ omega ω phi φ rho ρ sigma σ tau τ theta θ";
+const GREEK: &str = "alpha α beta β gamma γ delta δ epsilon ε zeta ζ kappa κ lambda λ mu μ omega ω phi φ rho ρ sigma σ tau τ theta θ";
 
 /// A symbol as it is printed: rho becomes its Greek letter, f_s and x0 get an index, and anything
 /// else stays as it is.
@@ -45,12 +44,18 @@ fn key_words(key: &str) -> String {
 
 /// A statistic in words.
 pub fn of_statistic(statistic: Statistic, style: &Style) -> Label {
-    Label::verbatim(style.words(&[statistic.name()]).unwrap_or(statistic.words()))
+    Label::verbatim(
+        style
+            .words(&[statistic.name()])
+            .unwrap_or(statistic.words()),
+    )
 }
 
 /// A dotted key in words.
 pub fn of_key(key: &str, style: &Style) -> Label {
-    style.words(&[key]).map_or_else(|| Label::verbatim(&key_words(key)), Label::verbatim)
+    style
+        .words(&[key])
+        .map_or_else(|| Label::verbatim(&key_words(key)), Label::verbatim)
 }
 
 /// The key of an axis in words with its symbol, e.g. "intensity of the noise ρ".
@@ -79,8 +84,14 @@ mod tests {
     fn keys_become_words() {
         for (key, words) in [
             ("friction.static", "static friction"),
-            ("temperature.noise.0.relaxation_rate", "relaxation rate of the noise"),
-            ("temperature.harmonics.0.angular_frequency", "angular frequency of the forcing"),
+            (
+                "temperature.noise.0.relaxation_rate",
+                "relaxation rate of the noise",
+            ),
+            (
+                "temperature.harmonics.0.angular_frequency",
+                "angular frequency of the forcing",
+            ),
             ("oscillator.mass", "mass"),
             ("parameters.mu", "mu"),
         ] {
@@ -90,6 +101,9 @@ mod tests {
 
     #[test]
     fn numbers_are_grouped() {
-        assert_eq!([7, 1234, 1_234_567].map(grouped), ["7", "1\u{a0}234", "1\u{a0}234\u{a0}567"]);
+        assert_eq!(
+            [7, 1234, 1_234_567].map(grouped),
+            ["7", "1\u{a0}234", "1\u{a0}234\u{a0}567"]
+        );
     }
 }

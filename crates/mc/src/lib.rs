@@ -99,8 +99,13 @@ pub fn main() -> ExitCode {
     stickslip::engine::built_from(env!("STICKSLIP_COMMIT"));
     session::interrupt::refuse_large_files();
     // The stack of the first thread is as small as `ulimit -s` says.
-    let answering = std::thread::Builder::new().stack_size(STACK).spawn(answered);
-    answering.map_or_else(|_| answered(), |thread| thread.join().unwrap_or(ExitCode::FAILURE))
+    let answering = std::thread::Builder::new()
+        .stack_size(STACK)
+        .spawn(answered);
+    answering.map_or_else(
+        |_| answered(),
+        |thread| thread.join().unwrap_or(ExitCode::FAILURE),
+    )
 }
 
 /// Bytes of the stack of the thread that does the work, those that the first thread usually has.
@@ -112,7 +117,9 @@ fn answered() -> ExitCode {
         Ok(arguments) => {
             let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
             // What could not be removed after the work.
-            store::take_leftovers().iter().for_each(|line| note(&format!("warning: {line}")));
+            store::take_leftovers()
+                .iter()
+                .for_each(|line| note(&format!("warning: {line}")));
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }
         Err(answer) => self::answer(&answer),

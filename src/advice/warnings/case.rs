@@ -34,7 +34,15 @@ impl<'a> Case<'a> {
             Discretisation::Approximation => (None, None, None, Some(Slip::of(&scenario.model))),
         };
         let stiffened = step.and_then(|_| Stiffened::of(scenario, &derived));
-        Case { scenario, derived, step, stiffened, checked, corrected, slip }
+        Case {
+            scenario,
+            derived,
+            step,
+            stiffened,
+            checked,
+            corrected,
+            slip,
+        }
     }
 
     /// The noise in a step, whether or not the scheme corrects for it.

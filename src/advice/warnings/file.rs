@@ -24,6 +24,10 @@ const LARGE_OUTPUT: f64 = 1e9;
 
 pub(super) fn large_output(case: &Case) -> Option<String> {
     let size = case.derived.output_bytes;
-    (size > LARGE_OUTPUT)
-        .then(|| format!("the output file will be about {}; [record] controls what is kept", bytes(size)))
+    (size > LARGE_OUTPUT).then(|| {
+        format!(
+            "the output file will be about {}; [record] controls what is kept",
+            bytes(size)
+        )
+    })
 }

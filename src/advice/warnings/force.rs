@@ -10,13 +10,24 @@ use stickslip_data::numbers::short;
 /// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most
 /// linearly.
 pub(super) fn doubtful(case: &Case) -> Vec<String> {
-    let Some(expression) = expression(case.scenario) else { return Vec::new() };
+    let Some(expression) = expression(case.scenario) else {
+        return Vec::new();
+    };
     let found = doubts(expression, scales(case.scenario, &case.derived));
     let text = expression.text();
-    let told = |Doubt { start, end, sentence }: Doubt| {
+    let told = |Doubt {
+                    start,
+                    end,
+                    sentence,
+                }: Doubt| {
         let place = text.get(start..end).unwrap_or(text);
-        let column = text.get(..start).map_or(1, |before| before.chars().count() + 1);
-        format!("[force] expression, column {column}, `{}`: {sentence}", stickslip_data::excerpt::short(place))
+        let column = text
+            .get(..start)
+            .map_or(1, |before| before.chars().count() + 1);
+        format!(
+            "[force] expression, column {column}, `{}`: {sentence}",
+            stickslip_data::excerpt::short(place)
+        )
     };
     found.into_iter().map(told).collect()
 }
@@ -26,7 +37,12 @@ pub(super) fn doubtful(case: &Case) -> Vec<String> {
 pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     let expression = expression(case.scenario)?;
     let model = &case.scenario.model;
-    beyond_hold(expression, scales(case.scenario, &case.derived), &model.oscillator, model.friction.dynamic_force)
+    beyond_hold(
+        expression,
+        scales(case.scenario, &case.derived),
+        &model.oscillator,
+        model.friction.dynamic_force,
+    )
 }
 
 /// Slip steps of a path under noise that may be too many.

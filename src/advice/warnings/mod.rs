@@ -57,32 +57,68 @@ enum Says {
 }
 
 const fn row(name: &'static str, class: Class, says: fn(&Case) -> Option<String>) -> WarningRow {
-    WarningRow { name, class, says: Says::Once(says) }
+    WarningRow {
+        name,
+        class,
+        says: Says::Once(says),
+    }
 }
 
 const fn rows(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> WarningRow {
-    WarningRow { name, class, says: Says::Each(says) }
+    WarningRow {
+        name,
+        class,
+        says: Says::Each(says),
+    }
 }
 
 /// All warnings, the most serious first.
 const ALL: &[WarningRow] = &[
     row("step-unstable", Class::Growth, step::unstable),
-    row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
+    row(
+        "amplitude-above-critical",
+        Class::Growth,
+        step::amplitude_above_critical,
+    ),
     row("runs-away", Class::Growth, step::runs_away),
-    row("step-against-oscillator", Class::LongStep, step::against_oscillator),
-    rows("step-against-forcing", Class::LongStep, step::against_forcing),
+    row(
+        "step-against-oscillator",
+        Class::LongStep,
+        step::against_oscillator,
+    ),
+    rows(
+        "step-against-forcing",
+        Class::LongStep,
+        step::against_forcing,
+    ),
     row("step-against-noise", Class::LongStep, step::against_noise),
-    row("step-against-stick band", Class::LongStep, noise::against_corridor),
+    row(
+        "step-against-stick band",
+        Class::LongStep,
+        noise::against_corridor,
+    ),
     row("large-shift", Class::LongStep, noise::large_shift),
-    row("incomplete-correction", Class::Other, noise::incomplete_correction),
+    row(
+        "incomplete-correction",
+        Class::Other,
+        noise::incomplete_correction,
+    ),
     row("equal-friction", Class::Other, noise::equal_friction),
     row("stick-exit-bias", Class::Bias, noise::stick_exit_bias),
     row("corrected-bias", Class::Bias, noise::corrected_bias),
     row("white-noise", Class::Other, noise::white),
     row("micro-slips", Class::Other, noise::micro_slips),
     row("resolution", Class::Other, noise::unresolved),
-    row("never-moves", Class::Approximation, quasi_static::never_moves),
-    row("forcing-during-slip", Class::Approximation, quasi_static::forcing_during_slip),
+    row(
+        "never-moves",
+        Class::Approximation,
+        quasi_static::never_moves,
+    ),
+    row(
+        "forcing-during-slip",
+        Class::Approximation,
+        quasi_static::forcing_during_slip,
+    ),
     row("creep", Class::Approximation, quasi_static::creep),
     rows("doubtful-force", Class::Other, force::doubtful),
     row("stiff-damping", Class::Other, force::stiff_damping),
@@ -126,12 +162,18 @@ impl Scenario {
     /// What the user should know before trusting the run, the most serious first.
     pub fn warnings(&self) -> Vec<Warning> {
         let case = Case::new(self);
-        let of_row = |&WarningRow { name, class, ref says }: &WarningRow| {
+        let of_row = |&WarningRow {
+                          name,
+                          class,
+                          ref says,
+                      }: &WarningRow| {
             let texts = match says {
                 Says::Once(says) => says(&case).into_iter().collect(),
                 Says::Each(says) => says(&case),
             };
-            texts.into_iter().map(move |text| Warning { name, class, text })
+            texts
+                .into_iter()
+                .map(move |text| Warning { name, class, text })
         };
         ALL.iter().flat_map(of_row).collect()
     }

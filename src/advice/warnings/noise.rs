@@ -132,7 +132,10 @@ pub(super) fn micro_slips(case: &Case) -> Option<String> {
 /// resolution of a scheme without a step.
 pub(super) fn unresolved(case: &Case) -> Option<String> {
     let is_exact = case.step.is_none() && case.slip.is_none();
-    let Resolution { static_force, shortest_slip } = case.derived.resolution?;
+    let Resolution {
+        static_force,
+        shortest_slip,
+    } = case.derived.resolution?;
     is_exact.then(|| {
         format!(
             "f_s and f_d are equal, or nearly so, under noise: slips have all sizes down to zero. Slips \
@@ -150,7 +153,13 @@ pub(super) fn white(case: &Case) -> Option<String> {
         Some(share) => format!("{} of the shortest velocity relaxation time", short(share)),
         None => "an unknown share of the velocity relaxation time".to_string(),
     };
-    let theta = case.scenario.model.temperature.noises.first()?.relaxation_rate;
+    let theta = case
+        .scenario
+        .model
+        .temperature
+        .noises
+        .first()?
+        .relaxation_rate;
     Some(format!(
         "white noise is approximated by noise with correlation time 1/theta = {}, {share}: statistics have a \
          relative error of this order. Under true white noise the body never sticks, so sticks and slips depend on \

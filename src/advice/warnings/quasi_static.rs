@@ -20,8 +20,16 @@ const SLOW_FORCING: f64 = 0.01;
 /// The force changes too much during a slip for the quasi-static recursion. The warning is not due
 /// where slips do not move the body, nor where the body creeps.
 pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
-    let slip = case.slip.as_ref().filter(|slip| slip.moves && !slip.creeps())?;
-    let &Slip { duration, change, released, .. } = slip;
+    let slip = case
+        .slip
+        .as_ref()
+        .filter(|slip| slip.moves && !slip.creeps())?;
+    let &Slip {
+        duration,
+        change,
+        released,
+        ..
+    } = slip;
     (change > SLOW_FORCING * released).then(|| {
         format!(
             "the forcing is not slow: a slip lasts {}, in which the forcing changes the force by about {}, \

@@ -12,7 +12,11 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let largest = model.force_bound(NEVER_SD, case.scenario.time.end);
     // A force of the user's own that depends on time is not known at every time.
-    let is_known = !model.has_load() && !model.force.as_ref().is_some_and(|force| force.depends_on_time());
+    let is_known = !model.has_load()
+        && !model
+            .force
+            .as_ref()
+            .is_some_and(|force| force.depends_on_time());
     (is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0).then(|| {
         format!(
             "nothing will slip: |b| is at most {}, which does not exceed f_s. Every stick is censored",
@@ -33,7 +37,8 @@ pub(super) fn identical_paths(case: &Case) -> Option<String> {
 
 pub(super) fn no_dilatation(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
-    let is_known = !temperature.harmonics.is_empty() || temperature.series.is_some() || temperature.has_line();
+    let is_known =
+        !temperature.harmonics.is_empty() || temperature.series.is_some() || temperature.has_line();
     let has_temperature = temperature.effective_noise().is_some() || is_known;
     let oscillator = &case.scenario.model.oscillator;
     (oscillator.force_per_temperature() == 0.0 && has_temperature).then(|| match oscillator.drive {
@@ -42,8 +47,12 @@ pub(super) fn no_dilatation(case: &Case) -> Option<String> {
              `oscillator.force_per_temperature` instead of `oscillator.dilatation`"
                 .to_string()
         }
-        Drive::Dilatation(_) => "dilatation = 0: the temperature has no effect on the motion".to_string(),
-        Drive::Force(_) => "force_per_temperature = 0: the temperature has no effect on the motion".to_string(),
+        Drive::Dilatation(_) => {
+            "dilatation = 0: the temperature has no effect on the motion".to_string()
+        }
+        Drive::Force(_) => {
+            "force_per_temperature = 0: the temperature has no effect on the motion".to_string()
+        }
     })
 }
 
@@ -85,8 +94,14 @@ pub(super) fn many_periods(case: &Case) -> Option<String> {
 /// The harmonics share no period, so that x is compared at different phases of them.
 pub(super) fn no_common_period(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
-    let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
-    let is_share = case.derived.period.is_some_and(|period| period.source == PeriodSource::Share);
+    let is_moving = temperature
+        .harmonics
+        .iter()
+        .any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
+    let is_share = case
+        .derived
+        .period
+        .is_some_and(|period| period.source == PeriodSource::Share);
     (temperature.series.is_none() && is_moving && is_share).then(|| {
         "the harmonics have no common period, so x is compared at different phases, which affects \
          drift_velocity, diffusion_coefficient and the period-to-period statistics. Choose \

@@ -4,8 +4,14 @@ use super::case::Case;
 
 /// The file of a series was not sound, and was repaired as it was read.
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {
-    let repaired = case.scenario.measured.iter().filter(|measured| !measured.repairs.is_empty());
-    repaired.map(|of| format!("{}, as it was read: {}", of.file, of.repairs.join("; "))).collect()
+    let repaired = case
+        .scenario
+        .measured
+        .iter()
+        .filter(|measured| !measured.repairs.is_empty());
+    repaired
+        .map(|of| format!("{}, as it was read: {}", of.file, of.repairs.join("; ")))
+        .collect()
 }
 
 /// Noise is added to a measured temperature, which already contains the weather.

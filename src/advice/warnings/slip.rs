@@ -20,17 +20,36 @@ pub(super) struct Slip {
 
 impl Slip {
     pub fn of(model: &Model) -> Self {
-        let Model { oscillator, friction, temperature, .. } = model;
+        let Model {
+            oscillator,
+            friction,
+            temperature,
+            ..
+        } = model;
         let swing = StepResponse::new(oscillator);
         let duration = swing.duration;
         let series = temperature.series.as_ref();
-        let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
-        let rates = rates.chain(series.map(|series| series.steepest())).chain([temperature.trend.abs()]);
+        let rates = temperature
+            .harmonics
+            .iter()
+            .map(|h| h.amplitude.abs() * h.angular_frequency);
+        let rates = rates
+            .chain(series.map(|series| series.steepest()))
+            .chain([temperature.trend.abs()]);
         // A harmonic, however fast, changes by no more than twice its amplitude, and measured
         // values by no more than their range.
-        let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
-        let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0)).chain([f64::INFINITY]);
-        let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
+        let bounds = temperature
+            .harmonics
+            .iter()
+            .map(|h| 2.0 * h.amplitude.abs());
+        let bounds = bounds
+            .chain(series.map(|series| series.range().1 - series.range().0))
+            .chain([f64::INFINITY]);
+        let harmonics: f64 = rates
+            .clone()
+            .zip(bounds)
+            .map(|(rate, bound)| (rate * duration).min(bound))
+            .sum();
         let noise = temperature.effective_noises().map(|noise| {
             let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
             noise.intensity * spread

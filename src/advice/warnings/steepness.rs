@@ -7,17 +7,35 @@ use stickslip_data::numbers::short;
 
 /// The force as a text, if there is one.
 pub(super) fn expression(scenario: &Scenario) -> Option<&Expression> {
-    scenario.model.force.as_ref().and_then(|force| force.expression())
+    scenario
+        .model
+        .force
+        .as_ref()
+        .and_then(|force| force.expression())
 }
 
 /// How far a force is looked at.
 pub(super) fn scales(scenario: &Scenario, derived: &Derived) -> Scales {
     let end = scenario.time.end;
-    let scale = derived.expected_amplitude.max(scenario.model.initial_displacement.abs());
-    let displacement = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    let scale = derived
+        .expected_amplitude
+        .max(scenario.model.initial_displacement.abs());
+    let displacement = if scale > 0.0 && scale.is_finite() {
+        scale
+    } else {
+        1.0
+    };
     // Without a spring, what accelerates the body throughout gives it twice its mean velocity.
-    let rate = if derived.natural_frequency > 0.0 { derived.natural_frequency } else { 2.0 / end };
-    Scales { displacement, velocity: displacement * rate, end }
+    let rate = if derived.natural_frequency > 0.0 {
+        derived.natural_frequency
+    } else {
+        2.0 / end
+    };
+    Scales {
+        displacement,
+        velocity: displacement * rate,
+        end,
+    }
 }
 
 /// The body where the force of the user's own is steepest.
@@ -35,9 +53,19 @@ impl Stiffened {
         let body = scenario.model.oscillator;
         let expression = expression(scenario)?;
         let found = steepest(expression, scales(scenario, derived), &body);
-        let stiffest = Oscillator { stiffness: body.stiffness + found.stiffness, ..body };
-        let body = Oscillator { damping: body.damping.max(0.0) + found.damping, ..stiffest };
-        (found.stiffness > 0.0 || found.damping > 0.0).then_some(Stiffened { stiffest, body, found })
+        let stiffest = Oscillator {
+            stiffness: body.stiffness + found.stiffness,
+            ..body
+        };
+        let body = Oscillator {
+            damping: body.damping.max(0.0) + found.damping,
+            ..stiffest
+        };
+        (found.stiffness > 0.0 || found.damping > 0.0).then_some(Stiffened {
+            stiffest,
+            body,
+            found,
+        })
     }
 
     /// The stability limit of a step that moves with the new velocity. The explicit step has the
@@ -49,9 +77,16 @@ impl Stiffened {
 
     /// What the force is like where it sets that limit.
     pub fn reason(&self) -> String {
-        let Steepest { damping, most_damped, .. } = &self.found;
+        let Steepest {
+            damping,
+            most_damped,
+            ..
+        } = &self.found;
         if self.body.damping_rate() > self.body.natural_frequency() && *damping > 0.0 {
-            format!("[force] acts like damping alpha = {} at {most_damped}", short(*damping))
+            format!(
+                "[force] acts like damping alpha = {} at {most_damped}",
+                short(*damping)
+            )
         } else {
             self.stiffest_place()
         }
@@ -59,6 +94,10 @@ impl Stiffened {
 
     /// How stiff the force is at most, and where.
     pub fn stiffest_place(&self) -> String {
-        format!("[force] has the stiffness K = {} at {}", short(self.found.stiffness), self.found.stiffest)
+        format!(
+            "[force] has the stiffness K = {} at {}",
+            short(self.found.stiffness),
+            self.found.stiffest
+        )
     }
 }

@@ -55,7 +55,9 @@ const MUCH: f64 = 0.125;
 /// Whether the plain explicit step adds much energy where a force of the user's own is stiffest,
 /// e^{pi w0 h} - 1 of it in a half-cycle, and damping takes less than the step gives back.
 fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
-    let (Discretisation::Step { h }, body) = (case.scenario.scheme.discretisation(), &stiffened.body) else {
+    let (Discretisation::Step { h }, body) =
+        (case.scenario.scheme.discretisation(), &stiffened.body)
+    else {
         return false;
     };
     let added = libm::expm1(PI * stiffened.stiffest.natural_frequency() * h);
@@ -69,7 +71,9 @@ const GROWTH: f64 = 0.01;
 /// Without damping, the expected amplitude is above the critical one, A_c.
 pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
     let (h, derived) = (case.step?, &case.derived);
-    let Some(Stability::Undamped { critical_amplitude }) = derived.stability else { return None };
+    let Some(Stability::Undamped { critical_amplitude }) = derived.stability else {
+        return None;
+    };
     // Relative growth of the amplitude that the explicit step causes over the whole run.
     let growth = derived.natural_frequency.powi(2) * h * case.scenario.time.end / 2.0;
     // How far a force of the user's own moves the body is not known.
@@ -89,11 +93,16 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
 /// or a force of the user's own drives it outward or adds energy at any distance.
 pub(super) fn runs_away(case: &Case) -> Option<String> {
     let (derived, model) = (&case.derived, &case.scenario.model);
-    let lost = if case.step.is_some() { "counted as diverged" } else { "given up" };
+    let lost = if case.step.is_some() {
+        "counted as diverged"
+    } else {
+        "given up"
+    };
     let lost = format!("and are {lost} once they overflow");
     if model.force.is_some() {
-        return force::beyond_hold_of(case)
-            .map(|driven| format!("{driven}, and at all larger distances: paths may grow without bound, {lost}"));
+        return force::beyond_hold_of(case).map(|driven| {
+            format!("{driven}, and at all larger distances: paths may grow without bound, {lost}")
+        });
     }
     let growing = match derived.stability {
         Some(Stability::Growing { critical_amplitude }) => Some(critical_amplitude),
@@ -136,12 +145,23 @@ pub(super) fn against_oscillator(case: &Case) -> Option<String> {
 
 /// One warning for each harmonic, and for a force of the user's own, with few steps in its period.
 pub(super) fn against_forcing(case: &Case) -> Vec<String> {
-    let Some(h) = case.step else { return Vec::new() };
-    let Model { temperature, force, .. } = &case.scenario.model;
-    let harmonics = temperature.harmonics.iter().filter(|harmonic| harmonic.amplitude != 0.0);
+    let Some(h) = case.step else {
+        return Vec::new();
+    };
+    let Model {
+        temperature, force, ..
+    } = &case.scenario.model;
+    let harmonics = temperature
+        .harmonics
+        .iter()
+        .filter(|harmonic| harmonic.amplitude != 0.0);
     let harmonics = harmonics.map(|harmonic| ("harmonic", harmonic.angular_frequency));
-    let own = force.iter().map(|force| ("force or load", force.fastest_rate(case.scenario.time.end)));
-    let steps = harmonics.chain(own).map(|(what, w)| (what, w, 2.0 * PI / (w * h)));
+    let own = force
+        .iter()
+        .map(|force| ("force or load", force.fastest_rate(case.scenario.time.end)));
+    let steps = harmonics
+        .chain(own)
+        .map(|(what, w)| (what, w, 2.0 * PI / (w * h)));
     let few = steps.filter(|(_, _, steps)| *steps < 2.0 * FEW_STEPS);
     few.map(|(what, frequency, steps)| {
         format!(
@@ -156,7 +176,10 @@ pub(super) fn against_forcing(case: &Case) -> Vec<String> {
 
 /// theta h > 1: the noise decorrelates within one step.
 pub(super) fn against_noise(case: &Case) -> Option<String> {
-    let (h, noise) = (case.step?, case.scenario.model.temperature.effective_noise()?);
+    let (h, noise) = (
+        case.step?,
+        case.scenario.model.temperature.effective_noise()?,
+    );
     let relaxations = noise.relaxation_rate * h;
     (relaxations > 1.0).then(|| {
         format!(

@@ -20,13 +20,30 @@ pub struct ExpressionError {
 
 impl ExpressionError {
     /// An error at these bytes of the text.
-    pub(super) fn new(place: Range<usize>, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+    pub(super) fn new(
+        place: Range<usize>,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
         let (problem, remedy) = (problem.into(), remedy.into());
-        ExpressionError { start: place.start, end: place.end, parameter: None, problem, remedy }
+        ExpressionError {
+            start: place.start,
+            end: place.end,
+            parameter: None,
+            problem,
+            remedy,
+        }
     }
 
     /// An error of a parameter.
-    pub(super) fn of_parameter(name: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        ExpressionError { parameter: Some(name.to_string()), ..ExpressionError::new(0..0, problem, remedy) }
+    pub(super) fn of_parameter(
+        name: &str,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        ExpressionError {
+            parameter: Some(name.to_string()),
+            ..ExpressionError::new(0..0, problem, remedy)
+        }
     }
 }

@@ -63,9 +63,20 @@ impl Expression {
     ) -> Result<Expression, ExpressionError> {
         let (formula, used) = parse(text, Names { parameters, inputs })?;
         let tape = Tape::new(&formula, 1.0)?;
-        let backwards = formula.uses(DIRECTION).then(|| Tape::new(&formula, -1.0)).transpose()?;
+        let backwards = formula
+            .uses(DIRECTION)
+            .then(|| Tape::new(&formula, -1.0))
+            .transpose()?;
         let (text, parameters, inputs) = (text.to_string(), parameters.to_vec(), inputs.to_vec());
-        Ok(Expression { text, parameters, inputs, used, formula, tape, backwards })
+        Ok(Expression {
+            text,
+            parameters,
+            inputs,
+            used,
+            formula,
+            tape,
+            backwards,
+        })
     }
 
     /// The text as it was written.
@@ -82,7 +93,10 @@ impl Expression {
     pub fn unused_names(&self) -> impl Iterator<Item = &str> {
         let parameters = self.parameters.iter().map(|(name, _)| name.as_str());
         let names = parameters.chain(self.inputs.iter().map(|input| input.name.as_str()));
-        names.zip(&self.used).filter(|(_, is_used)| !**is_used).map(|(name, _)| name)
+        names
+            .zip(&self.used)
+            .filter(|(_, is_used)| !**is_used)
+            .map(|(name, _)| name)
     }
 
     /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: it is
@@ -90,14 +104,20 @@ impl Expression {
     /// sign(x)`.
     pub fn linear(&self) -> Option<Linear> {
         match self.formula.affine()? {
-            [0.0, displacement, velocity] => Some(Linear { displacement, velocity }),
+            [0.0, displacement, velocity] => Some(Linear {
+                displacement,
+                velocity,
+            }),
             _ => None,
         }
     }
 
     /// The expression where the body slips backwards; none if the text does not name `direction`.
     pub fn reversed(&self) -> Option<Expression> {
-        Some(Expression { tape: self.backwards.clone()?, ..self.clone() })
+        Some(Expression {
+            tape: self.backwards.clone()?,
+            ..self.clone()
+        })
     }
 
     /// Whether the text names t, or an input.
@@ -114,7 +134,9 @@ impl Expression {
 /// Two expressions are equal if they have the same text, the same parameters and the same inputs.
 impl PartialEq for Expression {
     fn eq(&self, other: &Self) -> bool {
-        self.text == other.text && self.parameters == other.parameters && self.inputs == other.inputs
+        self.text == other.text
+            && self.parameters == other.parameters
+            && self.inputs == other.inputs
     }
 }
 
@@ -138,9 +160,17 @@ impl ForceLaw for Expression {
     }
 
     fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
-        let inputs = self.formula.used_inputs().flat_map(|input| input.times()).copied();
+        let inputs = self
+            .formula
+            .used_inputs()
+            .flat_map(|input| input.times())
+            .copied();
         let at_rest = |t: f64| self.tape.value::<f64>(0.0, 0.0, t);
-        let pulses = if self.formula.uses(TIME) { pulses(at_rest, end, step) } else { Vec::new() };
+        let pulses = if self.formula.uses(TIME) {
+            pulses(at_rest, end, step)
+        } else {
+            Vec::new()
+        };
         inputs.chain(pulses).collect()
     }
 }

@@ -17,7 +17,8 @@ pub trait ForceLaw: Debug + Send + Sync {
     #[inline(always)]
     fn fill<L: Lanes>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
         for from in (0..x.len()).step_by(L::WIDTH) {
-            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time).store(&mut g[from..]);
+            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time)
+                .store(&mut g[from..]);
         }
     }
 

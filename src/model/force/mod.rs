@@ -54,7 +54,14 @@ impl Force {
     }
 
     /// g of many paths at one time. The slices must have one length, a multiple of 8.
-    pub fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+    pub fn fill(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64],
+        velocity: &[f64],
+        time: f64,
+        g: &mut [f64],
+    ) {
         assert!(
             x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8),
             "slices of one length, a multiple of 8"
@@ -95,7 +102,8 @@ impl Force {
 
     /// The beginning of the expression, for messages.
     pub fn shown(&self) -> String {
-        self.expression().map_or("a law".to_string(), Expression::shown)
+        self.expression()
+            .map_or("a law".to_string(), Expression::shown)
     }
 
     /// The expression, if the force is one.
@@ -107,7 +115,10 @@ impl Force {
 /// Two forces are equal if they are the same object, or equal expressions.
 impl PartialEq for Force {
     fn eq(&self, other: &Self) -> bool {
-        let is_same = || self.expression().is_some_and(|expression| Some(expression) == other.expression());
+        let is_same = || {
+            self.expression()
+                .is_some_and(|expression| Some(expression) == other.expression())
+        };
         let are_none = || self.is_none() && other.is_none();
         match (self.sides(), other.sides()) {
             (None, None) => Arc::ptr_eq(&self.law, &other.law) || are_none() || is_same(),
@@ -121,7 +132,14 @@ impl PartialEq for Force {
 trait AnyLaw: Debug + Send + Sync {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64;
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8];
-    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
+    fn fill(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64],
+        velocity: &[f64],
+        time: f64,
+        g: &mut [f64],
+    );
     fn depends_on_time(&self) -> bool;
     fn fastest_rate(&self, end: f64) -> f64;
     fn kinks(&self, end: f64, step: f64) -> Vec<f64>;
@@ -130,19 +148,40 @@ trait AnyLaw: Debug + Send + Sync {
 
 impl<F: ForceLaw + 'static> AnyLaw for F {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        let mut program = One { law: self, at: [x, velocity, time], g: 0.0 };
+        let mut program = One {
+            law: self,
+            at: [x, velocity, time],
+            g: 0.0,
+        };
         instructions.run_single(&mut program);
         program.g
     }
 
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {
-        let mut program = Eight { law: self, at, g: [0.0; 8] };
+        let mut program = Eight {
+            law: self,
+            at,
+            g: [0.0; 8],
+        };
         instructions.run(&mut program);
         program.g
     }
 
-    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
-        instructions.run(&mut Many { law: self, x, velocity, time, g });
+    fn fill(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64],
+        velocity: &[f64],
+        time: f64,
+        g: &mut [f64],
+    ) {
+        instructions.run(&mut Many {
+            law: self,
+            x,
+            velocity,
+            time,
+            g,
+        });
     }
 
     fn depends_on_time(&self) -> bool {
@@ -189,7 +228,11 @@ impl<F: ForceLaw> LaneProgram for Eight<'_, F> {
     fn run<L: Lanes>(&mut self) {
         let [x, velocity, time] = self.at;
         for from in (0..8).step_by(L::WIDTH) {
-            let g = self.law.value(L::load(&x[from..]), L::load(&velocity[from..]), L::load(&time[from..]));
+            let g = self.law.value(
+                L::load(&x[from..]),
+                L::load(&velocity[from..]),
+                L::load(&time[from..]),
+            );
             g.store(&mut self.g[from..]);
         }
     }
@@ -207,6 +250,7 @@ struct Many<'a, F> {
 impl<F: ForceLaw> LaneProgram for Many<'_, F> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.law.fill(self.x, self.velocity, L::splat(self.time), self.g);
+        self.law
+            .fill(self.x, self.velocity, L::splat(self.time), self.g);
     }
 }

@@ -81,7 +81,11 @@ pub(super) fn whole_power(a: f64, power: i32) -> f64 {
 #[inline(always)]
 pub(super) fn sign<L: Lanes>(a: L) -> L {
     let zero = L::splat(0.0);
-    L::select(a.gt(zero), L::splat(1.0), L::select(a.lt(zero), L::splat(-1.0), a.abs()))
+    L::select(
+        a.gt(zero),
+        L::splat(1.0),
+        L::select(a.lt(zero), L::splat(-1.0), a.abs()),
+    )
 }
 
 /// The smaller number; none if one of them is none.

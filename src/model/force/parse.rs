@@ -31,15 +31,42 @@ type Outcome<T> = Result<T, ExpressionError>;
 pub(super) fn parse(text: &str, names: Names<'_>) -> Outcome<(Formula, Vec<bool>)> {
     check(names)?;
     if text.len() > MAX_BYTES {
-        let problem = format!("the expression has {} bytes, more than {MAX_BYTES}", text.len());
-        return Err(ExpressionError::new(0..text.len(), problem, "write it shorter"));
+        let problem = format!(
+            "the expression has {} bytes, more than {MAX_BYTES}",
+            text.len()
+        );
+        return Err(ExpressionError::new(
+            0..text.len(),
+            problem,
+            "write it shorter",
+        ));
     }
-    let inputs = names.inputs.iter().map(|input| input.series.clone()).collect();
-    let formula = Formula { inputs, ..Formula::default() };
+    let inputs = names
+        .inputs
+        .iter()
+        .map(|input| input.series.clone())
+        .collect();
+    let formula = Formula {
+        inputs,
+        ..Formula::default()
+    };
     let used = vec![false; names.parameters.len() + names.inputs.len()];
-    let mut parser = Parser { text, names, tokens: tokens(text)?, next: 0, formula, used, operations: 0, nesting: 0 };
+    let mut parser = Parser {
+        text,
+        names,
+        tokens: tokens(text)?,
+        next: 0,
+        formula,
+        used,
+        operations: 0,
+        nesting: 0,
+    };
     if parser.kind() == TokenKind::End {
-        return Err(ExpressionError::new(0..text.len(), "the expression is empty", "write one, or 0 for no force"));
+        return Err(ExpressionError::new(
+            0..text.len(),
+            "the expression is empty",
+            "write one, or 0 for no force",
+        ));
     }
     parser.sum()?;
     match parser.kind() {
@@ -89,9 +116,16 @@ impl Parser<'_> {
         self.chain([('*', Binary::Mul), ('/', Binary::Div)], Self::signed)
     }
 
-    fn chain(&mut self, operators: [(char, Binary); 2], part: fn(&mut Self) -> Outcome<ReadPart>) -> Outcome<ReadPart> {
+    fn chain(
+        &mut self,
+        operators: [(char, Binary); 2],
+        part: fn(&mut Self) -> Outcome<ReadPart>,
+    ) -> Outcome<ReadPart> {
         let mut left = part(self)?;
-        while let Some((_, binary)) = operators.into_iter().find(|(symbol, _)| self.take(*symbol).is_some()) {
+        while let Some((_, binary)) = operators
+            .into_iter()
+            .find(|(symbol, _)| self.take(*symbol).is_some())
+        {
             let right = part(self)?;
             left = self.binary(binary, left, right)?;
         }
@@ -101,7 +135,9 @@ impl Parser<'_> {
     fn signed(&mut self) -> Outcome<ReadPart> {
         let plus = self.take('+');
         let is_negative = plus.is_none();
-        let Some(sign) = plus.or_else(|| self.take('-')) else { return self.power() };
+        let Some(sign) = plus.or_else(|| self.take('-')) else {
+            return self.power();
+        };
         let part = self.nested(sign.clone(), Self::signed)?;
         let place = sign.start..part.place.end;
         if !is_negative {
@@ -112,7 +148,9 @@ impl Parser<'_> {
 
     fn power(&mut self) -> Outcome<ReadPart> {
         let base = self.atom()?;
-        let Some(operator) = self.take('^') else { return Ok(base) };
+        let Some(operator) = self.take('^') else {
+            return Ok(base);
+        };
         let exponent = self.nested(operator, Self::signed)?;
         let place = base.place.start..exponent.place.end;
         match self.formula.nodes[exponent.node].term {
@@ -139,8 +177,13 @@ impl Parser<'_> {
             TokenKind::Symbol('(') => {
                 self.next += 1;
                 let inner = self.nested(place.clone(), Self::sum)?;
-                let close = self.take(')').ok_or_else(|| self.unexpected(Some(&place)))?;
-                Ok(ReadPart { place: place.start..close.end, ..inner })
+                let close = self
+                    .take(')')
+                    .ok_or_else(|| self.unexpected(Some(&place)))?;
+                Ok(ReadPart {
+                    place: place.start..close.end,
+                    ..inner
+                })
             }
             _ => Err(self.missing()),
         }
@@ -168,13 +211,23 @@ impl Parser<'_> {
         let word = &self.text[name.clone()];
         let Some(open) = self.take('(') else {
             let problem = format!("the function `{word}` has no parentheses");
-            return Err(ExpressionError::new(name, problem, format!("write `{word}(x)`, for example")));
+            return Err(ExpressionError::new(
+                name,
+                problem,
+                format!("write `{word}(x)`, for example"),
+            ));
         };
         let close = match self.take(')') {
             Some(close) => return Err(arity(function, word, 0, name.start..close.end)),
             None => open.clone(),
         };
-        let (mut whole, mut count) = (ReadPart { node: 0, place: close }, 0);
+        let (mut whole, mut count) = (
+            ReadPart {
+                node: 0,
+                place: close,
+            },
+            0,
+        );
         loop {
             let argument = self.nested(open.clone(), Self::sum)?;
             count += 1;
@@ -192,14 +245,21 @@ impl Parser<'_> {
             Function::Of(unary) if count == 1 => self.unary(unary, whole.node, place),
             Function::Among(_) if count > 1 => {
                 self.formula.nodes[whole.node].place = place.clone();
-                Ok(ReadPart { node: whole.node, place })
+                Ok(ReadPart {
+                    node: whole.node,
+                    place,
+                })
             }
             _ => Err(arity(function, word, count, place)),
         }
     }
 
     /// Reads a part that is inside another one.
-    fn nested(&mut self, place: Range<usize>, part: fn(&mut Self) -> Outcome<ReadPart>) -> Outcome<ReadPart> {
+    fn nested(
+        &mut self,
+        place: Range<usize>,
+        part: fn(&mut Self) -> Outcome<ReadPart>,
+    ) -> Outcome<ReadPart> {
         self.nesting += 1;
         if self.nesting > MAX_NESTING {
             let problem = format!("more than {MAX_NESTING} nested parentheses, signs and powers");
@@ -211,8 +271,14 @@ impl Parser<'_> {
     }
 
     fn push(&mut self, term: Term, place: Range<usize>) -> ReadPart {
-        self.formula.nodes.push(Operation { term, place: place.clone() });
-        ReadPart { node: self.formula.nodes.len() - 1, place }
+        self.formula.nodes.push(Operation {
+            term,
+            place: place.clone(),
+        });
+        ReadPart {
+            node: self.formula.nodes.len() - 1,
+            place,
+        }
     }
 
     fn count(&mut self, place: &Range<usize>) -> Outcome<()> {
@@ -245,7 +311,11 @@ impl Parser<'_> {
         match (self.number(a.node), self.number(b.node)) {
             (None, Some(0.0)) if binary == Binary::Div => {
                 let problem = format!("`{}` divides by 0", short(&self.text[place.clone()]));
-                Err(ExpressionError::new(place, problem, "write a divisor other than 0"))
+                Err(ExpressionError::new(
+                    place,
+                    problem,
+                    "write a divisor other than 0",
+                ))
             }
             (Some(left), Some(right)) => self.fold(a.node, binary.of(left, right), place),
             _ => Ok(self.push(Term::Binary(binary, a.node, b.node), place)),
@@ -281,9 +351,17 @@ impl Parser<'_> {
     /// Replaces the nodes from this one on by a number.
     fn fold(&mut self, from: usize, number: f64, place: Range<usize>) -> Outcome<ReadPart> {
         if !number.is_finite() {
-            let what = if number.is_nan() { "not a number" } else { "infinite" };
+            let what = if number.is_nan() {
+                "not a number"
+            } else {
+                "infinite"
+            };
             let problem = format!("`{}` is {what}", short(&self.text[place.clone()]));
-            return Err(ExpressionError::new(place, problem, "write a constant that has a finite value"));
+            return Err(ExpressionError::new(
+                place,
+                problem,
+                "write a constant that has a finite value",
+            ));
         }
         self.formula.nodes.truncate(from);
         Ok(self.push(Term::Number(number), place))
@@ -292,13 +370,23 @@ impl Parser<'_> {
     /// The error that no value begins at the next token.
     fn missing(&self) -> ExpressionError {
         let place = self.place();
-        let last = self.next.checked_sub(1).map(|last| &self.text[self.tokens[last].place.clone()]);
+        let last = self
+            .next
+            .checked_sub(1)
+            .map(|last| &self.text[self.tokens[last].place.clone()]);
         let remedy = match last {
-            Some(last) => format!("write a number, a name or a parenthesis after `{}`", short(last)),
+            Some(last) => format!(
+                "write a number, a name or a parenthesis after `{}`",
+                short(last)
+            ),
             None => "begin with a number, a name, a sign or a parenthesis".into(),
         };
         match self.kind() {
-            TokenKind::End => ExpressionError::new(place, "a value is missing at the end of the expression", remedy),
+            TokenKind::End => ExpressionError::new(
+                place,
+                "a value is missing at the end of the expression",
+                remedy,
+            ),
             _ => {
                 let problem = format!("a value is missing before `{}`", &self.text[place.clone()]);
                 ExpressionError::new(place, problem, remedy)
@@ -310,15 +398,24 @@ impl Parser<'_> {
     fn unexpected(&self, open: Option<&Range<usize>>) -> ExpressionError {
         let place = self.place();
         match (self.kind(), open) {
-            (TokenKind::End, Some(open)) => {
-                ExpressionError::new(open.clone(), "this parenthesis is not closed", "add the closing `)`")
-            }
-            (TokenKind::Symbol(')'), _) => {
-                ExpressionError::new(place, "this parenthesis has no opening one", "remove it, or add the opening `(`")
-            }
+            (TokenKind::End, Some(open)) => ExpressionError::new(
+                open.clone(),
+                "this parenthesis is not closed",
+                "add the closing `)`",
+            ),
+            (TokenKind::Symbol(')'), _) => ExpressionError::new(
+                place,
+                "this parenthesis has no opening one",
+                "remove it, or add the opening `(`",
+            ),
             (TokenKind::Symbol(','), _) => {
-                let remedy = "write a point in a number, as in 0.5; only min and max have several arguments";
-                ExpressionError::new(place, "a comma stands outside the arguments of a function", remedy)
+                let remedy =
+                    "write a point in a number, as in 0.5; only min and max have several arguments";
+                ExpressionError::new(
+                    place,
+                    "a comma stands outside the arguments of a function",
+                    remedy,
+                )
             }
             _ => {
                 let left = self.tokens[self.next - 1].place.clone();
@@ -327,7 +424,11 @@ impl Parser<'_> {
                     word => short(word),
                 };
                 let remedy = format!("write `{}*{}` for a product", show(&left), show(&place));
-                ExpressionError::new(left.start..place.end, "an operator is missing between two values", remedy)
+                ExpressionError::new(
+                    left.start..place.end,
+                    "an operator is missing between two values",
+                    remedy,
+                )
             }
         }
     }

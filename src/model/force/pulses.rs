@@ -22,7 +22,11 @@ pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
     }
     let parts = 2usize.pow(libm::log2(parts) as u32);
     let time = |i: usize| step * (i as f64 / parts as f64);
-    let values: Vec<f64> = (0..).map(time).take_while(|time| *time <= end).map(g).collect();
+    let values: Vec<f64> = (0..)
+        .map(time)
+        .take_while(|time| *time <= end)
+        .map(g)
+        .collect();
     let at = |i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
     let is_pulse = |i: usize, sign: f64| {
         let above = |j: Option<usize>| sign * (values[i] - at(j));
@@ -31,12 +35,17 @@ pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
             let is_peak = above(one) > ROUNDING * (values[i].abs() + at(one).abs());
             (!at(two).is_nan()).then(|| is_peak && above(two) < LEVEL * above(one))
         };
-        let sides =
-            [is_level(i.checked_sub(parts), i.checked_sub(2 * parts)), is_level(Some(i + parts), Some(i + 2 * parts))];
+        let sides = [
+            is_level(i.checked_sub(parts), i.checked_sub(2 * parts)),
+            is_level(Some(i + parts), Some(i + 2 * parts)),
+        ];
         above(i.checked_sub(1)) > 0.0
             && above(Some(i + 1)) >= 0.0
             && sides.contains(&Some(true))
             && !sides.contains(&Some(false))
     };
-    (0..values.len()).filter(|i| is_pulse(*i, 1.0) || is_pulse(*i, -1.0)).map(time).collect()
+    (0..values.len())
+        .filter(|i| is_pulse(*i, 1.0) || is_pulse(*i, -1.0))
+        .map(time)
+        .collect()
 }

@@ -53,20 +53,40 @@ impl Force {
 
     /// A force `own` beside friction with a load, each forwards and backwards. The friction of the
     /// model must be [`Friction::weaker`] of both.
-    pub fn with_friction(own: [Force; 2], load: Option<[Force; 2]>, friction: [Friction; 2]) -> Self {
+    pub fn with_friction(
+        own: [Force; 2],
+        load: Option<[Force; 2]>,
+        friction: [Friction; 2],
+    ) -> Self {
         let weaker = Friction::weaker(friction);
         let held = |i: usize, of: fn(Friction) -> f64| {
             let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(weaker));
             let load = load.as_ref().map(|load| load[i].clone());
             let own = Some(own[i].clone()).filter(|own| !own.is_none());
-            Arc::new(Held { own, load, sign, at_one, base })
+            Arc::new(Held {
+                own,
+                load,
+                sign,
+                at_one,
+                base,
+            })
         };
         let force = |held: Arc<Held>| Force::of(held, None);
         let slip = [0, 1].map(|i| force(held(i, |friction| friction.dynamic_force)));
         let stick = [0, 1].map(|i| held(i, |friction| friction.static_force));
         let stick_forces = stick.clone().map(force);
         let law = Arc::new(Facing(own.clone()));
-        Force::of(law, Some(Arc::new(Sides { own, load, friction, slip, stick, stick_forces })))
+        Force::of(
+            law,
+            Some(Arc::new(Sides {
+                own,
+                load,
+                friction,
+                slip,
+                stick,
+                stick_forces,
+            })),
+        )
     }
 
     /// The forces by direction, if friction has a load, or the force a direction.
@@ -77,22 +97,32 @@ impl Force {
     /// What takes the place of g in a slip in this direction.
     #[inline(always)]
     pub fn in_slip(&self, direction: Sign) -> &Force {
-        self.sides.as_ref().map_or(self, |sides| &sides.slip[index(direction)])
+        self.sides
+            .as_ref()
+            .map_or(self, |sides| &sides.slip[index(direction)])
     }
 
     /// What takes the place of g at the two thresholds of a stick.
     #[inline(always)]
     pub fn in_stick(&self) -> [&Force; 2] {
-        self.sides.as_ref().map_or([self; 2], |sides| sides.stick_forces.each_ref())
+        self.sides
+            .as_ref()
+            .map_or([self; 2], |sides| sides.stick_forces.each_ref())
     }
 
     /// The forces in a stick at x.
     #[inline(always)]
     pub fn hold(&self, instructions: InstructionSet, x: f64, time: f64) -> Hold {
         let Some(sides) = &self.sides else {
-            return Hold { pull: self.at(instructions, x, 0.0, time), excess: [0.0; 2] };
+            return Hold {
+                pull: self.at(instructions, x, 0.0, time),
+                excess: [0.0; 2],
+            };
         };
-        let own = sides.own.each_ref().map(|force| force.at(instructions, x, 0.0, time));
+        let own = sides
+            .own
+            .each_ref()
+            .map(|force| force.at(instructions, x, 0.0, time));
         let pull = 0.5 * (own[0] + own[1]);
         let excess = [0, 1].map(|i| {
             let held = &sides.stick[i];
@@ -116,14 +146,18 @@ impl Sides {
     /// f_d L in a slip in this direction.
     pub fn dynamic_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
         let i = index(direction);
-        let load = self.load.as_ref().map_or(1.0, |load| load[i].at(InstructionSet::detect(), x, velocity, time));
+        let load = self.load.as_ref().map_or(1.0, |load| {
+            load[i].at(InstructionSet::detect(), x, velocity, time)
+        });
         self.friction[i].dynamic_force * load
     }
 
     /// The same at eight places and times.
     pub fn dynamic_forces(&self, direction: Sign, at: [&[f64; 8]; 3]) -> [f64; 8] {
         let i = index(direction);
-        let loads = self.load.as_ref().map_or([1.0; 8], |load| load[i].law.at_each(InstructionSet::detect(), at));
+        let loads = self.load.as_ref().map_or([1.0; 8], |load| {
+            load[i].law.at_each(InstructionSet::detect(), at)
+        });
         loads.map(|load| self.friction[i].dynamic_force * load)
     }
 
@@ -174,13 +208,19 @@ impl Held {
 
     #[inline(always)]
     fn load(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        self.load.as_ref().map_or(1.0, |load| load.at(instructions, x, velocity, time))
+        self.load
+            .as_ref()
+            .map_or(1.0, |load| load.at(instructions, x, velocity, time))
     }
 
     /// How much friction exceeds its constant. An infinite threshold is infinite under any load.
     #[inline(always)]
     fn excess(&self, load: f64) -> f64 {
-        if load >= 0.0 { (self.at_one * load).min(Friction::NEVER) - self.base } else { f64::NAN }
+        if load >= 0.0 {
+            (self.at_one * load).min(Friction::NEVER) - self.base
+        } else {
+            f64::NAN
+        }
     }
 
     #[inline(always)]
@@ -191,23 +231,42 @@ impl Held {
 
 impl AnyLaw for Held {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        let own = self.own.as_ref().map_or(0.0, |own| own.at(instructions, x, velocity, time));
+        let own = self
+            .own
+            .as_ref()
+            .map_or(0.0, |own| own.at(instructions, x, velocity, time));
         self.value(own, self.load(instructions, x, velocity, time))
     }
 
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {
-        let load = self.load.as_ref().map_or([1.0; 8], |load| load.law.at_each(instructions, at));
-        let own = self.own.as_ref().map_or([0.0; 8], |own| own.law.at_each(instructions, at));
+        let load = self
+            .load
+            .as_ref()
+            .map_or([1.0; 8], |load| load.law.at_each(instructions, at));
+        let own = self
+            .own
+            .as_ref()
+            .map_or([0.0; 8], |own| own.law.at_each(instructions, at));
         std::array::from_fn(|i| self.value(own[i], load[i]))
     }
 
-    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+    fn fill(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64],
+        velocity: &[f64],
+        time: f64,
+        g: &mut [f64],
+    ) {
         match &self.own {
             Some(own) => own.fill(instructions, x, velocity, time, g),
             None => g.fill(0.0),
         }
         let mut loads = [1.0; TOGETHER];
-        let groups = x.chunks(TOGETHER).zip(velocity.chunks(TOGETHER)).zip(g.chunks_mut(TOGETHER));
+        let groups = x
+            .chunks(TOGETHER)
+            .zip(velocity.chunks(TOGETHER))
+            .zip(g.chunks_mut(TOGETHER));
         for ((x, velocity), g) in groups {
             let loads = &mut loads[..x.len()];
             if let Some(load) = &self.load {
@@ -224,11 +283,15 @@ impl AnyLaw for Held {
     }
 
     fn fastest_rate(&self, end: f64) -> f64 {
-        self.both().map(|force| force.fastest_rate(end)).fold(0.0, f64::max)
+        self.both()
+            .map(|force| force.fastest_rate(end))
+            .fold(0.0, f64::max)
     }
 
     fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
-        self.both().flat_map(|force| force.kinks(end, step)).collect()
+        self.both()
+            .flat_map(|force| force.kinks(end, step))
+            .collect()
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -242,7 +305,10 @@ struct Facing([Force; 2]);
 
 impl AnyLaw for Facing {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        let [forwards, backwards] = self.0.each_ref().map(|force| || force.at(instructions, x, velocity, time));
+        let [forwards, backwards] = self
+            .0
+            .each_ref()
+            .map(|force| || force.at(instructions, x, velocity, time));
         match velocity {
             v if v > 0.0 => forwards(),
             v if v < 0.0 => backwards(),
@@ -250,11 +316,22 @@ impl AnyLaw for Facing {
         }
     }
 
-    fn at_each(&self, instructions: InstructionSet, [x, velocity, time]: [&[f64; 8]; 3]) -> [f64; 8] {
+    fn at_each(
+        &self,
+        instructions: InstructionSet,
+        [x, velocity, time]: [&[f64; 8]; 3],
+    ) -> [f64; 8] {
         std::array::from_fn(|i| self.at(instructions, x[i], velocity[i], time[i]))
     }
 
-    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+    fn fill(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64],
+        velocity: &[f64],
+        time: f64,
+        g: &mut [f64],
+    ) {
         for ((g, x), v) in g.iter_mut().zip(x).zip(velocity) {
             *g = self.at(instructions, *x, *v, time);
         }

@@ -83,7 +83,8 @@ impl Tape {
         let result = of_node.last().map_or(0, |root| values.slot(*root));
         values.allocate(result, &formula.inputs).ok_or_else(|| {
             let place = 0..formula.nodes.last().map_or(0, |root| root.place.end);
-            let problem = format!("the expression needs more than {MAX_SLOTS} intermediate values at once");
+            let problem =
+                format!("the expression needs more than {MAX_SLOTS} intermediate values at once");
             ExpressionError::new(place, problem, "reduce the nesting")
         })
     }
@@ -128,19 +129,31 @@ impl Tape {
             }
         }
         for from in (whole..x.len()).step_by(L::WIDTH) {
-            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time).store(&mut g[from..]);
+            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time)
+                .store(&mut g[from..]);
         }
     }
 
     /// The same for blocks of several registers, with `S` slots, a power of two.
     #[inline(always)]
-    fn fill_blocks<L: Lanes, const S: usize>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
+    fn fill_blocks<L: Lanes, const S: usize>(
+        &self,
+        x: &[f64],
+        velocity: &[f64],
+        time: L,
+        g: &mut [f64],
+    ) {
         let mut slots = [[L::splat(0.0); REGISTERS]; S];
-        let [of_x, of_velocity, of_time] = self.variables.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
+        let [of_x, of_velocity, of_time] = self
+            .variables
+            .map(|slot| slot.map(|slot| slot as usize & (S - 1)));
         for from in (0..x.len()).step_by(REGISTERS * L::WIDTH) {
             for (slot, values) in [(of_x, x), (of_velocity, velocity)] {
                 let Some(slot) = slot else { continue };
-                for (register, values) in slots[slot].iter_mut().zip(values[from..].chunks_exact(L::WIDTH)) {
+                for (register, values) in slots[slot]
+                    .iter_mut()
+                    .zip(values[from..].chunks_exact(L::WIDTH))
+                {
                     *register = L::load(values);
                 }
             }
@@ -162,7 +175,11 @@ impl Tape {
     #[inline(always)]
     fn run<L: Lanes, const R: usize, const S: usize>(&self, slots: &mut [[L; R]; S]) {
         for step in &self.steps {
-            let (a, b, to) = (step.a as usize & (S - 1), step.b as usize & (S - 1), step.to as usize & (S - 1));
+            let (a, b, to) = (
+                step.a as usize & (S - 1),
+                step.b as usize & (S - 1),
+                step.to as usize & (S - 1),
+            );
             let n = L::splat(step.number);
             macro_rules! set {
                 (|$a:ident $(, $b:ident)?| $value:expr) => {
@@ -255,7 +272,9 @@ impl Values {
     fn slot(&mut self, operand: Operand) -> usize {
         match operand {
             Operand::Value(index) => index,
-            Operand::Number(number) => self.value(Source::Operation(Code::Number, 0, 0, number.to_bits())),
+            Operand::Number(number) => {
+                self.value(Source::Operation(Code::Number, 0, 0, number.to_bits()))
+            }
         }
     }
 
@@ -275,10 +294,14 @@ impl Values {
     fn binary(&mut self, binary: Binary, a: Operand, b: Operand) -> Operand {
         use Operand::{Number, Value};
         let (code, a, b, number) = match (binary, a, b) {
-            (Binary::Add, Value(a), Number(n)) | (Binary::Add, Number(n), Value(a)) => (Code::AddNumber, a, a, n),
+            (Binary::Add, Value(a), Number(n)) | (Binary::Add, Number(n), Value(a)) => {
+                (Code::AddNumber, a, a, n)
+            }
             (Binary::Sub, Value(a), Number(n)) => (Code::AddNumber, a, a, -n),
             (Binary::Sub, Number(n), Value(a)) => (Code::SubFrom, a, a, n),
-            (Binary::Mul, Value(a), Number(n)) | (Binary::Mul, Number(n), Value(a)) => (Code::MulNumber, a, a, n),
+            (Binary::Mul, Value(a), Number(n)) | (Binary::Mul, Number(n), Value(a)) => {
+                (Code::MulNumber, a, a, n)
+            }
             (Binary::Div, Value(a), Number(n)) => (Code::DivBy, a, a, n),
             (Binary::Div, Number(n), Value(a)) => (Code::DivInto, a, a, n),
             (binary, a, b) => {
@@ -303,11 +326,15 @@ impl Values {
         let (mut square, mut rest, mut product) = (a, power.unsigned_abs(), None);
         loop {
             if rest & 1 == 1 {
-                product = Some(product.map_or(square, |product| self.binary(Binary::Mul, product, square)));
+                product = Some(
+                    product.map_or(square, |product| self.binary(Binary::Mul, product, square)),
+                );
             }
             rest >>= 1;
             match (rest, product) {
-                (0, Some(product)) if power < 0 => return self.binary(Binary::Div, Operand::Number(1.0), product),
+                (0, Some(product)) if power < 0 => {
+                    return self.binary(Binary::Div, Operand::Number(1.0), product);
+                }
                 (0, product) => return product.unwrap_or(square),
                 _ => square = self.binary(Binary::Mul, square, square),
             }
@@ -327,11 +354,19 @@ impl Values {
                 Source::Operation(code, a, b, bits) if uses[value] == 1 => Some((code, a, b, bits)),
                 _ => None,
             };
-            let Source::Operation(code, a, b, bits) = self.all[i] else { continue };
+            let Source::Operation(code, a, b, bits) = self.all[i] else {
+                continue;
+            };
             let joined = match (code, product(a), product(b)) {
-                (Code::AddNumber, Some((Code::Mul, a, b, _)), _) => Some((Code::MulAddNumber, a, b, bits)),
-                (Code::Add, Some((Code::MulNumber, a, _, bits)), _) => Some((Code::MulNumberAdd, a, b, bits)),
-                (Code::Add, _, Some((Code::MulNumber, b, _, bits))) => Some((Code::MulNumberAdd, b, a, bits)),
+                (Code::AddNumber, Some((Code::Mul, a, b, _)), _) => {
+                    Some((Code::MulAddNumber, a, b, bits))
+                }
+                (Code::Add, Some((Code::MulNumber, a, _, bits)), _) => {
+                    Some((Code::MulNumberAdd, a, b, bits))
+                }
+                (Code::Add, _, Some((Code::MulNumber, b, _, bits))) => {
+                    Some((Code::MulNumberAdd, b, a, bits))
+                }
                 _ => None,
             };
             if let Some((code, a, b, bits)) = joined {
@@ -342,10 +377,13 @@ impl Values {
 
     /// The index and the operands of each operation that has any.
     fn operations(&self) -> impl Iterator<Item = (usize, usize, usize)> {
-        self.all.iter().enumerate().filter_map(|(i, source)| match *source {
-            Source::Operation(code, a, b, _) if code != Code::Number => Some((i, a, b)),
-            _ => None,
-        })
+        self.all
+            .iter()
+            .enumerate()
+            .filter_map(|(i, source)| match *source {
+                Source::Operation(code, a, b, _) if code != Code::Number => Some((i, a, b)),
+                _ => None,
+            })
     }
 
     /// Where each value is used last; none for a value that has been joined with another one.
@@ -366,7 +404,13 @@ impl Values {
     fn allocate(mut self, result: usize, inputs: &[Arc<Series>]) -> Option<Tape> {
         self.join();
         let last_use = self.last_uses(result);
-        let mut tape = Tape { steps: Vec::new(), variables: [None; 3], inputs: Vec::new(), result: 0, slots: 0 };
+        let mut tape = Tape {
+            steps: Vec::new(),
+            variables: [None; 3],
+            inputs: Vec::new(),
+            result: 0,
+            slots: 0,
+        };
         let mut free: Vec<u8> = (0..MAX_SLOTS as u8).rev().collect();
         let mut slot_of: Vec<u8> = vec![0; self.all.len()];
         // Variables are there from the beginning.
@@ -380,7 +424,9 @@ impl Values {
             }
         }
         for (i, source) in self.all.iter().enumerate() {
-            let Source::Operation(code, a, b, bits) = *source else { continue };
+            let Source::Operation(code, a, b, bits) = *source else {
+                continue;
+            };
             if last_use[i].is_none() {
                 continue;
             }
@@ -390,10 +436,20 @@ impl Values {
             }
             slot_of[i] = free.pop()?;
             let (a, b, to) = (slot_of[a], slot_of[b], slot_of[i]);
-            tape.steps.push(Step { code, a, b, to, number: f64::from_bits(bits) });
+            tape.steps.push(Step {
+                code,
+                a,
+                b,
+                to,
+                number: f64::from_bits(bits),
+            });
         }
         tape.result = slot_of[result];
-        let used = tape.steps.iter().map(|step| step.to).chain(tape.variables.into_iter().flatten());
+        let used = tape
+            .steps
+            .iter()
+            .map(|step| step.to)
+            .chain(tape.variables.into_iter().flatten());
         let used = used.chain(tape.inputs.iter().map(|(slot, _)| *slot));
         tape.slots = used.max().map_or(1, |highest| highest as usize + 1);
         Some(tape)

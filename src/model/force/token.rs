@@ -38,8 +38,10 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
     let mut all: Vec<Token> = Vec::new();
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {
-        let length = |is_part: fn(char) -> bool| text[at..].find(|c| !is_part(c)).unwrap_or(text.len() - at);
-        let is_number = c.is_ascii_digit() || (c == '.' && text[at + 1..].starts_with(|c: char| c.is_ascii_digit()));
+        let length =
+            |is_part: fn(char) -> bool| text[at..].find(|c| !is_part(c)).unwrap_or(text.len() - at);
+        let is_number = c.is_ascii_digit()
+            || (c == '.' && text[at + 1..].starts_with(|c: char| c.is_ascii_digit()));
         let (kind, end) = if c.is_whitespace() {
             at += c.len_utf8();
             continue;
@@ -53,19 +55,32 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
             }
             (TokenKind::Number(number(&text[at..end], at)?), end)
         } else if c.is_ascii_alphabetic() || c == '_' {
-            (TokenKind::Name, at + length(|c| c.is_ascii_alphanumeric() || c == '_'))
+            (
+                TokenKind::Name,
+                at + length(|c| c.is_ascii_alphanumeric() || c == '_'),
+            )
         } else if text[at..].starts_with("**") {
             let remedy = "write `^` for a power";
-            return Err(ExpressionError::new(at..at + 2, "`**` is not an operator", remedy));
+            return Err(ExpressionError::new(
+                at..at + 2,
+                "`**` is not an operator",
+                remedy,
+            ));
         } else if SYMBOLS.contains(c) {
             (TokenKind::Symbol(c), at + c.len_utf8())
         } else {
             return Err(unexpected(text, c, at, all.last()));
         };
-        all.push(Token { kind, place: at..end });
+        all.push(Token {
+            kind,
+            place: at..end,
+        });
         at = end;
     }
-    all.push(Token { kind: TokenKind::End, place: text.len()..text.len() });
+    all.push(Token {
+        kind: TokenKind::End,
+        place: text.len()..text.len(),
+    });
     Ok(all)
 }
 
@@ -73,7 +88,12 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
 /// digits.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let digits = |from: usize| {
+        bytes[from..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit())
+            .count()
+    };
     let mut length = digits(0);
     if bytes.get(length) == Some(&b'.') {
         length += 1 + digits(length + 1);
@@ -89,8 +109,10 @@ fn number_length(text: &str) -> usize {
 /// Whether the letters, digits, points and underscores that follow a number were meant to belong to
 /// it, as in 1.2.3, 1_000, 0x10 and 1e.
 fn is_no_number(number: &str, rest: &str) -> bool {
-    let has_digit =
-        |prefix: char| rest.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    let has_digit = |prefix: char| {
+        rest.strip_prefix(prefix)
+            .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+    };
     rest.starts_with(['.', '_']) || matches!(rest, "e" | "E") || (number == "0" && has_digit('x'))
 }
 
@@ -98,13 +120,20 @@ fn number(text: &str, at: usize) -> Result<f64, ExpressionError> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| {
         let problem = "the number is too large";
-        ExpressionError::new(at..at + text.len(), problem, format!("write a number below {:.1e}", f64::MAX))
+        ExpressionError::new(
+            at..at + text.len(),
+            problem,
+            format!("write a number below {:.1e}", f64::MAX),
+        )
     })
 }
 
 fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> ExpressionError {
     let mut place = at..at + c.len_utf8();
-    let right = MISTAKEN.iter().find(|(wrong, _)| wrong.contains(c)).map(|(_, right)| *right);
+    let right = MISTAKEN
+        .iter()
+        .find(|(wrong, _)| wrong.contains(c))
+        .map(|(_, right)| *right);
     // The mark of a derivative belongs to the name before it.
     if right == Some("xdot")
         && let Some(name) = last.filter(|last| last.kind == TokenKind::Name && last.place.end == at)
@@ -119,6 +148,9 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
             "use numbers, names (letters a to z, digits and _), the operators + - * / ^, parentheses and commas".into()
         }
     };
-    let problem = format!("unexpected `{}` in an expression", short(&text[place.clone()]));
+    let problem = format!(
+        "unexpected `{}` in an expression",
+        short(&text[place.clone()])
+    );
     ExpressionError::new(place, problem, remedy)
 }

@@ -64,7 +64,9 @@ impl Formula {
     }
 
     pub fn uses(&self, variable: usize) -> bool {
-        self.nodes.iter().any(|operation| operation.term == Term::Variable(variable))
+        self.nodes
+            .iter()
+            .any(|operation| operation.term == Term::Variable(variable))
     }
 
     /// The fastest change with t of what a sine, a cosine or a tangent is taken of, as it shows at
@@ -78,7 +80,8 @@ impl Formula {
                 self.evaluate([x, 0.0, t], &mut before);
                 self.evaluate([x, 0.0, t + dt], &mut after);
                 for operation in &self.nodes {
-                    let Term::Unary(Unary::Sin | Unary::Cos | Unary::Tan, of) = operation.term else {
+                    let Term::Unary(Unary::Sin | Unary::Cos | Unary::Tan, of) = operation.term
+                    else {
                         continue;
                     };
                     // Not a number is no rate.
@@ -91,7 +94,11 @@ impl Formula {
 
     /// The inputs that the tree contains.
     pub fn used_inputs(&self) -> impl Iterator<Item = &Arc<Series>> {
-        self.inputs.iter().enumerate().filter(|(i, _)| self.uses(INPUT + i)).map(|(_, input)| input)
+        self.inputs
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.uses(INPUT + i))
+            .map(|(_, input)| input)
     }
 
     /// [c, a, b], if the whole is c + a x + b x' for all x, x' and t.
@@ -106,7 +113,11 @@ impl Formula {
 }
 
 fn affine(term: Term, forms: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
-    let constant = |node: usize| forms[node].filter(|form| form[1..] == [0.0; 2]).map(|form| form[0]);
+    let constant = |node: usize| {
+        forms[node]
+            .filter(|form| form[1..] == [0.0; 2])
+            .map(|form| form[0])
+    };
     let form = match term {
         Term::Number(number) => [number, 0.0, 0.0],
         Term::Variable(X) => [0.0, 1.0, 0.0],

@@ -21,7 +21,12 @@ pub(super) enum Function {
     Among(Binary),
 }
 
-const VARIABLES: [(&str, usize); 4] = [("x", X), ("xdot", XDOT), ("t", TIME), ("direction", DIRECTION)];
+const VARIABLES: [(&str, usize); 4] = [
+    ("x", X),
+    ("xdot", XDOT),
+    ("t", TIME),
+    ("direction", DIRECTION),
+];
 
 const FUNCTIONS: &[(&str, Function)] = &[
     ("abs", Function::Of(Unary::Abs)),
@@ -53,15 +58,41 @@ const HINTS: &[(&[&str], &str)] = &[
     (&["e"], "write `exp(1)`"),
     (&["sinh"], "write `(exp(x) - exp(-x))/2` for sinh(x)"),
     (&["cosh"], "write `(exp(x) + exp(-x))/2` for cosh(x)"),
-    (&["log10", "lg"], "write `log(x)/log(10)` for the decimal logarithm"),
+    (
+        &["log10", "lg"],
+        "write `log(x)/log(10)` for the decimal logarithm",
+    ),
     (&["log2"], "write `log(x)/log(2)` for log2(x)"),
     (&["log1p"], "write `log(1 + x)` for log1p(x)"),
     (&["expm1"], "write `exp(x) - 1` for expm1(x)"),
-    (&["asin", "arcsin"], "write `atan(x/sqrt(1 - x^2))` for asin(x)"),
-    (&["acos", "arccos"], "write `pi/2 - atan(x/sqrt(1 - x^2))` for acos(x)"),
+    (
+        &["asin", "arcsin"],
+        "write `atan(x/sqrt(1 - x^2))` for asin(x)",
+    ),
+    (
+        &["acos", "arccos"],
+        "write `pi/2 - atan(x/sqrt(1 - x^2))` for acos(x)",
+    ),
     (&["sqr", "square"], "write `x^2` for the square of x"),
-    (&["cbrt"], "write `sign(x)*abs(x)^(1/3)` for the cube root of x"),
-    (&["if", "where", "else", "then", "and", "or", "heaviside", "step", "piecewise", "theta"], CASES),
+    (
+        &["cbrt"],
+        "write `sign(x)*abs(x)^(1/3)` for the cube root of x",
+    ),
+    (
+        &[
+            "if",
+            "where",
+            "else",
+            "then",
+            "and",
+            "or",
+            "heaviside",
+            "step",
+            "piecewise",
+            "theta",
+        ],
+        CASES,
+    ),
 ];
 
 /// What to write in place of the temperature.
@@ -69,7 +100,8 @@ const SUPPORT: &str = "a force cannot depend on the temperature; `V*t`, with a p
                        or a pulled spring, as in `k3*(V*t - x)^3`";
 
 /// What to write in place of a comparison.
-pub(super) const CASES: &str = "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
+pub(super) const CASES: &str =
+    "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
 
 /// The likeness (1 for equal words) from which a name is suggested.
 const ALIKE: f64 = 0.75;
@@ -86,8 +118,15 @@ pub(super) struct Names<'a> {
 impl<'a> Names<'a> {
     /// All names, each with what it is called.
     fn all(self) -> impl Iterator<Item = (&'a str, &'static str)> {
-        let parameters = self.parameters.iter().map(|(name, _)| (name.as_str(), "parameter"));
-        parameters.chain(self.inputs.iter().map(|input| (input.name.as_str(), "input")))
+        let parameters = self
+            .parameters
+            .iter()
+            .map(|(name, _)| (name.as_str(), "parameter"));
+        parameters.chain(
+            self.inputs
+                .iter()
+                .map(|input| (input.name.as_str(), "input")),
+        )
     }
 }
 
@@ -102,21 +141,54 @@ pub(super) enum Meaning {
 }
 
 fn reserved(name: &str) -> Option<Meaning> {
-    let variable = || VARIABLES.iter().find(|(known, _)| *known == name).map(|(_, i)| Meaning::Variable(*i));
-    let function = || FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, of)| Meaning::Function(*of));
+    let variable = || {
+        VARIABLES
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, i)| Meaning::Variable(*i))
+    };
+    let function = || {
+        FUNCTIONS
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, of)| Meaning::Function(*of))
+    };
     let pi = (name == "pi").then_some(Meaning::Number(std::f64::consts::PI));
     pi.or_else(variable).or_else(function)
 }
 
 /// What a name in an expression that knows these names stands for.
-pub(super) fn meaning(name: &str, place: &Range<usize>, names: Names<'_>) -> Result<Meaning, ExpressionError> {
-    let parameter = || names.parameters.iter().position(|(known, _)| known == name).map(Meaning::Parameter);
-    let input = || names.inputs.iter().position(|known| known.name == name).map(Meaning::Input);
-    reserved(name).or_else(parameter).or_else(input).ok_or_else(|| {
-        let hint = hint(name, names).map_or(String::new(), |hint| format!("{hint}; "));
-        let remedy = format!("{hint}available are {}", known(names));
-        ExpressionError::new(place.clone(), format!("unknown name `{}`", short(name)), remedy)
-    })
+pub(super) fn meaning(
+    name: &str,
+    place: &Range<usize>,
+    names: Names<'_>,
+) -> Result<Meaning, ExpressionError> {
+    let parameter = || {
+        names
+            .parameters
+            .iter()
+            .position(|(known, _)| known == name)
+            .map(Meaning::Parameter)
+    };
+    let input = || {
+        names
+            .inputs
+            .iter()
+            .position(|known| known.name == name)
+            .map(Meaning::Input)
+    };
+    reserved(name)
+        .or_else(parameter)
+        .or_else(input)
+        .ok_or_else(|| {
+            let hint = hint(name, names).map_or(String::new(), |hint| format!("{hint}; "));
+            let remedy = format!("{hint}available are {}", known(names));
+            ExpressionError::new(
+                place.clone(),
+                format!("unknown name `{}`", short(name)),
+                remedy,
+            )
+        })
 }
 
 /// What to write in place of a name.
@@ -125,7 +197,10 @@ fn hint(name: &str, names: Names<'_>) -> Option<String> {
     if name == "T" {
         return Some(SUPPORT.to_string());
     }
-    if let Some((_, hint)) = HINTS.iter().find(|(names, _)| names.contains(&word.as_str())) {
+    if let Some((_, hint)) = HINTS
+        .iter()
+        .find(|(names, _)| names.contains(&word.as_str()))
+    {
         return Some(hint.to_string());
     }
     nearest(&word, names).map(|right| format!("write `{right}`"))
@@ -134,22 +209,32 @@ fn hint(name: &str, names: Names<'_>) -> Option<String> {
 /// The name that a word is a slip of the pen for. A name with something added, as x2 or sinh,
 /// probably means something else.
 fn nearest<'a>(word: &str, names: Names<'a>) -> Option<&'a str> {
-    let own = VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
+    let own = VARIABLES
+        .iter()
+        .map(|(name, _)| *name)
+        .chain(FUNCTIONS.iter().map(|(name, _)| *name))
+        .chain(["pi"]);
     let all = own.chain(names.all().map(|(name, _)| name));
     let near = all.filter_map(|name| {
         let known = name.to_lowercase();
         let likeness = strsim::jaro_winkler(word, &known);
         let slips = strsim::osa_distance(word, &known);
-        let is_near = word.len() >= LONG && (slips <= 1 || likeness >= ALIKE) && !word.contains(&known);
+        let is_near =
+            word.len() >= LONG && (slips <= 1 || likeness >= ALIKE) && !word.contains(&known);
         (known == word || is_near).then_some((slips, -likeness, name))
     });
-    near.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, name)| name)
+    near.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
+        .map(|(_, _, name)| name)
 }
 
 fn known(names: Names<'_>) -> String {
     let list = |names: Vec<&str>| names.join(", ");
     let named = |kind: &str| {
-        let named: Vec<&str> = names.all().filter(|(_, of)| *of == kind).map(|(name, _)| name).collect();
+        let named: Vec<&str> = names
+            .all()
+            .filter(|(_, of)| *of == kind)
+            .map(|(name, _)| name)
+            .collect();
         match named.len() {
             0 => String::new(),
             1 => format!(", the {kind} {}", named[0]),
@@ -166,9 +251,14 @@ fn known(names: Names<'_>) -> String {
 
 /// Checks that parameters and inputs have names of their own, and parameters values.
 pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
-    let fault = |name: &str, problem: String, remedy: &str| Err(ExpressionError::of_parameter(name, problem, remedy));
+    let fault = |name: &str, problem: String, remedy: &str| {
+        Err(ExpressionError::of_parameter(name, problem, remedy))
+    };
     if let Some((name, _)) = names.parameters.get(MAX_PARAMETERS) {
-        let problem = format!("{} parameters; at most {MAX_PARAMETERS} are supported", names.parameters.len());
+        let problem = format!(
+            "{} parameters; at most {MAX_PARAMETERS} are supported",
+            names.parameters.len()
+        );
         return fault(name, problem, "replace some parameters by their values");
     }
     for (i, (name, kind)) in names.all().enumerate() {
@@ -177,25 +267,46 @@ pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
             && !name.starts_with(|c: char| c.is_ascii_digit())
             && (1..=MAX_NAME).contains(&name.len());
         if !is_name {
-            let remedy = format!("write letters from a to z, digits and _, at most {MAX_NAME}, and no digit first");
+            let remedy = format!(
+                "write letters from a to z, digits and _, at most {MAX_NAME}, and no digit first"
+            );
             return fault(
                 name,
-                format!("`{shown}` cannot be the name of a{} {kind}", if kind == "input" { "n" } else { "" }),
+                format!(
+                    "`{shown}` cannot be the name of a{} {kind}",
+                    if kind == "input" { "n" } else { "" }
+                ),
                 &remedy,
             );
         }
         if reserved(name).is_some() {
-            return fault(name, format!("the name of the {kind} `{shown}` is reserved"), "give it another name");
+            return fault(
+                name,
+                format!("the name of the {kind} `{shown}` is reserved"),
+                "give it another name",
+            );
         }
         if let Some((_, other)) = names.all().take(i).find(|(other, _)| *other == name) {
-            let both = if other == kind { format!("two {kind}s are") } else { format!("a {other} and an {kind} are") };
-            return fault(name, format!("{both} called `{shown}`"), "give them different names");
+            let both = if other == kind {
+                format!("two {kind}s are")
+            } else {
+                format!("a {other} and an {kind} are")
+            };
+            return fault(
+                name,
+                format!("{both} called `{shown}`"),
+                "give them different names",
+            );
         }
     }
     for (name, value) in names.parameters {
         let shown = short(name);
         if !value.is_finite() {
-            return fault(name, format!("the parameter `{shown}` is {value}"), "write a finite number");
+            return fault(
+                name,
+                format!("the parameter `{shown}` is {value}"),
+                "write a finite number",
+            );
         }
     }
     Ok(())

@@ -1,8 +1,12 @@
 //! Random valid scenarios for tests.
 
 use super::limits::MAX_PHASE;
-use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units};
-use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use super::{
+    Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units,
+};
+use crate::model::{
+    Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+};
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::{PassageLevels, Record};
 use proptest::prelude::*;

@@ -23,7 +23,10 @@ impl Method for CorrectedVi {
     const NAME: &'static str = "corrected-vi";
     const MEANING: &'static str = "the discrete variational inequality with corrected stick exits";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look { colour: "#0072B2", dash: "8 3 2 3" };
+    const LOOK: Look = Look {
+        colour: "#0072B2",
+        dash: "8 3 2 3",
+    };
     type Simulation = DiscreteSimulation;
 
     fn with(step: f64) -> Self {
@@ -47,12 +50,19 @@ impl Method for CorrectedVi {
     /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows
     /// as that of the body does.
     fn stability(self, model: &Model) -> Option<Stability> {
-        let (w0, gamma) = (model.oscillator.natural_frequency(), model.oscillator.damping_rate());
+        let (w0, gamma) = (
+            model.oscillator.natural_frequency(),
+            model.oscillator.damping_rate(),
+        );
         if gamma < 0.0 {
-            return model.runaway_amplitude(0.0).map(|critical_amplitude| Stability::Growing { critical_amplitude });
+            return model
+                .runaway_amplitude(0.0)
+                .map(|critical_amplitude| Stability::Growing { critical_amplitude });
         }
         let rate = gamma + gamma.hypot(w0);
-        (rate > 0.0).then(|| Stability::NewVelocity { largest_step: 2.0 / rate })
+        (rate > 0.0).then(|| Stability::NewVelocity {
+            largest_step: 2.0 / rate,
+        })
     }
 
     fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
@@ -71,7 +81,10 @@ impl CorrectedVi {
     /// Checks that the shift is small compared with f_s, because the correction of the stick exit
     /// is only the first term of an expansion.
     fn check_shift(self, model: &Model) -> Result<(), Misfit> {
-        let (f_s, shift) = (model.friction.static_force, monitoring_shift(model, self.step));
+        let (f_s, shift) = (
+            model.friction.static_force,
+            monitoring_shift(model, self.step),
+        );
         if shift == 0.0 || shift < LARGEST_SHIFT * f_s {
             return Ok(());
         }
@@ -82,7 +95,10 @@ impl CorrectedVi {
         );
         let limit = (LARGEST_SHIFT * f_s / monitoring_shift(model, 1.0)).powi(2);
         let remedy = if limit > 0.0 {
-            format!("choose `time.step` below {:?}, or `--scheme event-driven`", tidy(limit))
+            format!(
+                "choose `time.step` below {:?}, or `--scheme event-driven`",
+                tidy(limit)
+            )
         } else {
             "without friction there is no stick to correct: choose `--scheme discrete-vi` or `--scheme event-driven`"
                 .into()
@@ -100,8 +116,14 @@ const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
 /// continuous monitoring up to o(sqrt(h)) (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for
 /// moving barriers Gobet, Menozzi, Stoch. Proc. Appl. 120 (2010)).
 pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
-    let Model { oscillator, temperature, .. } = model;
-    let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
+    let Model {
+        oscillator,
+        temperature,
+        ..
+    } = model;
+    let noise = temperature
+        .effective_noise()
+        .map_or(0.0, |noise| noise.intensity * noise.diffusion);
     // The product is formed from the left, with the constant first. With K beta as one factor it
     // would be rounded differently, which would change the last bit of exits.
     let overshoot = match oscillator.drive {
@@ -115,6 +137,9 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
 /// below f_d. A body released at |b| < f_d would be moved by |b| - f_d, against b, although
 /// friction holds it in place. So the part of the shift that exceeds f_s - f_d is not corrected.
 pub fn corrected_exit(model: &Model, h: f64) -> f64 {
-    let Friction { static_force, dynamic_force } = model.friction;
+    let Friction {
+        static_force,
+        dynamic_force,
+    } = model.friction;
     (static_force - monitoring_shift(model, h)).max(dynamic_force)
 }

@@ -13,28 +13,52 @@ pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> 
     let thresholds = [model.friction.static_force, model.friction.dynamic_force];
     let is_usable = h.is_normal()
         && h_over_m.is_normal()
-        && thresholds.iter().all(|f| usable(*f) && (*f == 0.0 || (h_over_m * f).is_normal()))
+        && thresholds
+            .iter()
+            .all(|f| usable(*f) && (*f == 0.0 || (h_over_m * f).is_normal()))
         && (h_over_m * model.largest_force(end)).is_finite();
     if is_usable {
         return Ok(());
     }
-    let problem = format!("gives h/m = {h_over_m:e} or a threshold h f_s/m outside the range of double precision");
-    Err(Misfit::new(&[("time.step", h)], problem, "choose units in which mass, forces and step are closer to 1"))
+    let problem = format!(
+        "gives h/m = {h_over_m:e} or a threshold h f_s/m outside the range of double precision"
+    );
+    Err(Misfit::new(
+        &[("time.step", h)],
+        problem,
+        "choose units in which mass, forces and step are closer to 1",
+    ))
 }
 
 /// Checks that v can be counted in increments of one step: the increments must be doubles with all
 /// their digits, and so must v(0) in units of them.
 pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
-    let Some(noise) = model.temperature.effective_noise().filter(|noise| noise.diffusion > 0.0) else { return Ok(()) };
+    let Some(noise) = model
+        .temperature
+        .effective_noise()
+        .filter(|noise| noise.diffusion > 0.0)
+    else {
+        return Ok(());
+    };
     let increment = Transition::new(noise.relaxation_rate, noise.diffusion, h).increment_sd;
-    let start = if let InitialNoise::At(v) = noise.initial { v.abs() } else { noise.stationary_sd() };
+    let start = if let InitialNoise::At(v) = noise.initial {
+        v.abs()
+    } else {
+        noise.stationary_sd()
+    };
     if increment.is_normal() && can_be_computed_with(&[start / increment]) {
         return Ok(());
     }
-    let problem =
-        format!("moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}");
-    let remedy = "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
-    Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
+    let problem = format!(
+        "moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}"
+    );
+    let remedy =
+        "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
+    Err(Misfit::new(
+        &[("temperature.noise.diffusion", noise.diffusion)],
+        problem,
+        remedy,
+    ))
 }
 
 /// Checks that the noise is one process that runs on from step to step. The kernels carry one v per
@@ -43,13 +67,15 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
 pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises; schemes with a time step support one".to_string();
-        let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`, or remove one of them";
+        let remedy =
+            "choose `--scheme event-driven` or `--scheme quasi-static`, or remove one of them";
         return Err(Misfit::new(&[("temperature.noise", 2.0)], problem, remedy));
     }
     if !(model.temperature.is_pinned && model.temperature.is_random()) {
         return Ok(());
     }
-    let problem = "`temperature.noise.pinned` = true is not supported by schemes with a time step".to_string();
+    let problem = "`temperature.noise.pinned` = true is not supported by schemes with a time step"
+        .to_string();
     let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`";
     Err(Misfit::new(&[], problem, remedy))
 }

@@ -20,7 +20,10 @@ impl Method for DiscreteVi {
     const NAME: &'static str = "discrete-vi";
     const MEANING: &'static str = "the discrete variational inequality";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look { colour: "#D55E00", dash: "8 4" };
+    const LOOK: Look = Look {
+        colour: "#D55E00",
+        dash: "8 4",
+    };
     type Simulation = DiscreteSimulation;
 
     fn with(step: f64) -> Self {
@@ -53,8 +56,15 @@ impl Method for DiscreteVi {
     /// K = alpha = 0    nothing grows but by the force
     /// ```
     fn stability(self, model: &Model) -> Option<Stability> {
-        let Oscillator { stiffness: k, damping: alpha, .. } = model.oscillator;
-        let (w0, gamma) = (model.oscillator.natural_frequency(), model.oscillator.damping_rate());
+        let Oscillator {
+            stiffness: k,
+            damping: alpha,
+            ..
+        } = model.oscillator;
+        let (w0, gamma) = (
+            model.oscillator.natural_frequency(),
+            model.oscillator.damping_rate(),
+        );
         if alpha < 0.0 {
             let growing = model.runaway_amplitude(0.5 * k * self.step);
             return growing.map(|critical_amplitude| Stability::Growing { critical_amplitude });
@@ -64,9 +74,13 @@ impl Method for DiscreteVi {
             return (k > 0.0).then_some(Stability::Undamped { critical_amplitude });
         }
         Some(if gamma < w0 {
-            Stability::Underdamped { largest_step: 2.0 * alpha / k }
+            Stability::Underdamped {
+                largest_step: 2.0 * alpha / k,
+            }
         } else {
-            Stability::Overdamped { largest_step: 2.0 / (gamma + ((gamma - w0) * (gamma + w0)).sqrt()) }
+            Stability::Overdamped {
+                largest_step: 2.0 / (gamma + ((gamma - w0) * (gamma + w0)).sqrt()),
+            }
         })
     }
 

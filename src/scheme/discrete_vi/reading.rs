@@ -36,26 +36,47 @@ impl GridReader {
             let force = kernel.force(&at, forcing, 0);
             let pulls = kernel.pulls(&State { v: 0.0, ..at }, forcing, 0);
             let let_go = kernel.let_go(pulls, kernel.coefficients.static_impulse);
-            let Some(sign) = (if at.v == 0.0 { let_go } else { Some(Sign::of(at.v)) }) else {
+            let Some(sign) = (if at.v == 0.0 {
+                let_go
+            } else {
+                Some(Sign::of(at.v))
+            }) else {
                 return Phase::Static;
             };
-            let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.x, force };
+            let event = Event {
+                kind: EventKind::SlipStarted(sign),
+                time: 0.0,
+                displacement: at.x,
+                force,
+            };
             if !force.is_finite() {
                 forceless.push(lane);
             }
             observer.event(lane, event);
             Phase::Slip(sign)
         });
-        GridReader { phases: phases.collect(), forceless }
+        GridReader {
+            phases: phases.collect(),
+            forceless,
+        }
     }
 
     /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
     /// phase ends at the last instant with V = 0, so that this instant belongs to the slip. It is
     /// the one at which the force no longer holds, and its event is found in the next step.
-    pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64, n: u64) -> impl Iterator<Item = bool> {
+    pub(super) fn statics(
+        &self,
+        kernel: &Kernel,
+        state: &Paths,
+        forcing: f64,
+        n: u64,
+    ) -> impl Iterator<Item = bool> {
         let exit = kernel.coefficients.exit_impulse;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
-            let at = State { v: 0.0, ..state.point(lane) };
+            let at = State {
+                v: 0.0,
+                ..state.point(lane)
+            };
             *phase == Phase::Static && kernel.let_go(kernel.pulls(&at, forcing, n), exit).is_none()
         })
     }
@@ -71,7 +92,9 @@ impl GridReader {
         observer: &mut dyn Observer,
     ) {
         for turn in turns {
-            let Some(phase) = self.phases.get_mut(turn.lane) else { continue };
+            let Some(phase) = self.phases.get_mut(turn.lane) else {
+                continue;
+            };
             let behind = turn.step + 1;
             let at_rest = || {
                 let pulls = kernel.pulls(&turn.after, forcing[behind], n + behind as u64);
@@ -79,7 +102,9 @@ impl GridReader {
                 let let_go = kernel.let_go(pulls, kernel.coefficients.static_impulse);
                 let_go.map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary)
             };
-            let Some(kind) = self::read(*phase, turn, at_rest) else { continue };
+            let Some(kind) = self::read(*phase, turn, at_rest) else {
+                continue;
+            };
             *phase = kind.phase();
             // A static phase ends at the beginning of the step; all other events are at its end.
             let (at, step) = match kind {

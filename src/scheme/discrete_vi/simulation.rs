@@ -51,12 +51,18 @@ impl DiscreteSimulation {
 
     /// The corrected scheme ([`super::CorrectedVi`]) with steps of length `h`.
     pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
-        DiscreteSimulation { is_corrected: true, ..DiscreteSimulation::new(model, timeline, h) }
+        DiscreteSimulation {
+            is_corrected: true,
+            ..DiscreteSimulation::new(model, timeline, h)
+        }
     }
 
     /// The same simulation on another instruction set. The results have the same bits.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
-        DiscreteSimulation { instructions, ..self }
+        DiscreteSimulation {
+            instructions,
+            ..self
+        }
     }
 
     /// The instruction set in use.
@@ -73,7 +79,11 @@ impl DiscreteSimulation {
                 InitialNoise::At(v) => vec![v / unit; lanes],
                 InitialNoise::Stationary => {
                     let sd = noise.stationary_sd() / unit;
-                    streams.normals(1, self.instructions).into_iter().map(|z| sd * z).collect()
+                    streams
+                        .normals(1, self.instructions)
+                        .into_iter()
+                        .map(|z| sd * z)
+                        .collect()
                 }
             },
         }
@@ -91,9 +101,21 @@ impl DiscreteSimulation {
     ) {
         for lane in (0..is_static.len()).filter(|&lane| !is_static[lane]) {
             let (at, to) = (before.point(lane), after.point(lane));
-            let along = Along::Step { temperature: temperature(at.noise) };
+            let along = Along::Step {
+                temperature: temperature(at.noise),
+            };
             let (start, length, velocity) = (n as f64 * self.h, self.h, [at.v, to.v]);
-            observer.segment(lane, &Segment { start, length, displacement: at.x, way: to.x - at.x, velocity, along });
+            observer.segment(
+                lane,
+                &Segment {
+                    start,
+                    length,
+                    displacement: at.x,
+                    way: to.x - at.x,
+                    velocity,
+                    along,
+                },
+            );
         }
     }
 }
@@ -122,18 +144,36 @@ impl Simulate for DiscreteSimulation {
     }
 
     fn observed_every(self, steps: u64) -> Self {
-        DiscreteSimulation { observed_every: steps, ..self }
+        DiscreteSimulation {
+            observed_every: steps,
+            ..self
+        }
     }
 
     /// A path is lost if it diverges: if |x| exceeds [`divergence_bound`] or is not a number.
-    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
-        let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
+    fn simulate_counting(
+        &self,
+        seed: u64,
+        paths: &[u64],
+        observer: &mut dyn Observer,
+    ) -> Simulated {
+        let kernel = Kernel::new(
+            &self.model,
+            self.h,
+            self.refinement,
+            self.is_corrected,
+            self.instructions,
+        );
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
         let paths = paths.len();
         let bound = divergence_bound(&self.model, self.timeline.end);
         let to_force = self.model.oscillator.force_per_temperature();
         let noise = self.initial_noise(kernel.noise.unit, &mut streams, paths);
-        let mut state = Paths::at(self.model.initial_displacement, self.model.initial_velocity, &noise);
+        let mut state = Paths::at(
+            self.model.initial_displacement,
+            self.model.initial_velocity,
+            &noise,
+        );
         let mut harmonics = [0.0; RUN + 1];
         let mut forcing = [0.0; RUN + 1];
         self.clock.fill(0, &mut harmonics[..1]);
@@ -152,12 +192,21 @@ impl Simulate for DiscreteSimulation {
                 if observer.is_stopped() {
                     return Simulated::default();
                 }
-                let steps = if follows { 1 } else { RUN.min((target - n) as usize) };
+                let steps = if follows {
+                    1
+                } else {
+                    RUN.min((target - n) as usize)
+                };
                 self.clock.fill(n, &mut harmonics[..=steps]);
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
-                let before = follows.then(|| (state.clone(), reader.statics(&kernel, &state, forcing[0], n).collect()));
+                let before = follows.then(|| {
+                    (
+                        state.clone(),
+                        reader.statics(&kernel, &state, forcing[0], n).collect(),
+                    )
+                });
                 kernel.advance(n, &forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
                 if let Some(before) = before {
@@ -166,7 +215,10 @@ impl Simulate for DiscreteSimulation {
                 }
                 // All lanes are tested together first, because a path hardly ever diverges.
                 let is_bounded = |x: &f64| x.abs() <= bound;
-                if !state.displacement[..paths].iter().fold(true, |all, x| all & is_bounded(x)) {
+                if !state.displacement[..paths]
+                    .iter()
+                    .fold(true, |all, x| all & is_bounded(x))
+                {
                     for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
                         *diverged |= !is_bounded(x);
                     }
@@ -183,7 +235,11 @@ impl Simulate for DiscreteSimulation {
             is_static.clear();
             is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0], n));
             temperature.clear();
-            temperature.extend(state.noise[..paths].iter().map(|v| harmonics[0] + kernel.noise.temperature * v));
+            temperature.extend(
+                state.noise[..paths]
+                    .iter()
+                    .map(|v| harmonics[0] + kernel.noise.temperature * v),
+            );
             let snapshot = Snapshot {
                 time: n as f64 * self.h,
                 displacement: &state.displacement[..paths],
@@ -193,15 +249,24 @@ impl Simulate for DiscreteSimulation {
             };
             observer.snapshot(stop.instant, snapshot);
         }
-        reader.forceless.iter().for_each(|&lane| diverged[lane] = true);
+        reader
+            .forceless
+            .iter()
+            .for_each(|&lane| diverged[lane] = true);
         if self.model.force.is_some() {
             let last = to_force * harmonics[0];
             for (lane, diverged) in diverged.iter_mut().enumerate() {
-                *diverged |= !kernel.pulls(&state.point(lane), last, n).iter().all(|pull| pull.is_finite());
+                *diverged |= !kernel
+                    .pulls(&state.point(lane), last, n)
+                    .iter()
+                    .all(|pull| pull.is_finite());
             }
         }
         let lost = (0..paths).filter(|&lane| diverged[lane]).collect();
-        Simulated { lost, ..Simulated::default() }
+        Simulated {
+            lost,
+            ..Simulated::default()
+        }
     }
 }
 
@@ -217,15 +282,23 @@ impl Simulate for DiscreteSimulation {
 /// at x0 and rest is part of the force, a typical length is part of x, and the bound is a million
 /// times what follows, and at most 1e100.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
-    let Model { oscillator, friction, .. } = model;
-    let thermal = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
+    let Model {
+        oscillator,
+        friction,
+        ..
+    } = model;
+    let thermal =
+        oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
     let force = thermal + model.largest_at_start(end).0;
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;
         let run_up = model.initial_velocity.abs() / oscillator.natural_frequency();
-        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness + run_up
+        growth * (force / oscillator.stiffness)
+            + friction.static_force / oscillator.stiffness
+            + run_up
     } else {
-        (force + friction.static_force) / oscillator.mass * end * end / 2.0 + model.initial_velocity.abs() * end
+        (force + friction.static_force) / oscillator.mass * end * end / 2.0
+            + model.initial_velocity.abs() * end
     };
     let growth = libm::exp(-2.0 * oscillator.damping_rate().min(0.0) * end);
     let reach = model.initial_displacement.abs() + driven;

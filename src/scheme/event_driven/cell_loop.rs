@@ -56,8 +56,13 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
     let mut cell = Cell::new(paths.cascade().scene(), &route.ladder, 0);
     let (closeness, timeline) = (route.closeness, route.timeline);
     let mut columns = StateColumns::new(count);
-    let (mut quiet, mut inside) =
-        (Vec::new(), Inside { segments: observer.borrow().follows().then(Vec::new), ..Inside::default() });
+    let (mut quiet, mut inside) = (
+        Vec::new(),
+        Inside {
+            segments: observer.borrow().follows().then(Vec::new),
+            ..Inside::default()
+        },
+    );
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
@@ -68,7 +73,11 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
         quiet.clear();
         while !is_before(stop, cell.end) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), &paths.cascade().route().ladder, cell.index + 1);
+            cell.move_to(
+                paths.cascade().scene(),
+                &paths.cascade().route().ladder,
+                cell.index + 1,
+            );
         }
         if quiet.is_empty() {
             let next = || stops.next_if(|stop| is_before(stop, cell.end));
@@ -76,7 +85,11 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
             paths.cross_watched(&cell, &mut inside);
             inside.tell(*observer.borrow_mut(), stops.peek().is_none());
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), &paths.cascade().route().ladder, cell.index + 1);
+            cell.move_to(
+                paths.cascade().scene(),
+                &paths.cascade().route().ladder,
+                cell.index + 1,
+            );
         } else {
             paths.cross(&quiet, observer);
         }
@@ -87,12 +100,16 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
                 paths.look(passed, &mut columns);
                 is_set = true;
             }
-            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
+            observer
+                .borrow_mut()
+                .snapshot(stop.instant, columns.snapshot(stop.time));
         }
         if paths.are_lost() {
             columns.fill(LOST);
             let mut observer = observer.borrow_mut();
-            stops.by_ref().for_each(|stop| observer.snapshot(stop.instant, columns.snapshot(stop.time)));
+            stops
+                .by_ref()
+                .for_each(|stop| observer.snapshot(stop.instant, columns.snapshot(stop.time)));
         }
     }
     paths.simulated()
@@ -115,19 +132,32 @@ pub struct Inside {
 
 impl Inside {
     /// Starts a new cell with these stops, at which `paths` paths are observed.
-    fn begin(&mut self, stops: impl Iterator<Item = Stop>, cell: &Cell, paths: usize, closeness: usize) {
+    fn begin(
+        &mut self,
+        stops: impl Iterator<Item = Stop>,
+        cell: &Cell,
+        paths: usize,
+        closeness: usize,
+    ) {
         self.stops.clear();
         self.stops.extend(stops);
         self.glances.clear();
         self.places.clear();
         for stop in &self.stops {
-            let is_closer = matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
+            let is_closer =
+                matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
             let time = stop.time - cell.start;
             match self.glances.last_mut().filter(|last| last.at == stop.time) {
                 Some(last) => last.is_closer &= is_closer,
                 None => {
                     let forcing = cell.forcing(time).value;
-                    self.glances.push(Glance { at: stop.time, time, is_closer, forcing, place: 0 });
+                    self.glances.push(Glance {
+                        at: stop.time,
+                        time,
+                        is_closer,
+                        forcing,
+                        place: 0,
+                    });
                 }
             }
             self.places.push(self.glances.len() - 1);
@@ -141,7 +171,9 @@ impl Inside {
         while self.seen.len() < self.glances.len() {
             self.seen.push(StateColumns::new(paths));
         }
-        self.seen[..self.glances.len()].iter_mut().for_each(|seen| seen.fill(LOST));
+        self.seen[..self.glances.len()]
+            .iter_mut()
+            .for_each(|seen| seen.fill(LOST));
         self.events.clear();
     }
 
@@ -155,22 +187,45 @@ impl Inside {
         path: &mut Path<C::Memory>,
         scratch: &mut (C::Scratch, PendingNodes),
     ) {
-        let Inside { glances, seen, events, segments, .. } = self;
+        let Inside {
+            glances,
+            seen,
+            events,
+            segments,
+            ..
+        } = self;
         let draws = path.draws.at(cell.index, 0);
-        let watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
-        let mut watch = Follower { watch, lane, segments: segments.as_mut() };
+        let watch = Glances {
+            glances,
+            cell_start: cell.start,
+            draws,
+            lane,
+            seen,
+            passed: 0,
+        };
+        let mut watch = Follower {
+            watch,
+            lane,
+            segments: segments.as_mut(),
+        };
         let emit = |event| events.push((lane, event));
         path.lost = cross(cascade, cell, path, scratch, &mut watch, emit).err();
         let (passed, seen) = (watch.watch.passed, watch.watch.seen);
         if passed < glances.len() {
-            seen[passed..glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
+            seen[passed..glances.len()]
+                .iter_mut()
+                .for_each(|seen| seen.set(lane, LOST));
         }
     }
 
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
     fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
-        for (lane, segment) in self.segments.iter_mut().flat_map(|segments| segments.drain(..)) {
+        for (lane, segment) in self
+            .segments
+            .iter_mut()
+            .flat_map(|segments| segments.drain(..))
+        {
             observer.segment(lane, &segment);
         }
         for (stop, &place) in self.stops.iter().zip(&self.places) {
@@ -184,7 +239,9 @@ impl Inside {
             observer.snapshot(stop.instant, self.seen[place].snapshot(stop.time));
         }
         if !is_over {
-            self.events.iter().for_each(|&(lane, event)| observer.event(lane, event));
+            self.events
+                .iter()
+                .for_each(|&(lane, event)| observer.event(lane, event));
         }
     }
 }

@@ -25,7 +25,9 @@ mod user_force;
 mod vectorised;
 mod work;
 
-pub use law::{DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution, SlipTransition, TOLERANCES};
+pub use law::{
+    DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution, SlipTransition, TOLERANCES,
+};
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
@@ -48,8 +50,13 @@ pub struct EventDriven {
 impl Method for EventDriven {
     const NAME: &'static str = "event-driven";
     const MEANING: &'static str = "event by event, exact in law between events";
-    const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[1e-2, 1e-3, 1e-4, 1e-5] };
-    const LOOK: Look = Look { colour: "#009E73", dash: "" };
+    const PARAMETER: Parameter = Parameter::Tolerance {
+        ladder: &[1e-2, 1e-3, 1e-4, 1e-5],
+    };
+    const LOOK: Look = Look {
+        colour: "#009E73",
+        dash: "",
+    };
     type Simulation = EventDrivenSimulation;
 
     fn with(tolerance: f64) -> Self {
@@ -65,7 +72,9 @@ impl Method for EventDriven {
     }
 
     fn discretisation(self) -> Discretisation {
-        Discretisation::Tolerance { tolerance: self.tolerance }
+        Discretisation::Tolerance {
+            tolerance: self.tolerance,
+        }
     }
 
     fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
@@ -87,13 +96,23 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
         let problem = "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
-        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "remove [temperature.noise]"));
+        return Err(Misfit::new(
+            &[("temperature.noise.intensity", 0.0)],
+            problem,
+            "remove [temperature.noise]",
+        ));
     }
     if felt.is_none() && model.temperature.has_two_noises() {
         let problem = "there are two noises, but they are negligible".to_string();
-        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "remove one of them"));
+        return Err(Misfit::new(
+            &[("temperature.noise.intensity", 0.0)],
+            problem,
+            "remove one of them",
+        ));
     }
-    let Some(noise) = felt.filter(|_| f_s > 0.0) else { return Ok(()) };
+    let Some(noise) = felt.filter(|_| f_s > 0.0) else {
+        return Ok(());
+    };
     if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
         return Ok(());
     }

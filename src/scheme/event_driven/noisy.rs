@@ -55,7 +55,11 @@ impl Noisy {
         let mut scene = Scene::new(model);
         scene.friction.static_force += rules.added_gap(&scene);
         let body = scene.oscillator;
-        let frequencies: Vec<f64> = scene.harmonics.iter().map(|h| h.angular_frequency).collect();
+        let frequencies: Vec<f64> = scene
+            .harmonics
+            .iter()
+            .map(|h| h.angular_frequency)
+            .collect();
         let oscillator = DrivenOscillator::new(
             body.mass,
             body.damping_rate(),
@@ -66,21 +70,50 @@ impl Noisy {
         );
         let fastest = oscillator.fastest_rate().max(scene.noise_rate());
         let longest = rules.slip_length / fastest;
-        let slow = frequencies.iter().copied().fold(scene.noise_rate(), f64::max);
+        let slow = frequencies
+            .iter()
+            .copied()
+            .fold(scene.noise_rate(), f64::max);
         let is_swift = fastest > TWO_SCALES * slow;
-        let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
+        let longest_cell = if is_swift {
+            rules.slip_length / slow
+        } else {
+            longest
+        };
         // Whatever oscillates at rest is looked at often enough to be seen.
-        let longest_cell = longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
+        let longest_cell =
+            longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
         let route = Route::new(&scene, timeline, rules, longest_cell, cost);
         let cell_length = route.ladder.length;
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
-        let halvings = if scene.own.is_some() { FINEST_HALVING + 1 } else { 0 };
-        let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
+        let halvings = if scene.own.is_some() {
+            FINEST_HALVING + 1
+        } else {
+            0
+        };
+        let halved = |n| {
+            SlipStep::new(
+                &oscillator,
+                frequencies.len(),
+                length / f64::from(1u32 << n),
+            )
+        };
         let halved = (0..halvings).map(halved).collect();
-        let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
-        Noisy { scene, route, oscillator, step, halved, rules: *rules, search }
+        let search = StopSearch {
+            noise: scene.diffusion / body.mass,
+            caution: rules.caution,
+        };
+        Noisy {
+            scene,
+            route,
+            oscillator,
+            step,
+            halved,
+            rules: *rules,
+            search,
+        }
     }
 
     /// Whether the paths can be simulated vectorised: all cells have one length, there is only one
@@ -93,7 +126,9 @@ impl Noisy {
     /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.length();
-        self.has_equal_cells() && self.route.ladder.length == length && self.oscillator.has_series_for(length)
+        self.has_equal_cells()
+            && self.route.ladder.length == length
+            && self.oscillator.has_series_for(length)
     }
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged

@@ -35,13 +35,27 @@ impl EventDrivenSimulation {
         let scene = Scene::new(model);
         let (chosen, resolution) = if scene.felt_noise(timeline.end).is_some() {
             let rules = StepRules::new(tolerance);
-            (Chosen::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
+            (
+                Chosen::Noisy(Box::new(Noisy::new(model, timeline, &rules))),
+                rules.resolution(&scene),
+            )
         } else if model.force.is_some() {
-            (Chosen::General(Box::new(GeneralNoiseless::new(model, timeline))), None)
+            (
+                Chosen::General(Box::new(GeneralNoiseless::new(model, timeline))),
+                None,
+            )
         } else {
-            (Chosen::Noiseless(Box::new(Noiseless::new(model, timeline))), None)
+            (
+                Chosen::Noiseless(Box::new(Noiseless::new(model, timeline))),
+                None,
+            )
         };
-        EventDrivenSimulation { model: model.clone(), timeline: *timeline, chosen, resolution }
+        EventDrivenSimulation {
+            model: model.clone(),
+            timeline: *timeline,
+            chosen,
+            resolution,
+        }
     }
 
     /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal under
@@ -62,7 +76,12 @@ impl Simulate for EventDrivenSimulation {
 
     /// A path is given up if it makes all the evaluations that it may, or if a value is not a
     /// number.
-    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+    fn simulate_counting(
+        &self,
+        seed: u64,
+        paths: &[u64],
+        observer: &mut dyn Observer,
+    ) -> Simulated {
         let noiseless = |observer| WithUnfeltNoise::new(&self.model, observer, seed, paths);
         match &self.chosen {
             Chosen::Noiseless(cascade) => cascade.simulate(paths.len(), &mut noiseless(observer)),
@@ -84,7 +103,10 @@ impl Simulate for EventDrivenSimulation {
                 format!("{} lanes, cell by cell", InstructionSet::detect().name())
             }
             Chosen::Noisy(cascade) if cascade.has_equal_cells() => {
-                format!("{} lanes for sticks, cell by cell; slips path by path", InstructionSet::detect().name())
+                format!(
+                    "{} lanes for sticks, cell by cell; slips path by path",
+                    InstructionSet::detect().name()
+                )
             }
             _ => "scalar, path by path".to_string(),
         }

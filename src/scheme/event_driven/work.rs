@@ -78,7 +78,11 @@ impl<'w> WorkLeft<'w> {
     /// A limit of `limit` evaluations, and of those made until `is_stopped`.
     pub fn watched(limit: u64, is_stopped: &'w dyn Fn() -> bool) -> Self {
         let left = limit.min(LOOK);
-        WorkLeft { left, later: limit - left, is_stopped }
+        WorkLeft {
+            left,
+            later: limit - left,
+            is_stopped,
+        }
     }
 
     /// The number of evaluations that are left.
@@ -102,7 +106,9 @@ impl<'w> WorkLeft<'w> {
     #[cold]
     #[inline(never)]
     fn look(&mut self) -> Resolved<()> {
-        let Some(later) = self.later.checked_sub(1) else { return Err(Unresolved::TooLong) };
+        let Some(later) = self.later.checked_sub(1) else {
+            return Err(Unresolved::TooLong);
+        };
         if (self.is_stopped)() {
             return Err(Unresolved::Stopped);
         }
@@ -139,7 +145,11 @@ mod tests {
             looks.set(0);
             let mut work = WorkLeft::watched(limit, &look);
             let made = (0..).take_while(|_| work.spend().is_ok()).count() as u64;
-            assert_eq!((made, work.left(), work.spend()), (spent, limit - spent, Err(why)), "{limit}");
+            assert_eq!(
+                (made, work.left(), work.spend()),
+                (spent, limit - spent, Err(why)),
+                "{limit}"
+            );
         }
     }
 }

@@ -11,7 +11,16 @@ impl Record {
     pub(crate) fn everything() -> Record {
         let levels = PassageLevels::of(&[1.0]);
         let (laws, density, spectrum, energy) = (true, true, true, true);
-        Record { paths: true, events: true, trajectories: 1, laws, density, spectrum, energy, levels }
+        Record {
+            paths: true,
+            events: true,
+            trajectories: 1,
+            laws,
+            density,
+            spectrum,
+            energy,
+            levels,
+        }
     }
 }
 
@@ -30,8 +39,16 @@ impl Certain {
 /// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
 pub fn model() -> Model {
     Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
-        friction: Friction { static_force: 3.0, dynamic_force: 2.0 },
+        oscillator: Oscillator {
+            mass: 1.0,
+            stiffness: 1.0,
+            damping: 0.0,
+            drive: Drive::Dilatation(1.0),
+        },
+        friction: Friction {
+            static_force: 3.0,
+            dynamic_force: 2.0,
+        },
         temperature: Temperature::default(),
         force: None,
         initial_displacement: 6.0,
@@ -40,15 +57,30 @@ pub fn model() -> Model {
 }
 
 pub fn slip(time: f64, displacement: f64) -> Event {
-    Event { kind: EventKind::SlipStarted(Sign::Positive), time, displacement, force: 3.0 }
+    Event {
+        kind: EventKind::SlipStarted(Sign::Positive),
+        time,
+        displacement,
+        force: 3.0,
+    }
 }
 
 pub fn turn(time: f64, displacement: f64) -> Event {
-    Event { kind: EventKind::SubPhaseBoundary(Sign::Negative), time, displacement, force: -3.5 }
+    Event {
+        kind: EventKind::SubPhaseBoundary(Sign::Negative),
+        time,
+        displacement,
+        force: -3.5,
+    }
 }
 
 pub fn stick(time: f64, displacement: f64) -> Event {
-    Event { kind: EventKind::StickEntered, time, displacement, force: 0.5 }
+    Event {
+        kind: EventKind::StickEntered,
+        time,
+        displacement,
+        force: 0.5,
+    }
 }
 
 /// A path, given by its events and x(t_end).
@@ -70,19 +102,38 @@ pub fn observe(
     let numbers: Vec<u64> = (first..first + paths.len() as u64).collect();
     let mut observer = BlockObserver::new(&model(), timeline, record, &numbers, Replicate::Path);
     for (lane, path) in paths.iter().enumerate() {
-        path.events.iter().for_each(|&event| observer.event(lane, event));
+        path.events
+            .iter()
+            .for_each(|&event| observer.event(lane, event));
     }
     let mut show = |instant, time, x: &[f64]| {
         let velocity: Vec<f64> = x.iter().map(|x| -x).collect();
         let temperature: Vec<f64> = x.iter().map(|x| x * x).collect();
         let is_static: Vec<bool> = x.iter().map(|&x| x == 6.0).collect();
         let (velocity, temperature, is_static) = (&velocity[..], &temperature[..], &is_static[..]);
-        observer.snapshot(instant, Snapshot { time, displacement: x, velocity, temperature, is_static });
+        observer.snapshot(
+            instant,
+            Snapshot {
+                time,
+                displacement: x,
+                velocity,
+                temperature,
+                is_static,
+            },
+        );
     };
-    rows.iter().enumerate().for_each(|(k, x)| show(Instant::Output(k), k as f64 * timeline.output_step, x));
+    rows.iter()
+        .enumerate()
+        .for_each(|(k, x)| show(Instant::Output(k), k as f64 * timeline.output_step, x));
     let period = timeline.period.unwrap_or(0.0);
-    (1..).zip(periods).for_each(|(n, x)| show(Instant::Period(n), n as f64 * period, x));
-    show(Instant::End, timeline.end, &paths.iter().map(|p| p.end).collect::<Vec<_>>());
+    (1..)
+        .zip(periods)
+        .for_each(|(n, x)| show(Instant::Period(n), n as f64 * period, x));
+    show(
+        Instant::End,
+        timeline.end,
+        &paths.iter().map(|p| p.end).collect::<Vec<_>>(),
+    );
     observer.finish(first, paths.len() as u64, Vec::new())
 }
 

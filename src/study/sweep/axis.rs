@@ -49,8 +49,18 @@ impl std::error::Error for AxisError {}
 impl fmt::Display for AxisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let before = self.text.get(..self.at.start).unwrap_or("").chars().count();
-        let marked = self.text.get(self.at.clone()).unwrap_or("").chars().count().max(1);
-        let line: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let marked = self
+            .text
+            .get(self.at.clone())
+            .unwrap_or("")
+            .chars()
+            .count()
+            .max(1);
+        let line: String = self
+            .text
+            .chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
         let [line, carets] = underlined(&line, before, marked);
         writeln!(f, "{}", self.problem)?;
         writeln!(f, "  {line}\n  {carets}")?;
@@ -66,8 +76,14 @@ impl SweepAxis {
     /// `log:START:STOP:COUNT` (evenly spaced in the logarithm) or a list. Without a name, the axis
     /// is called by the `symbol` of its key, or by the key with underscores in place of dots. The
     /// values of a grid are rounded to twelve digits, so that they are short enough to type.
-    pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<SweepAxis, AxisError> {
-        let whole = TextPart { whole: text, at: 0..text.len() };
+    pub fn parse(
+        text: &str,
+        symbol: impl Fn(&str) -> Option<String>,
+    ) -> Result<SweepAxis, AxisError> {
+        let whole = TextPart {
+            whole: text,
+            at: 0..text.len(),
+        };
         let parts = whole.split('=');
         let (name, key, values) = match parts.as_slice() {
             [key, values] => (None, key.trimmed(), values.trimmed()),
@@ -80,28 +96,41 @@ impl SweepAxis {
         }
         if let Some(name) = name.as_ref().filter(|name| !is_name(name.text())) {
             let problem = format!("`{}` is not a valid name of a dimension", name.text());
-            return Err(name.wrong(&problem, "a letter, then letters, digits and underscores, such as rho"));
+            return Err(name.wrong(
+                &problem,
+                "a letter, then letters, digits and underscores, such as rho",
+            ));
         }
         let numbers = numbers(&values)?;
         let key = key.text().to_string();
-        let own = || symbol(&key).filter(|symbol| is_name(symbol)).unwrap_or_else(|| plain(&key));
+        let own = || {
+            symbol(&key)
+                .filter(|symbol| is_name(symbol))
+                .unwrap_or_else(|| plain(&key))
+        };
         let name = name.map_or_else(own, |name| name.text().to_string());
-        Ok(SweepAxis { name, key, values: numbers })
+        Ok(SweepAxis {
+            name,
+            key,
+            values: numbers,
+        })
     }
 }
 
 /// The form of an axis.
-const WRITTEN: &str =
-    "write [NAME=]KEY=VALUES, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=1.1,1.2,1.5";
+const WRITTEN: &str = "write [NAME=]KEY=VALUES, e.g. rho=temperature.noise.intensity=0:1:21 or friction.static=1.1,1.2,1.5";
 
 /// Whether a text is a valid name of a dimension. Programs that read the file often use the name as
 /// an identifier.
 fn is_name(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 fn plain(key: &str) -> String {
-    key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+    key.chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect()
 }
 
 /// A part of the text, as a range of bytes.
@@ -121,7 +150,10 @@ impl<'a> TextPart<'a> {
         let piece = |part: &str| {
             let at = start..start + part.len();
             start = at.end + by.len_utf8();
-            TextPart { whole: self.whole, at }
+            TextPart {
+                whole: self.whole,
+                at,
+            }
         };
         self.text().split(by).map(piece).collect()
     }
@@ -129,7 +161,10 @@ impl<'a> TextPart<'a> {
     fn trimmed(&self) -> TextPart<'a> {
         let text = self.text();
         let start = self.at.start + (text.len() - text.trim_start().len());
-        TextPart { whole: self.whole, at: start..start + text.trim().len() }
+        TextPart {
+            whole: self.whole,
+            at: start..start + text.trim().len(),
+        }
     }
 
     fn wrong(&self, problem: &str, remedy: &str) -> AxisError {
@@ -142,11 +177,19 @@ impl<'a> TextPart<'a> {
     }
 
     fn number(&self) -> Result<f64, AxisError> {
-        let number = self.text().trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        let number = self
+            .text()
+            .trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|x| x.is_finite());
         // The addition turns -0.0 into 0.0, because both are the same value.
-        number
-            .map(|x| x + 0.0)
-            .ok_or_else(|| self.trimmed().wrong(&format!("`{}` is not a finite number", self.text().trim()), VALUES))
+        number.map(|x| x + 0.0).ok_or_else(|| {
+            self.trimmed().wrong(
+                &format!("`{}` is not a finite number", self.text().trim()),
+                VALUES,
+            )
+        })
     }
 }
 
@@ -161,8 +204,14 @@ fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     match parts.as_slice() {
         [start, stop, count] => grid(start, stop, count, linear),
         [log, start, stop, count] if log.text().trim() == "log" => {
-            if let Some(low) = [start, stop].into_iter().find(|end| end.number().is_ok_and(|x| x <= 0.0)) {
-                return Err(low.wrong("a logarithmic grid needs ends above 0", "or write it without `log:`"));
+            if let Some(low) = [start, stop]
+                .into_iter()
+                .find(|end| end.number().is_ok_and(|x| x <= 0.0))
+            {
+                return Err(low.wrong(
+                    "a logarithmic grid needs ends above 0",
+                    "or write it without `log:`",
+                ));
             }
             grid(start, stop, count, logarithmic)
         }
@@ -191,10 +240,19 @@ fn grid(
     between: fn(f64, f64, f64) -> f64,
 ) -> Result<Vec<f64>, AxisError> {
     let (a, b) = (start.number()?, stop.number()?);
-    let n = count.text().trim().parse::<usize>().ok().filter(|n| (2..=MOST_POINTS).contains(n)).ok_or_else(|| {
-        let problem = format!("`{}` must be a number of values from 2 to {MOST_POINTS}", count.text().trim());
-        count.wrong(&problem, VALUES)
-    })?;
+    let n = count
+        .text()
+        .trim()
+        .parse::<usize>()
+        .ok()
+        .filter(|n| (2..=MOST_POINTS).contains(n))
+        .ok_or_else(|| {
+            let problem = format!(
+                "`{}` must be a number of values from 2 to {MOST_POINTS}",
+                count.text().trim()
+            );
+            count.wrong(&problem, VALUES)
+        })?;
     let size = a.abs().max(b.abs());
     let value = |i: usize| match i {
         0 => a,
@@ -202,15 +260,28 @@ fn grid(
         i => {
             let x = between(a, b, i as f64 / (n - 1) as f64);
             // A value that would be zero but for rounding becomes zero.
-            if x.abs() < ROUNDING * size && a * b < 0.0 { 0.0 } else { tidy(x) }
+            if x.abs() < ROUNDING * size && a * b < 0.0 {
+                0.0
+            } else {
+                tidy(x)
+            }
         }
     };
     let values: Vec<f64> = (0..n).map(value).collect();
-    if values.windows(2).all(|pair| (pair[0] < pair[1]) == (a < b) && pair[0] != pair[1]) {
+    if values
+        .windows(2)
+        .all(|pair| (pair[0] < pair[1]) == (a < b) && pair[0] != pair[1])
+    {
         return Ok(values);
     }
-    let ends = TextPart { whole: start.whole, at: start.at.start..stop.at.end };
-    Err(ends.wrong("the ends are too close for this number of values", "give ends further apart, or fewer values"))
+    let ends = TextPart {
+        whole: start.whole,
+        at: start.at.start..stop.at.end,
+    };
+    Err(ends.wrong(
+        "the ends are too close for this number of values",
+        "give ends further apart, or fewer values",
+    ))
 }
 
 /// Values of a grid are rounded to this relative accuracy, twelve digits.
@@ -231,7 +302,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn values(text: &str) -> Vec<f64> {
-        SweepAxis::parse(&format!("k={text}"), |_| None).expect(text).values
+        SweepAxis::parse(&format!("k={text}"), |_| None)
+            .expect(text)
+            .values
     }
 
     #[test]
@@ -247,7 +320,10 @@ mod tests {
     #[test]
     fn a_name_is_the_one_given_or_the_symbol_or_the_key() {
         let name = |text: &str, symbol: Option<&str>| {
-            let axis = SweepAxis::parse(text, |key| symbol.filter(|_| key == "a.0.b").map(String::from)).expect(text);
+            let axis = SweepAxis::parse(text, |key| {
+                symbol.filter(|_| key == "a.0.b").map(String::from)
+            })
+            .expect(text);
             assert_eq!(axis.key, "a.0.b");
             axis.name
         };
@@ -262,8 +338,16 @@ mod tests {
     fn a_mistake_is_shown_where_it_is() {
         let cases = [
             ("rho", "rho", "missing `=`"),
-            ("rho=temperature.noise.intensity=0:1:x", "x", "must be a number of values"),
-            ("rho=temperature.noise.intensity=0:1:1", "1", "must be a number of values"),
+            (
+                "rho=temperature.noise.intensity=0:1:x",
+                "x",
+                "must be a number of values",
+            ),
+            (
+                "rho=temperature.noise.intensity=0:1:1",
+                "1",
+                "must be a number of values",
+            ),
             ("rho=k=0:one:5", "one", "not a finite number"),
             ("k=lag:1:2:5", "lag", "unknown grid"),
             ("k=log:0:2:5", "0", "above 0"),
@@ -280,7 +364,10 @@ mod tests {
         for (text, wrong, problem) in cases {
             let error = SweepAxis::parse(text, |_| None).expect_err(text);
             assert_eq!(&text[error.at.clone()], wrong, "{text}: {error}");
-            assert!(error.problem.contains(problem) && !error.remedy.is_empty(), "{text}: {error}");
+            assert!(
+                error.problem.contains(problem) && !error.remedy.is_empty(),
+                "{text}: {error}"
+            );
             let shown = error.to_string();
             let caret = shown.lines().nth(2).expect("a line of carets");
             assert_eq!(caret.find('^'), Some(2 + error.at.start), "{shown}");

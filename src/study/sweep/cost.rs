@@ -20,8 +20,9 @@ pub fn estimated_seconds(question: &SweepQuestion, threads: usize) -> Option<f64
     let points = &question.points;
     let timed = TIMED.min(points.len());
     let scenarios = (0..timed).map(|k| &points[(2 * k + 1) * points.len() / (2 * timed)]);
-    let of_path: Vec<f64> =
-        scenarios.filter_map(|scenario| seconds_per_path(scenario, MAX_TIMING / TIMED as u32)).collect();
+    let of_path: Vec<f64> = scenarios
+        .filter_map(|scenario| seconds_per_path(scenario, MAX_TIMING / TIMED as u32))
+        .collect();
     let mean = (!of_path.is_empty()).then(|| of_path.iter().sum::<f64>() / of_path.len() as f64)?;
     let all: f64 = points.iter().map(|point| point.ensemble.paths as f64).sum();
     let has_bias = question.with_bias && question.scenario.scheme.step().is_some();

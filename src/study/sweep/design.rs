@@ -32,7 +32,9 @@ pub struct Setting {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Two dimensions have the same name, or one has a name that the file uses itself.
-    #[error("a dimension cannot be called `{0}`: the name is reserved, or used by another dimension")]
+    #[error(
+        "a dimension cannot be called `{0}`: the name is reserved, or used by another dimension"
+    )]
     Name(String),
     /// A key is varied twice.
     #[error("`{0}` is varied twice")]
@@ -111,7 +113,9 @@ impl Design {
     /// A grid of all combinations of axes, or, with `is_zipped`, their values in parallel.
     pub fn of(axes: Vec<SweepAxis>, is_zipped: bool) -> Result<Design, DesignError> {
         for (i, axis) in axes.iter().enumerate() {
-            if RESERVED.contains(&axis.name.as_str()) || axes[..i].iter().any(|other| other.name == axis.name) {
+            if RESERVED.contains(&axis.name.as_str())
+                || axes[..i].iter().any(|other| other.name == axis.name)
+            {
                 return Err(DesignError::Name(axis.name.clone()));
             }
             if axes[..i].iter().any(|other| other.key == axis.key) {
@@ -126,7 +130,11 @@ impl Design {
             }
         }
         let lengths = axes.iter().map(|axis| axis.values.len() as f64);
-        let points = if is_zipped { lengths.fold(0.0, f64::max) } else { lengths.product() };
+        let points = if is_zipped {
+            lengths.fold(0.0, f64::max)
+        } else {
+            lengths.product()
+        };
         match is_zipped {
             _ if points > MOST_POINTS as f64 => Err(DesignError::Points(points)),
             true => Ok(Design::Zip(axes)),
@@ -147,11 +155,16 @@ impl Design {
             match number_at(key) {
                 None => return wrong(StarError::NoNumber),
                 Some(0.0) => return wrong(StarError::Zero),
-                Some(_) if named.iter().any(|(other, _)| other == key) => return wrong(StarError::Twice),
+                Some(_) if named.iter().any(|(other, _)| other == key) => {
+                    return wrong(StarError::Twice);
+                }
                 Some(value) => named.push((key.clone(), value)),
             }
         }
-        Ok(Design::Star { keys: named, relative_step })
+        Ok(Design::Star {
+            keys: named,
+            relative_step,
+        })
     }
 
     /// The axes; none for a star.
@@ -166,7 +179,11 @@ impl Design {
     pub fn names(&self) -> Vec<&str> {
         match self {
             Design::Star { keys, .. } => keys.iter().map(|(key, _)| key.as_str()).collect(),
-            _ => self.axes().iter().flat_map(|axis| [axis.name.as_str(), &axis.key]).collect(),
+            _ => self
+                .axes()
+                .iter()
+                .flat_map(|axis| [axis.name.as_str(), &axis.key])
+                .collect(),
         }
     }
 
@@ -186,14 +203,23 @@ impl Design {
 
     /// The settings of a point; none at the centre of a star.
     pub fn settings(&self, point: usize) -> Vec<Setting> {
-        let setting = |axis: &SweepAxis, i: usize| Setting { key: axis.key.clone(), value: axis.values[i] };
+        let setting = |axis: &SweepAxis, i: usize| Setting {
+            key: axis.key.clone(),
+            value: axis.values[i],
+        };
         match self {
             Design::Grid(axes) => {
                 let places = self.places(point);
-                axes.iter().zip(places).map(|(axis, i)| setting(axis, i)).collect()
+                axes.iter()
+                    .zip(places)
+                    .map(|(axis, i)| setting(axis, i))
+                    .collect()
             }
             Design::Zip(axes) => axes.iter().map(|axis| setting(axis, point)).collect(),
-            Design::Star { keys, relative_step } => {
+            Design::Star {
+                keys,
+                relative_step,
+            } => {
                 let moved = |(key, value): &(String, f64), side: f64| Setting {
                     key: key.clone(),
                     value: tidy(value * (1.0 + side * relative_step)),
@@ -240,47 +266,103 @@ mod tests {
     use super::*;
 
     fn axis(name: &str, values: &[f64]) -> SweepAxis {
-        SweepAxis { name: name.into(), key: format!("key.{name}"), values: values.to_vec() }
+        SweepAxis {
+            name: name.into(),
+            key: format!("key.{name}"),
+            values: values.to_vec(),
+        }
     }
 
     fn values(design: &Design) -> Vec<Vec<f64>> {
-        (0..design.points()).map(|p| design.settings(p).iter().map(|setting| setting.value).collect()).collect()
+        (0..design.points())
+            .map(|p| {
+                design
+                    .settings(p)
+                    .iter()
+                    .map(|setting| setting.value)
+                    .collect()
+            })
+            .collect()
     }
 
     #[test]
     fn crossed_axes_make_every_pair_and_neighbours_differ_in_one() {
-        let design = Design::of(vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0, 7.0])], false).expect("a grid");
-        let pairs = [[1.0, 5.0], [1.0, 6.0], [1.0, 7.0], [2.0, 5.0], [2.0, 6.0], [2.0, 7.0]];
+        let design = Design::of(
+            vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0, 7.0])],
+            false,
+        )
+        .expect("a grid");
+        let pairs = [
+            [1.0, 5.0],
+            [1.0, 6.0],
+            [1.0, 7.0],
+            [2.0, 5.0],
+            [2.0, 6.0],
+            [2.0, 7.0],
+        ];
         assert_eq!(values(&design), pairs);
-        let next = |dimension| (0..6).map(|p| design.next(p, dimension)).collect::<Vec<_>>();
+        let next = |dimension| {
+            (0..6)
+                .map(|p| design.next(p, dimension))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(next(0), [Some(3), Some(4), Some(5), None, None, None]);
         assert_eq!(next(1), [Some(1), Some(2), None, Some(4), Some(5), None]);
     }
 
     #[test]
     fn zipped_axes_go_together() {
-        let design = Design::of(vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0])], true).expect("a zip");
+        let design =
+            Design::of(vec![axis("a", &[1.0, 2.0]), axis("b", &[5.0, 6.0])], true).expect("a zip");
         assert_eq!(values(&design), [[1.0, 5.0], [2.0, 6.0]]);
         assert_eq!((design.next(0, 0), design.next(1, 0)), (Some(1), None));
     }
 
     #[test]
     fn a_star_has_a_step_below_and_above_for_each_key() {
-        let design = Design::Star { keys: vec![("a".into(), 2.0), ("b".into(), -0.3)], relative_step: 0.05 };
-        assert_eq!(values(&design), [vec![], vec![1.9], vec![2.1], vec![-0.285], vec![-0.315]]);
+        let design = Design::Star {
+            keys: vec![("a".into(), 2.0), ("b".into(), -0.3)],
+            relative_step: 0.05,
+        };
+        assert_eq!(
+            values(&design),
+            [vec![], vec![1.9], vec![2.1], vec![-0.285], vec![-0.315]]
+        );
     }
 
     #[test]
     fn axes_that_do_not_go_together_are_refused() {
         let (a, b) = (axis("a", &[1.0, 2.0]), axis("b", &[1.0]));
         let refused = |axes, is_zipped| Design::of(axes, is_zipped).expect_err("refused");
-        assert_eq!(refused(vec![a.clone(), b.clone()], true), DesignError::Lengths("a".into(), 2, "b".into(), 1));
-        assert_eq!(refused(vec![a.clone(), a.clone()], false), DesignError::Name("a".into()));
-        assert_eq!(refused(vec![axis("group", &[1.0])], false), DesignError::Name("group".into()));
-        let twice = SweepAxis { key: a.key.clone(), ..b };
-        assert_eq!(refused(vec![a, twice], false), DesignError::Key("key.a".into()));
+        assert_eq!(
+            refused(vec![a.clone(), b.clone()], true),
+            DesignError::Lengths("a".into(), 2, "b".into(), 1)
+        );
+        assert_eq!(
+            refused(vec![a.clone(), a.clone()], false),
+            DesignError::Name("a".into())
+        );
+        assert_eq!(
+            refused(vec![axis("group", &[1.0])], false),
+            DesignError::Name("group".into())
+        );
+        let twice = SweepAxis {
+            key: a.key.clone(),
+            ..b
+        };
+        assert_eq!(
+            refused(vec![a, twice], false),
+            DesignError::Key("key.a".into())
+        );
         let long = axis("c", &(0..1000).map(f64::from).collect::<Vec<_>>());
-        let many = vec![long.clone(), SweepAxis { name: "d".into(), key: "d".into(), ..long }];
+        let many = vec![
+            long.clone(),
+            SweepAxis {
+                name: "d".into(),
+                key: "d".into(),
+                ..long
+            },
+        ];
         assert_eq!(refused(many, false), DesignError::Points(1e6));
     }
 }

@@ -67,13 +67,25 @@ pub struct SweepQuestion {
 impl SweepQuestion {
     /// A question from the scenario and the scenarios of the points, in the order of the design.
     /// With independent seeds, the seed of each point is changed here.
-    pub fn new(scenario: Scenario, design: Design, mut points: Vec<Scenario>, seeds: Seeds, with_bias: bool) -> Self {
+    pub fn new(
+        scenario: Scenario,
+        design: Design,
+        mut points: Vec<Scenario>,
+        seeds: Seeds,
+        with_bias: bool,
+    ) -> Self {
         if seeds == Seeds::Independent {
             for (i, point) in (0..).zip(&mut points) {
                 point.ensemble.seed = point.ensemble.seed.wrapping_add(i);
             }
         }
-        SweepQuestion { scenario, design, points, seeds, with_bias }
+        SweepQuestion {
+            scenario,
+            design,
+            points,
+            seeds,
+            with_bias,
+        }
     }
 
     /// The same, with each scenario made from the settings of its point; the scenario that is
@@ -84,13 +96,23 @@ impl SweepQuestion {
         with_bias: bool,
         scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
     ) -> Result<Self, E> {
-        let points = (0..design.points()).map(|i| scenario_at(&design.settings(i))).collect::<Result<_, E>>()?;
-        Ok(SweepQuestion::new(scenario_at(&[])?, design, points, seeds, with_bias))
+        let points = (0..design.points())
+            .map(|i| scenario_at(&design.settings(i)))
+            .collect::<Result<_, E>>()?;
+        Ok(SweepQuestion::new(
+            scenario_at(&[])?,
+            design,
+            points,
+            seeds,
+            with_bias,
+        ))
     }
 
     /// Whether the paths of any point are random.
     fn is_random(&self) -> bool {
-        self.points.iter().any(|point| point.model.temperature.is_random())
+        self.points
+            .iter()
+            .any(|point| point.model.temperature.is_random())
     }
 }
 
@@ -122,17 +144,28 @@ impl Sweep {
 
     /// The statistic at the next point along a dimension minus that at this point. `None` at the
     /// end of the dimension, or if one of the two is not done.
-    pub fn difference(&self, point: usize, dimension: usize, statistic: Statistic) -> Option<Paired> {
+    pub fn difference(
+        &self,
+        point: usize,
+        dimension: usize,
+        statistic: Statistic,
+    ) -> Option<Paired> {
         let next = self.question.design.next(point, dimension)?;
         let (from, to) = (self.points[point].as_ref()?, self.points[next].as_ref()?);
-        Some(paired::difference(from, to, statistic, self.question.is_random()))
+        Some(paired::difference(
+            from,
+            to,
+            statistic,
+            self.question.is_random(),
+        ))
     }
 
     /// The gain of common seeds over all differences along a dimension: the sum of the variances
     /// that the differences would have with independent seeds, divided by the sum of their
     /// variances. NaN if no difference has an error.
     pub fn gain(&self, dimension: usize, statistic: Statistic) -> f64 {
-        let pairs = (0..self.points.len()).filter_map(|point| self.difference(point, dimension, statistic));
+        let pairs =
+            (0..self.points.len()).filter_map(|point| self.difference(point, dimension, statistic));
         let (mut independent, mut common) = (0.0, 0.0);
         for Paired { measurement, gain } in pairs.filter(|pair| pair.gain.is_finite()) {
             let variance = measurement.standard_error * measurement.standard_error;
@@ -145,9 +178,16 @@ impl Sweep {
     /// The elasticity of a statistic for key number `key` of a star; `None` before its three points
     /// are done.
     pub fn elasticity(&self, key: usize, statistic: Statistic) -> Option<Paired> {
-        let Design::Star { relative_step, .. } = self.question.design else { return None };
+        let Design::Star { relative_step, .. } = self.question.design else {
+            return None;
+        };
         let point = |i: usize| self.points.get(i)?.as_ref();
         let points = [point(0)?, point(1 + 2 * key)?, point(2 + 2 * key)?];
-        Some(paired::elasticity(points, relative_step, statistic, self.question.is_random()))
+        Some(paired::elasticity(
+            points,
+            relative_step,
+            statistic,
+            self.question.is_random(),
+        ))
     }
 }

@@ -25,7 +25,12 @@ pub struct Paired {
 impl Paired {
     /// A number that does not exist: all fields are NaN.
     pub const NOTHING: Paired = Paired {
-        measurement: Measurement { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN },
+        measurement: Measurement {
+            estimate: f64::NAN,
+            standard_error: f64::NAN,
+            low: f64::NAN,
+            high: f64::NAN,
+        },
         gain: f64::NAN,
     };
 }
@@ -37,8 +42,15 @@ const ROUNDING: f64 = 1e-12;
 const ZERO: f64 = 2.0;
 
 /// The difference S(`to`) - S(`from`).
-pub(super) fn difference(from: &Point, to: &Point, statistic: Statistic, is_random: bool) -> Paired {
-    together(&[from, to], &[-1.0, 1.0], statistic, is_random, |[a, b]| b - a)
+pub(super) fn difference(
+    from: &Point,
+    to: &Point,
+    statistic: Statistic,
+    is_random: bool,
+) -> Paired {
+    together(&[from, to], &[-1.0, 1.0], statistic, is_random, |[a, b]| {
+        b - a
+    })
 }
 
 /// The elasticity: the relative change of S divided by the relative change of the key, by a central
@@ -62,12 +74,22 @@ pub(super) fn elasticity(
     }
     let weight = 1.0 / (2.0 * relative_step * centre.estimates[i].estimate);
     let of = |[centre, below, above]: [f64; 3]| (above - below) / (2.0 * relative_step * centre);
-    together(&[centre, below, above], &[0.0, -weight, weight], statistic, is_random, of)
+    together(
+        &[centre, below, above],
+        &[0.0, -weight, weight],
+        statistic,
+        is_random,
+        of,
+    )
 }
 
 /// One statistic of a point without each group of paths in turn.
 fn column(point: &Point, statistic: usize) -> Vec<f64> {
-    point.without.iter().map(|values| values[statistic]).collect()
+    point
+        .without
+        .iter()
+        .map(|values| values[statistic])
+        .collect()
 }
 
 /// A function of one statistic at several points. `weights` are its derivatives with respect to the
@@ -83,21 +105,50 @@ fn together<const N: usize>(
     let estimate = of(points.map(|point| point.estimates[i].estimate));
     let groups = points[0].without.len();
     if groups < 2 || points.iter().any(|point| point.without.len() != groups) {
-        return Paired { measurement: Measurement { estimate, ..Paired::NOTHING.measurement }, gain: f64::NAN };
+        return Paired {
+            measurement: Measurement {
+                estimate,
+                ..Paired::NOTHING.measurement
+            },
+            gain: f64::NAN,
+        };
     }
     let columns = points.map(|point| column(point, i));
-    let without: Vec<f64> = (0..groups).map(|g| of(columns.each_ref().map(|column| column[g]))).collect();
+    let without: Vec<f64> = (0..groups)
+        .map(|g| of(columns.each_ref().map(|column| column[g])))
+        .collect();
     let error = jackknife::standard_error(&without);
-    let independent: f64 =
-        columns.iter().zip(weights).map(|(column, w)| (w * jackknife::standard_error(column)).powi(2)).sum();
-    let size = without.iter().chain([&estimate]).fold(0.0_f64, |most, x| most.max(x.abs()));
-    let scale = points.iter().zip(weights).map(|(point, w)| (w * point.estimates[i].estimate).abs());
+    let independent: f64 = columns
+        .iter()
+        .zip(weights)
+        .map(|(column, w)| (w * jackknife::standard_error(column)).powi(2))
+        .sum();
+    let size = without
+        .iter()
+        .chain([&estimate])
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scale = points
+        .iter()
+        .zip(weights)
+        .map(|(point, w)| (w * point.estimates[i].estimate).abs());
     let has_agreed = error <= ROUNDING * scale.fold(size, f64::max);
     let (error, reach) = match (has_agreed, is_random) {
         (true, true) => (0.0, f64::NAN),
         (true, false) => (0.0, 0.0),
         (false, _) => (error, student(groups as u64 - 1) * error),
     };
-    let measurement = Measurement { estimate, standard_error: error, low: estimate - reach, high: estimate + reach };
-    Paired { measurement, gain: if has_agreed { f64::NAN } else { independent / (error * error) } }
+    let measurement = Measurement {
+        estimate,
+        standard_error: error,
+        low: estimate - reach,
+        high: estimate + reach,
+    };
+    Paired {
+        measurement,
+        gain: if has_agreed {
+            f64::NAN
+        } else {
+            independent / (error * error)
+        },
+    }
 }

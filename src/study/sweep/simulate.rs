@@ -66,17 +66,26 @@ impl Job<'_> {
     fn make(&self, k: u64, stop: &AtomicBool) -> Option<Made> {
         if k < self.blocks {
             let setup = self.setup();
-            return Some(Made::Block(Box::new(setup.plan.block_beside(k, &setup.grouping, stop)?)));
+            return Some(Made::Block(Box::new(setup.plan.block_beside(
+                k,
+                &setup.grouping,
+                stop,
+            )?)));
         }
         let plan = self.scenario.bias_plan(self.scenario.ensemble.paths);
-        Some(Made::Bias(Box::new(plan.and_then(|plan| plan.simulate(1, stop)))))
+        Some(Made::Bias(Box::new(
+            plan.and_then(|plan| plan.simulate(1, stop)),
+        )))
     }
 
     /// The sums before the first piece.
     fn nothing_yet(&self) -> Growing {
         let setup = self.setup();
         let (model, timeline) = (setup.plan.model(), setup.plan.timeline());
-        Growing { totals: RunTotals::with(setup.grouping.empty(), model, timeline, &setup.plan.record), seconds: 0.0 }
+        Growing {
+            totals: RunTotals::with(setup.grouping.empty(), model, timeline, &setup.plan.record),
+            seconds: 0.0,
+        }
     }
 }
 
@@ -84,10 +93,22 @@ impl Job<'_> {
 fn jobs<'a>(question: &'a SweepQuestion, done: &[Option<Point>]) -> (Vec<Job<'a>>, u64) {
     let mut jobs: Vec<Job> = Vec::new();
     let mut pieces = 0;
-    for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| done[*i].is_none()) {
+    for (point, scenario) in question
+        .points
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| done[*i].is_none())
+    {
         let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
         let has_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
-        jobs.push(Job { point, scenario, first: pieces, blocks, has_bias, setup: Mutex::new(None) });
+        jobs.push(Job {
+            point,
+            scenario,
+            first: pieces,
+            blocks,
+            has_bias,
+            setup: Mutex::new(None),
+        });
         pieces += blocks + u64::from(has_bias);
     }
     (jobs, pieces)
@@ -104,11 +125,28 @@ impl PointSetup {
         // The output grid is left out, because nothing of it is kept and no event depends on it.
         let timeline = scenario.timeline().without_rows();
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
-        let Ensemble { paths, seed, antithetic } = scenario.ensemble;
-        let unit = if antithetic { Replicate::Pair } else { Replicate::Path };
+        let Ensemble {
+            paths,
+            seed,
+            antithetic,
+        } = scenario.ensemble;
+        let unit = if antithetic {
+            Replicate::Pair
+        } else {
+            Replicate::Path
+        };
         let record = scenario.record.of_no_path();
         let grouping = Grouping::new(simulation.model(), simulation.timeline(), &record, unit);
-        PointSetup { plan: Plan { simulation, record, seed, paths, antithetic }, grouping }
+        PointSetup {
+            plan: Plan {
+                simulation,
+                record,
+                seed,
+                paths,
+                antithetic,
+            },
+            grouping,
+        }
     }
 }
 
@@ -138,7 +176,11 @@ impl SweepSimulation<'_> {
         sweep: &mut Sweep,
         mut receive: impl FnMut(&Sweep) -> Result<(), E> + Send,
     ) -> Result<(), SweepEnd<E>> {
-        let SweepSimulation { threads, stop, progress } = self;
+        let SweepSimulation {
+            threads,
+            stop,
+            progress,
+        } = self;
         let question = sweep.question.clone();
         let (jobs, pieces) = jobs(&question, &sweep.points);
         let paths = jobs.iter().map(|job| job.scenario.ensemble.paths).sum();
@@ -146,7 +188,11 @@ impl SweepSimulation<'_> {
             let start = thread_seconds();
             let job = jobs.partition_point(|job| job.first <= index) - 1;
             let made = jobs[job].make(index - jobs[job].first, stop)?;
-            Some(JobDone { job, seconds: thread_seconds() - start, made })
+            Some(JobDone {
+                job,
+                seconds: thread_seconds() - start,
+                made,
+            })
         };
         let mut growing: Option<Growing> = None;
         let mut done = 0;
@@ -157,7 +203,11 @@ impl SweepSimulation<'_> {
             let mut beside = None;
             match piece.made {
                 Made::Block(block) => {
-                    let Delivered { index, result, beside } = *block;
+                    let Delivered {
+                        index,
+                        result,
+                        beside,
+                    } = *block;
                     done += result.rows.paths;
                     progress.paths(done, paths);
                     here.totals.push_with(index, result.totals, beside)?;
@@ -170,7 +220,9 @@ impl SweepSimulation<'_> {
                     made => beside = made.ok(),
                 },
             }
-            let Some(here) = growing.take() else { return Ok(ControlFlow::Continue(())) };
+            let Some(here) = growing.take() else {
+                return Ok(ControlFlow::Continue(()));
+            };
             sweep.points[job.point] = Some(here.point(job.scenario, beside));
             job.drop_setup();
             receive(sweep).map_err(SweepEnd::Receiver)?;

@@ -58,22 +58,48 @@ impl Effort {
             return Err(TradeError::NothingHappens);
         }
         let watch = Stopwatch::start(threads);
-        let budget = Budget { time: budget, threads, is_random: scenario.model.temperature.is_random() };
-        let each = grid.free.iter().map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
+        let budget = Budget {
+            time: budget,
+            threads,
+            is_random: scenario.model.temperature.is_random(),
+        };
+        let each = grid
+            .free
+            .iter()
+            .map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
         let each = each.collect::<Result<Vec<f64>, Misfit>>()?;
         let (steps, coupled_paths) = budget.stepping(scenario, grid)?;
         // The time of the pilot is spent. The share of the schemes with a step goes to the others
         // if none of them is run.
-        let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
-        let free_paths = budget.free(grid, &each, more, (budget.capacity() - watch.spent()).max(0.0))?;
+        let more = if coupled_paths > 0 {
+            1.0
+        } else {
+            1.0 + STEPPING / (REFERENCE + OTHERS)
+        };
+        let free_paths = budget.free(
+            grid,
+            &each,
+            more,
+            (budget.capacity() - watch.spent()).max(0.0),
+        )?;
         let unrun = grid.steps.get(steps).filter(|_| steps > 0);
-        grid.left_out.extend(unrun.map(|h| LeftOut {
-            what: format!("steps of {h:?} and below"),
-            why: "the budget does not allow enough paths; predictions extrapolate the fitted law".into(),
+        grid.left_out.extend(unrun.map(|h| {
+            LeftOut {
+                what: format!("steps of {h:?} and below"),
+                why:
+                    "the budget does not allow enough paths; predictions extrapolate the fitted law"
+                        .into(),
+            }
         }));
-        let settings = steps * grid.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
+        let settings =
+            steps * grid.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
         let timing = TIMING * budget.time.as_secs_f64() / settings as f64;
-        Ok(Effort { steps, coupled_paths, free_paths, timing })
+        Ok(Effort {
+            steps,
+            coupled_paths,
+            free_paths,
+            timing,
+        })
     }
 }
 
@@ -93,21 +119,36 @@ impl Budget {
 
     /// The number of steps of the grid, and of paths, of the schemes with a step. If no steps
     /// fit, these schemes are removed from the grid.
-    fn stepping(&self, scenario: &Scenario, grid: &mut SettingGrid) -> Result<(usize, u64), Misfit> {
+    fn stepping(
+        &self,
+        scenario: &Scenario,
+        grid: &mut SettingGrid,
+    ) -> Result<(usize, u64), Misfit> {
         if grid.stepping.is_empty() {
             return Ok((0, 0));
         }
         let path = StepCost::measure(scenario, grid)?;
         let chain = |steps: usize| grid.stepping.len() as f64 * path.chain(&grid.steps[..steps]);
-        let fits = |paths: u64, steps: usize| chain(steps) * paths as f64 <= STEPPING * self.capacity();
-        let most = |paths: u64| (1..=grid.steps.len()).rev().find(|steps| fits(paths, *steps)).unwrap_or(0);
-        if let Some((paths, _)) = COUPLED.into_iter().find(|(paths, least)| most(*paths) >= *least) {
+        let fits =
+            |paths: u64, steps: usize| chain(steps) * paths as f64 <= STEPPING * self.capacity();
+        let most = |paths: u64| {
+            (1..=grid.steps.len())
+                .rev()
+                .find(|steps| fits(paths, *steps))
+                .unwrap_or(0)
+        };
+        if let Some((paths, _)) = COUPLED
+            .into_iter()
+            .find(|(paths, least)| most(*paths) >= *least)
+        {
             let steps = most(paths);
             // Without noise all paths are equal, so there is one in each group.
             if !self.is_random {
                 return Ok((steps, GROUPS));
             }
-            let doublings = (0..32).take_while(|i| paths << i <= MOST_PATHS && fits(paths << i, steps)).count();
+            let doublings = (0..32)
+                .take_while(|i| paths << i <= MOST_PATHS && fits(paths << i, steps))
+                .count();
             return Ok((steps, paths << doublings.saturating_sub(1)));
         }
         let seconds = chain(2) * COUPLED[2].0 as f64 / self.threads as f64;
@@ -119,25 +160,48 @@ impl Budget {
             self.time.as_secs_f64(),
         );
         let removed = std::mem::take(&mut grid.stepping);
-        grid.left_out.extend(removed.iter().map(|s| LeftOut { what: s.name().into(), why: why.clone() }));
+        grid.left_out.extend(removed.iter().map(|s| LeftOut {
+            what: s.name().into(),
+            why: why.clone(),
+        }));
         Ok((0, 0))
     }
 
     /// The number of paths of each setting without a step, of which a path takes `each` seconds.
     /// The `capacity` that is left is shared out, each share times `more`.
-    fn free(&self, grid: &mut SettingGrid, each: &[f64], more: f64, capacity: f64) -> Result<Vec<u64>, TradeError> {
+    fn free(
+        &self,
+        grid: &mut SettingGrid,
+        each: &[f64],
+        more: f64,
+        capacity: f64,
+    ) -> Result<Vec<u64>, TradeError> {
         let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
-        let too_small = |i: usize| TradeError::BudgetTooSmall { path_seconds: each[i], least: LEAST_FREE };
-        let reference = (0..each.len()).rev().find(|i| is_exact(grid.free[*i]) && fits(*i));
+        let too_small = |i: usize| TradeError::BudgetTooSmall {
+            path_seconds: each[i],
+            least: LEAST_FREE,
+        };
+        let reference = (0..each.len())
+            .rev()
+            .find(|i| is_exact(grid.free[*i]) && fits(*i));
         let reference = reference.ok_or_else(|| too_small(0))?;
         let mut free_paths = Vec::new();
         for (i, seconds) in each.iter().enumerate() {
-            let share = if i == reference { REFERENCE } else { OTHERS / (each.len() - 1).max(1) as f64 };
+            let share = if i == reference {
+                REFERENCE
+            } else {
+                OTHERS / (each.len() - 1).max(1) as f64
+            };
             let fitting = (share * more * capacity / seconds) as u64;
             let is_run = !self.is_random || fitting >= LEAST_FREE;
             if !is_run {
-                let why = format!("{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget");
-                grid.left_out.push(LeftOut { what: grid.free[i].to_string(), why });
+                let why = format!(
+                    "{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget"
+                );
+                grid.left_out.push(LeftOut {
+                    what: grid.free[i].to_string(),
+                    why,
+                });
             }
             free_paths.push(match is_run {
                 true if self.is_random => ((fitting + 1).next_power_of_two() >> 1).min(MOST_PATHS),
@@ -145,7 +209,11 @@ impl Budget {
                 false => 0,
             });
         }
-        if free_paths[reference] == 0 { Err(too_small(reference)) } else { Ok(free_paths) }
+        if free_paths[reference] == 0 {
+            Err(too_small(reference))
+        } else {
+            Ok(free_paths)
+        }
     }
 }
 
@@ -153,7 +221,12 @@ impl Budget {
 fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, Misfit> {
     let plan = bare_plan(scenario, scheme)?;
     let one = timed(&plan, 1);
-    Ok(if one * 16.0 < quick { timed(&plan, 16) / 16.0 } else { one }.max(1e-9))
+    Ok(if one * 16.0 < quick {
+        timed(&plan, 16) / 16.0
+    } else {
+        one
+    }
+    .max(1e-9))
 }
 
 /// CPU seconds of a path with a step: a part for its events, and a part for each step.
@@ -176,22 +249,40 @@ impl StepCost {
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
             let scheme = kind.with(h);
             let plan = bare_plan(scenario, scheme)?;
-            let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
-            let short = Plan { simulation: scheme.simulation(plan.model(), &timeline), ..plan };
+            let timeline = Timeline {
+                end,
+                output_step: end,
+                period: None,
+                after: 0.0,
+            };
+            let short = Plan {
+                simulation: scheme.simulation(plan.model(), &timeline),
+                ..plan
+            };
             timed(&short, LANES); // The first run warms up the caches.
             Ok(timed(&short, LANES) / LANES as f64)
         };
         let (coarsest, finest) = (grid.steps[0], grid.steps[grid.steps.len() - 1]);
         let pilot = (PILOT_STEPS * finest).min(end);
         let step = seconds(finest, pilot)? * finest / pilot;
-        let whole = if end / coarsest <= PILOT_STEPS { seconds(coarsest, end)? } else { 0.0 };
-        Ok(StepCost { events: whole, step, end })
+        let whole = if end / coarsest <= PILOT_STEPS {
+            seconds(coarsest, end)?
+        } else {
+            0.0
+        };
+        Ok(StepCost {
+            events: whole,
+            step,
+            end,
+        })
     }
 
     /// CPU seconds of one path on each of these steps, all of which get their noise from the
     /// finest.
     fn chain(&self, steps: &[f64]) -> f64 {
-        let Some(finest) = steps.last() else { return 0.0 };
+        let Some(finest) = steps.last() else {
+            return 0.0;
+        };
         let coarser = (steps.len() - 1) as f64;
         (coarser + 1.0) * self.events + (1.0 + FED * coarser) * self.step * self.end / finest
     }

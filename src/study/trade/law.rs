@@ -47,7 +47,8 @@ impl Law {
     /// fits. `None` if nothing fits, or if C is not resolved.
     pub fn fit(changes: &[Change], finest: f64, finest_bias: Number) -> Option<Law> {
         // At least three observations are needed for the two parameters.
-        (0..changes.len().saturating_sub(1)).find_map(|first| Law::fit_all(&changes[first..], finest, finest_bias))
+        (0..changes.len().saturating_sub(1))
+            .find_map(|first| Law::fit_all(&changes[first..], finest, finest_bias))
     }
 
     fn fit_all(changes: &[Change], finest: f64, finest_bias: Number) -> Option<Law> {
@@ -59,7 +60,9 @@ impl Law {
                     *sum += weight * term;
                 }
             };
-            changes.iter().for_each(|c| add(c.change, c.h.powf(p) * (1.0 - 2f64.powf(-p))));
+            changes
+                .iter()
+                .for_each(|c| add(c.change, c.h.powf(p) * (1.0 - 2f64.powf(-p))));
             add(finest_bias, finest.powf(p));
             let [yy, gy, gg] = sums;
             (yy - gy * gy / gg, [p, gy / gg, gg.sqrt().recip()])
@@ -79,18 +82,36 @@ impl Law {
             .filter(|(chi, _)| *chi <= least + inflation)
             .map(|(_, [p, c, e])| [*p, *c, e * inflation.sqrt()])
             .collect();
-        let reach = within_error.iter().map(|[p, ..]| (p - best[0]).abs()).fold(0.0, f64::max);
-        let order = Number { value: best[0], error: reach };
-        Some(Law { order, coarsest: changes[0].h, within_error, best })
+        let reach = within_error
+            .iter()
+            .map(|[p, ..]| (p - best[0]).abs())
+            .fold(0.0, f64::max);
+        let order = Number {
+            value: best[0],
+            error: reach,
+        };
+        Some(Law {
+            order,
+            coarsest: changes[0].h,
+            within_error,
+            best,
+        })
     }
 
     /// C h^p, with an error from the errors of both parameters.
     pub fn bias(&self, h: f64) -> Number {
         let at = |[p, c, _]: [f64; 3]| c * h.powf(p);
         let value = at(self.best);
-        let of_order = self.within_error.iter().map(|fit| (at(*fit) - value).abs()).fold(0.0, f64::max);
+        let of_order = self
+            .within_error
+            .iter()
+            .map(|fit| (at(*fit) - value).abs())
+            .fold(0.0, f64::max);
         let [p, _, error] = self.best;
-        Number { value, error: of_order.hypot(error * h.powf(p)) }
+        Number {
+            value,
+            error: of_order.hypot(error * h.powf(p)),
+        }
     }
 }
 
@@ -101,7 +122,13 @@ mod tests {
     fn grid(bias: impl Fn(f64) -> f64, error: f64) -> (Vec<Change>, f64, Number) {
         let steps: Vec<f64> = (0..8).map(|k| 0.1 * 0.5f64.powi(k)).collect();
         let number = |value| Number { value, error };
-        let changes = steps.iter().map(|&h| Change { h, change: number(bias(h) - bias(h / 2.0)) }).collect();
+        let changes = steps
+            .iter()
+            .map(|&h| Change {
+                h,
+                change: number(bias(h) - bias(h / 2.0)),
+            })
+            .collect();
         let finest = steps[7] / 2.0;
         (changes, finest, number(bias(finest)))
     }
@@ -113,7 +140,10 @@ mod tests {
             let law = Law::fit(&changes, finest, finest_bias).expect("a law");
             assert!((law.order.value - p).abs() < 0.011, "{law:?}");
             let beyond = law.bias(1e-5);
-            assert!((beyond.value / (c * 1e-5f64.powf(p)) - 1.0).abs() < 0.06, "{beyond:?}");
+            assert!(
+                (beyond.value / (c * 1e-5f64.powf(p)) - 1.0).abs() < 0.06,
+                "{beyond:?}"
+            );
         }
     }
 
@@ -123,7 +153,10 @@ mod tests {
         // ones.
         let (changes, finest, finest_bias) = grid(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
         let law = Law::fit(&changes, finest, finest_bias).expect("a law");
-        assert!((law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01, "{law:?}");
+        assert!(
+            (law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01,
+            "{law:?}"
+        );
     }
 
     #[test]

@@ -88,49 +88,94 @@ pub fn measure(
         return Err(TradeError::NothingHappens);
     }
     let watch = Stopwatch::start(threads);
-    let until = |share: f64| MeasureUntil { threads, watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
-    let [reference_ends, free_ends] =
-        if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
+    let until = |share: f64| MeasureUntil {
+        threads,
+        watch,
+        time: limits.time.map(|time| time.mul_f64(share)),
+        limits,
+    };
+    let [reference_ends, free_ends] = if effort.steps > 0 {
+        [REFERENCE_ENDS, FREE_ENDS]
+    } else {
+        [FREE_ENDS, ALL_ENDS]
+    };
     let runs: Vec<FreeRun> = (grid.free.iter().zip(&effort.free_paths).zip(2..))
-        .map(|((scheme, paths), part)| FreeRun { scheme: *scheme, paths: *paths, first: part * APART })
+        .map(|((scheme, paths), part)| FreeRun {
+            scheme: *scheme,
+            paths: *paths,
+            first: part * APART,
+        })
         .filter(|run| run.paths > 0)
         .collect();
-    let tightest = runs.iter().rposition(|run| is_exact(run.scheme)).ok_or(TradeError::NothingHappens)?;
+    let tightest = runs
+        .iter()
+        .rposition(|run| is_exact(run.scheme))
+        .ok_or(TradeError::NothingHappens)?;
     // The reference comes first, because everything else is compared with it and time may run out.
     limits.begin(&runs[tightest].scheme.to_string());
     let reference = free(scenario, &runs[tightest], until(reference_ends))?;
     let beyond = (grid.free.len() as u64 + 2) * APART;
-    let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
+    let paired = FreeRun {
+        paths: runs[tightest].paths / pairing::SHARE,
+        first: beyond,
+        ..runs[tightest]
+    };
     let pairing = pairing_of(scenario, &reference, &paired, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), grid.left_out.clone());
-    let unfinished = |what: String| LeftOut { what, why: "the measurement ended too early".into() };
+    let unfinished = |what: String| LeftOut {
+        what,
+        why: "the measurement ended too early".into(),
+    };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
             left_out.push(unfinished(other.scheme.to_string()));
             continue;
         }
         limits.begin(&other.scheme.to_string());
-        let side = if i < tightest { &mut looser } else { &mut tighter };
+        let side = if i < tightest {
+            &mut looser
+        } else {
+            &mut tighter
+        };
         side.push(free(scenario, other, until(free_ends))?);
     }
     let mut settings = coupled(scenario, grid, effort, until(ALL_ENDS))?;
     if effort.steps > 0 && settings.is_empty() {
-        left_out.extend(grid.stepping.iter().map(|scheme| unfinished(scheme.name().into())));
+        left_out.extend(
+            grid.stepping
+                .iter()
+                .map(|scheme| unfinished(scheme.name().into())),
+        );
     }
     settings.append(&mut looser);
     settings.push(reference);
     let reference = settings.len() - 1;
     settings.append(&mut tighter);
     limits.begin("CPU times");
-    let timing = if limits.is_stopped() { effort.timing.min(BRIEF) } else { effort.timing };
+    let timing = if limits.is_stopped() {
+        effort.timing.min(BRIEF)
+    } else {
+        effort.timing
+    };
     for setting in &mut settings {
         setting.cost = cost(&scenario.with_scheme(setting.scheme)?.plan(), timing);
     }
-    left_out.extend(settings.iter().filter(|setting| setting.diverged > 0).map(|setting| LeftOut {
-        what: setting.scheme.to_string(),
-        why: format!("{} of {} paths diverged; not recommended at any accuracy", setting.diverged, setting.paths),
-    }));
-    Ok(Trade { left_out, ..Trade::of_rungs(scenario, settings, reference, pairing)? })
+    left_out.extend(
+        settings
+            .iter()
+            .filter(|setting| setting.diverged > 0)
+            .map(|setting| LeftOut {
+                what: setting.scheme.to_string(),
+                why: format!(
+                    "{} of {} paths diverged; not recommended at any accuracy",
+                    setting.diverged, setting.paths
+                ),
+            }),
+    );
+    Ok(Trade {
+        left_out,
+        ..Trade::of_rungs(scenario, settings, reference, pairing)?
+    })
 }
 
 /// A run of a scheme without a step, whose paths are numbered from `first` on.
@@ -156,7 +201,13 @@ fn pairing_of(
         return Ok(Pairing::Unknown);
     }
     end.limits.begin("antithetic pairs");
-    let in_pairs = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
+    let in_pairs = Scenario {
+        ensemble: Ensemble {
+            antithetic: true,
+            ..scenario.ensemble
+        },
+        ..scenario.clone()
+    };
     Ok(Pairing::of(reference, &free(&in_pairs, paired, end)?))
 }
 
@@ -186,26 +237,47 @@ impl MeasureUntil<'_> {
         let deliver = |piece| -> Result<_, Infallible> {
             take(piece);
             let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
-            Ok(if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            Ok(if is_late || self.limits.is_stopped() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
         };
-        let Ok(taken) = in_order_while(count, self.threads, &never, |piece| make(piece, stop), deliver);
+        let Ok(taken) = in_order_while(
+            count,
+            self.threads,
+            &never,
+            |piece| make(piece, stop),
+            deliver,
+        );
         taken
     }
 }
 
 /// The number of paths, made even if paths are antithetic pairs.
 fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
-    if plan.antithetic { paths.next_multiple_of(2) } else { paths }
+    if plan.antithetic {
+        paths.next_multiple_of(2)
+    } else {
+        paths
+    }
 }
 
 /// Measure the setting of a scheme without a step.
-fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<TradeSetting, TradeError> {
+fn free(
+    scenario: &Scenario,
+    run: &FreeRun,
+    end: MeasureUntil<'_>,
+) -> Result<TradeSetting, TradeError> {
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     let make = |piece: u64, stop: &AtomicBool| {
         let done = piece * PIECE;
-        Some(plan.piece_until(run.first + done, PIECE.min(paths - done), stop)?.totals)
+        Some(
+            plan.piece_until(run.first + done, PIECE.min(paths - done), stop)?
+                .totals,
+        )
     };
     end.pieces(paths.div_ceil(PIECE), make, |piece| totals.merge(&piece));
     Ok(setting(run.scheme, &totals))
@@ -214,9 +286,19 @@ fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<Tra
 fn setting(scheme: Scheme, totals: &Totals) -> TradeSetting {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    let number = |e: &Estimate| Number { value: e.estimate, error: e.standard_error };
+    let number = |e: &Estimate| Number {
+        value: e.estimate,
+        error: e.standard_error,
+    };
     let estimates = summary.estimates.iter().map(number).collect();
-    TradeSetting { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates, changes: Vec::new() }
+    TradeSetting {
+        scheme,
+        paths,
+        diverged,
+        cost: Cost::UNKNOWN,
+        estimates,
+        changes: Vec::new(),
+    }
 }
 
 /// Measure the settings of all schemes with a step; the list is empty if they are cut short too early.
@@ -234,17 +316,34 @@ fn coupled(
         for (k, &h) in steps.iter().enumerate() {
             let (scheme, refinement) = (kind.with(h), 1 << (steps.len() - 1 - k));
             let plan = bare_plan(scenario, scheme)?;
-            plans.push((scheme, Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }));
+            plans.push((
+                scheme,
+                Plan {
+                    simulation: plan.simulation.fed_by_finer(refinement),
+                    ..plan
+                },
+            ));
         }
     }
-    let Some((_, any)) = plans.first().filter(|_| !end.limits.is_stopped()) else { return Ok(Vec::new()) };
+    let Some((_, any)) = plans.first().filter(|_| !end.limits.is_stopped()) else {
+        return Ok(Vec::new());
+    };
     end.limits.begin(&format!(
         "{} steps of {}",
         steps.len(),
-        grid.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
+        grid.stepping
+            .iter()
+            .map(|kind| kind.name())
+            .collect::<Vec<_>>()
+            .join(" and ")
     ));
     let empty = Totals::empty(any.model(), any.timeline(), &any.record);
-    let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), end);
+    let groups = in_groups(
+        &plans,
+        &empty,
+        whole_pairs(any, effort.coupled_paths / GROUPS),
+        end,
+    );
     if groups[0].len() < FEWEST_GROUPS {
         return Ok(Vec::new());
     }
@@ -254,7 +353,9 @@ fn coupled(
         setting(*scheme, &totals)
     };
     let mut settings: Vec<TradeSetting> = plans.iter().zip(&groups).map(of_rung).collect();
-    let without = |groups: &Vec<Totals>| jackknife::leaving_one_out(&empty, groups, |of| of.values(|_| true)).1;
+    let without = |groups: &Vec<Totals>| {
+        jackknife::leaving_one_out(&empty, groups, |of| of.values(|_| true)).1
+    };
     let without: Vec<Vec<GroupValues>> = groups.iter().map(without).collect();
     for r in (1..settings.len()).filter(|r| r % steps.len() != 0) {
         let (here, finer) = (&settings[r - 1].estimates, &settings[r].estimates);
@@ -266,30 +367,56 @@ fn coupled(
 /// Simulate groups of `of_group` paths each with all plans. Item r, g of the result holds the paths
 /// of group g on setting r. There are fewer groups if the measurement was cut short before all of them
 /// had paths.
-fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: MeasureUntil<'_>) -> Vec<Vec<Totals>> {
+fn in_groups(
+    plans: &[(Scheme, Plan)],
+    empty: &Totals,
+    of_group: u64,
+    end: MeasureUntil<'_>,
+) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
     let make = |piece: u64, stop: &AtomicBool| -> Option<Vec<Totals>> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;
-        plans.iter().map(|(_, plan)| Some(plan.piece_until(first, PIECE.min(of_group - slice), stop)?.totals)).collect()
+        plans
+            .iter()
+            .map(|(_, plan)| {
+                Some(
+                    plan.piece_until(first, PIECE.min(of_group - slice), stop)?
+                        .totals,
+                )
+            })
+            .collect()
     };
     let mut turn = 0;
     let take = |settings: Vec<Totals>| {
-        groups.iter_mut().zip(&settings).for_each(|(groups, totals)| groups[turn].merge(totals));
+        groups
+            .iter_mut()
+            .zip(&settings)
+            .for_each(|(groups, totals)| groups[turn].merge(totals));
         turn = (turn + 1) % GROUPS as usize;
     };
     let taken = end.pieces(GROUPS * of_group.div_ceil(PIECE), make, take);
     // Pieces go to the groups in turn, so if few were taken, only the first groups have paths.
-    groups.iter_mut().for_each(|groups| groups.truncate(taken.min(GROUPS) as usize));
+    groups
+        .iter_mut()
+        .for_each(|groups| groups.truncate(taken.min(GROUPS) as usize));
     groups
 }
 
 /// The differences of two settings on one realisation of the noise. Their standard errors follow from
 /// leaving out each group on both settings.
-fn changes(here: &[Number], finer: &[Number], coarse: &[GroupValues], fine: &[GroupValues]) -> Vec<Number> {
+fn changes(
+    here: &[Number],
+    finer: &[Number],
+    coarse: &[GroupValues],
+    fine: &[GroupValues],
+) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();
-        Number { value: here[i].value - finer[i].value, error: jackknife::standard_error(&without) }
+        Number {
+            value: here[i].value - finer[i].value,
+            error: jackknife::standard_error(&without),
+        }
     };
     (0..here.len()).map(change).collect()
 }

@@ -55,7 +55,10 @@ pub struct Number {
 impl Number {
     /// The number and its error as shares of a positive number.
     pub(crate) fn relative_to(self, scale: f64) -> Number {
-        Number { value: self.value / scale, error: self.error / scale }
+        Number {
+            value: self.value / scale,
+            error: self.error / scale,
+        }
     }
 
     /// An upper bound of the absolute value at one-sided 95 %.
@@ -95,9 +98,19 @@ impl Trade {
         reference: usize,
         pairing: Pairing,
     ) -> Result<Trade, Misfit> {
-        let has_limitless_phases = scenario.with_scheme(settings[reference].scheme)?.resolution().is_some();
+        let has_limitless_phases = scenario
+            .with_scheme(settings[reference].scheme)?
+            .resolution()
+            .is_some();
         let is_random = scenario.model.temperature.is_random();
-        Ok(Trade { settings, reference, left_out: Vec::new(), pairing, is_random, has_limitless_phases })
+        Ok(Trade {
+            settings,
+            reference,
+            left_out: Vec::new(),
+            pairing,
+            is_random,
+            has_limitless_phases,
+        })
     }
 
     /// The setting that every bias is measured against.
@@ -114,10 +127,19 @@ impl Trade {
     /// The bias of a statistic on a setting, estimated as the difference from the reference.
     pub fn bias(&self, setting: &TradeSetting, statistic: Statistic) -> Number {
         if self.is_reference(setting) {
-            return Number { value: 0.0, error: 0.0 };
+            return Number {
+                value: 0.0,
+                error: 0.0,
+            };
         }
-        let (here, there) = (setting.estimate(statistic), self.reference().estimate(statistic));
-        Number { value: here.value - there.value, error: here.error.hypot(there.error) }
+        let (here, there) = (
+            setting.estimate(statistic),
+            self.reference().estimate(statistic),
+        );
+        Number {
+            value: here.value - there.value,
+            error: here.error.hypot(there.error),
+        }
     }
 
     /// The law by which the bias of a scheme falls with its step; `None` if it cannot be seen, or
@@ -127,19 +149,34 @@ impl Trade {
         let (finest, coarser) = settings.split_last()?;
         let changes: Option<Vec<Change>> = coarser
             .iter()
-            .map(|setting| Some(Change { h: setting.scheme.step()?, change: setting.change(statistic)? }))
+            .map(|setting| {
+                Some(Change {
+                    h: setting.scheme.step()?,
+                    change: setting.change(statistic)?,
+                })
+            })
             .collect();
-        Law::fit(&changes?, finest.scheme.step()?, self.bias(finest, statistic))
+        Law::fit(
+            &changes?,
+            finest.scheme.step()?,
+            self.bias(finest, statistic),
+        )
     }
 
     /// The settings of a scheme, from coarse to fine.
     pub fn rungs_of(&self, scheme: Kind) -> impl DoubleEndedIterator<Item = &TradeSetting> {
-        self.settings.iter().filter(move |setting| setting.scheme.kind() == scheme)
+        self.settings
+            .iter()
+            .filter(move |setting| setting.scheme.kind() == scheme)
     }
 
     /// The schemes that were run, in the order of the settings.
     pub fn schemes(&self) -> Vec<Kind> {
-        let mut schemes: Vec<Kind> = self.settings.iter().map(|setting| setting.scheme.kind()).collect();
+        let mut schemes: Vec<Kind> = self
+            .settings
+            .iter()
+            .map(|setting| setting.scheme.kind())
+            .collect();
         schemes.dedup();
         schemes
     }

@@ -75,7 +75,11 @@ struct BiasBound {
 impl BiasBound {
     /// The smaller of two bounds.
     fn or(self, other: BiasBound) -> BiasBound {
-        if other.value < self.value { other } else { self }
+        if other.value < self.value {
+            other
+        } else {
+            self
+        }
     }
 }
 
@@ -87,7 +91,10 @@ fn tail(r: f64) -> f64 {
 
 impl From<Number> for BiasBound {
     fn from(bias: Number) -> Self {
-        BiasBound { value: bias.bound(), is_unresolved: bias.value.abs() < 2.0 * bias.error }
+        BiasBound {
+            value: bias.bound(),
+            is_unresolved: bias.value.abs() < 2.0 * bias.error,
+        }
     }
 }
 
@@ -106,8 +113,16 @@ impl Trade {
     ///
     /// A bias counts with its upper bound at one-sided 95 %, so that a bias which was not resolved
     /// counts with the largest value that it may have.
-    pub fn best(&self, scheme: Option<Kind>, statistics: &[Statistic], target: f64) -> Result<Choice, Refusal> {
-        if let Some(statistic) = statistics.iter().find(|s| self.standing(**s).scale().is_none()) {
+    pub fn best(
+        &self,
+        scheme: Option<Kind>,
+        statistics: &[Statistic],
+        target: f64,
+    ) -> Result<Choice, Refusal> {
+        if let Some(statistic) = statistics
+            .iter()
+            .find(|s| self.standing(**s).scale().is_none())
+        {
             return Err(Refusal::NoAnswer(*statistic));
         }
         let candidates: Vec<Candidate> = (self.schemes().into_iter())
@@ -119,7 +134,9 @@ impl Trade {
             let mut best: Option<Choice> = None;
             for candidate in &candidates {
                 match self.run(candidate, target, in_pairs) {
-                    Ok(choice) if best.is_none_or(|best| choice.seconds < best.seconds) => best = Some(choice),
+                    Ok(choice) if best.is_none_or(|best| choice.seconds < best.seconds) => {
+                        best = Some(choice)
+                    }
                     Ok(_) => {}
                     Err(other) => refusal = refusal.or(other),
                 }
@@ -127,8 +144,12 @@ impl Trade {
             best.ok_or(refusal)
         };
         let best = cheapest(false)?;
-        let paired = matches!(self.pairing, Pairing::Measured(_)).then(|| cheapest(true).ok()).flatten();
-        Ok(paired.filter(|paired| paired.seconds <= WORTH * best.seconds).unwrap_or(best))
+        let paired = matches!(self.pairing, Pairing::Measured(_))
+            .then(|| cheapest(true).ok())
+            .flatten();
+        Ok(paired
+            .filter(|paired| paired.seconds <= WORTH * best.seconds)
+            .unwrap_or(best))
     }
 
     /// The number of paths of a candidate, N = variance/(target^2 - bias^2) for the statistic that
@@ -138,39 +159,83 @@ impl Trade {
         let mut choice: Option<Choice> = None;
         for (statistic, bound, variance) in &candidate.terms {
             let scale = self.standing(*statistic).scale().unwrap_or(f64::NAN);
-            let ratio = self.pairing.ratio(*statistic).filter(|_| in_pairs).unwrap_or(1.0);
+            let ratio = self
+                .pairing
+                .ratio(*statistic)
+                .filter(|_| in_pairs)
+                .unwrap_or(1.0);
             let (bias, variance) = (bound.value / scale, ratio * variance / (scale * scale));
             let room = target * target - bias * bias;
             if !(room > 0.0 && variance.is_finite()) {
                 let least = if bias.is_nan() { f64::INFINITY } else { bias };
-                return Err(Refusal::Bias { statistic: *statistic, least, is_unresolved: bound.is_unresolved });
+                return Err(Refusal::Bias {
+                    statistic: *statistic,
+                    least,
+                    is_unresolved: bound.is_unresolved,
+                });
             }
             // An error estimate needs two paths, unless all paths are equal.
-            let paths = (variance / room).ceil().max(if self.is_random { 2.0 } else { 1.0 });
-            let paths = if is_antithetic { 2.0 * (paths / 2.0).ceil() } else { paths };
+            let paths = (variance / room)
+                .ceil()
+                .max(if self.is_random { 2.0 } else { 1.0 });
+            let paths = if is_antithetic {
+                2.0 * (paths / 2.0).ceil()
+            } else {
+                paths
+            };
             if choice.is_none_or(|choice| paths > choice.paths as f64) {
-                let Candidate { scheme, cost, is_measured, .. } = *candidate;
+                let Candidate {
+                    scheme,
+                    cost,
+                    is_measured,
+                    ..
+                } = *candidate;
                 let (decisive, seconds) = (*statistic, cost.of(paths));
                 let paths = paths as u64;
-                choice = Some(Choice { scheme, paths, is_antithetic, seconds, decisive, bias, is_measured });
+                choice = Some(Choice {
+                    scheme,
+                    paths,
+                    is_antithetic,
+                    seconds,
+                    decisive,
+                    bias,
+                    is_measured,
+                });
             }
         }
-        choice.filter(|choice| choice.seconds.is_finite()).ok_or(Refusal::NotRun)
+        choice
+            .filter(|choice| choice.seconds.is_finite())
+            .ok_or(Refusal::NotRun)
     }
 
     fn candidates(&self, kind: Kind, statistics: &[Statistic]) -> Vec<Candidate> {
-        let settings: Vec<&TradeSetting> = self.rungs_of(kind).filter(|setting| setting.diverged == 0).collect();
-        let laws: Vec<Option<Law>> = statistics.iter().map(|statistic| self.law(kind, *statistic)).collect();
-        let terms = |setting: &TradeSetting, bound: &dyn Fn(Statistic, Option<&Law>) -> BiasBound| {
+        let settings: Vec<&TradeSetting> = self
+            .rungs_of(kind)
+            .filter(|setting| setting.diverged == 0)
+            .collect();
+        let laws: Vec<Option<Law>> = statistics
+            .iter()
+            .map(|statistic| self.law(kind, *statistic))
+            .collect();
+        let terms = |setting: &TradeSetting,
+                     bound: &dyn Fn(Statistic, Option<&Law>) -> BiasBound| {
             let each = statistics.iter().zip(&laws);
-            each.map(|(s, law)| (*s, bound(*s, law.as_ref()), setting.variance(*s))).collect()
+            each.map(|(s, law)| (*s, bound(*s, law.as_ref()), setting.variance(*s)))
+                .collect()
         };
         let measured = |setting: &&TradeSetting| {
             let terms = terms(setting, &|s, law| self.bound(setting, s, law));
-            Candidate { scheme: setting.scheme, cost: setting.cost, is_measured: true, terms }
+            Candidate {
+                scheme: setting.scheme,
+                cost: setting.cost,
+                is_measured: true,
+                terms,
+            }
         };
         let mut candidates: Vec<Candidate> = settings.iter().map(measured).collect();
-        let finest = settings.last().and_then(|setting| Some((*setting, setting.scheme.step()?)));
+        let finest = settings
+            .last()
+            .and_then(|setting| Some((*setting, setting.scheme.step()?)));
         if let Some((setting, finest)) = finest {
             candidates.extend((1..=HALVINGS).map(|i| {
                 let finer = 2f64.powi(i);
@@ -180,7 +245,10 @@ impl Trade {
                 };
                 Candidate {
                     scheme: kind.with(h),
-                    cost: super::Cost { first: setting.cost.first * finer, each: setting.cost.each * finer },
+                    cost: super::Cost {
+                        first: setting.cost.first * finer,
+                        each: setting.cost.each * finer,
+                    },
                     is_measured: false,
                     terms: terms(setting, &bound),
                 }
@@ -200,13 +268,23 @@ impl Trade {
                 let allowed = relative * self.standing(statistic).scale().unwrap_or(f64::NAN);
                 let is_exceeded = measured.value.abs() - BIAS_ERRORS * measured.error > allowed;
                 match (self.is_reference(setting), is_exceeded) {
-                    (true, _) => BiasBound { value: allowed, is_unresolved: false },
+                    (true, _) => BiasBound {
+                        value: allowed,
+                        is_unresolved: false,
+                    },
                     (false, true) => measured.into(),
-                    (false, false) => BiasBound { value: allowed.min(measured.bound()), is_unresolved: false },
+                    (false, false) => BiasBound {
+                        value: allowed.min(measured.bound()),
+                        is_unresolved: false,
+                    },
                 }
             }
-            (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => law.bias(h).into(),
-            (_, Some(_), None) => BiasBound::from(measured).or(self.changes_from(setting, statistic)),
+            (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => {
+                law.bias(h).into()
+            }
+            (_, Some(_), None) => {
+                BiasBound::from(measured).or(self.changes_from(setting, statistic))
+            }
             _ => measured.into(),
         }
     }
@@ -225,19 +303,32 @@ impl Trade {
             error: finer.iter().map(|change| change.error).sum(),
         };
         let last = self.last_change(kind, statistic);
-        BiasBound { value: sum.bound() + last * tail(2.0), is_unresolved: sum.value.abs() < 2.0 * sum.error }
+        BiasBound {
+            value: sum.bound() + last * tail(2.0),
+            is_unresolved: sum.value.abs() < 2.0 * sum.error,
+        }
     }
 
     /// The same at the finest step divided by `finer`.
     fn finer(&self, settings: &[&TradeSetting], statistic: Statistic, finer: f64) -> BiasBound {
-        let Some(finest) = settings.last() else { return BiasBound { value: f64::NAN, is_unresolved: true } };
+        let Some(finest) = settings.last() else {
+            return BiasBound {
+                value: f64::NAN,
+                is_unresolved: true,
+            };
+        };
         let beyond = self.last_change(finest.scheme.kind(), statistic) * tail(2.0 * finer);
-        self.bound(finest, statistic, None).or(BiasBound { value: beyond, is_unresolved: true })
+        self.bound(finest, statistic, None).or(BiasBound {
+            value: beyond,
+            is_unresolved: true,
+        })
     }
 
     /// A bound of the change between the two finest steps.
     fn last_change(&self, kind: Kind, statistic: Statistic) -> f64 {
-        let mut changes = self.rungs_of(kind).filter_map(|setting| setting.change(statistic));
+        let mut changes = self
+            .rungs_of(kind)
+            .filter_map(|setting| setting.change(statistic));
         changes.next_back().map_or(f64::NAN, Number::bound)
     }
 }
@@ -251,7 +342,11 @@ impl Refusal {
     /// Of two reasons, the one with the smaller bias.
     fn or(self, other: Refusal) -> Refusal {
         match (self, other) {
-            (Refusal::Bias { least: mine, .. }, Refusal::Bias { least: theirs, .. }) if mine <= theirs => self,
+            (Refusal::Bias { least: mine, .. }, Refusal::Bias { least: theirs, .. })
+                if mine <= theirs =>
+            {
+                self
+            }
             (Refusal::Bias { .. }, Refusal::NotRun | Refusal::NoAnswer(_)) => self,
             _ => other,
         }
@@ -271,7 +366,12 @@ mod tests {
         for r in [1.0, 2.0, 4.0, 7.0, 2f64.powi(20)] {
             let change = |h: f64| h.sqrt() - (h / 2.0).sqrt();
             let sum: f64 = (0..200).map(|k| change(1.0 / (r * 2f64.powi(k)))).sum();
-            assert!((tail(r) * change(1.0) / sum - 1.0).abs() < 1e-12, "{r}: {} {}", tail(r), sum / change(1.0));
+            assert!(
+                (tail(r) * change(1.0) / sum - 1.0).abs() < 1e-12,
+                "{r}: {} {}",
+                tail(r),
+                sum / change(1.0)
+            );
         }
     }
 
@@ -287,9 +387,14 @@ mod tests {
             scheme,
             paths: 100,
             diverged: 0,
-            cost: Cost { first: 0.0, each: seconds },
+            cost: Cost {
+                first: 0.0,
+                each: seconds,
+            },
             estimates: vec![Number { value: 1.0, error }; Statistic::ALL.len()],
-            changes: change.map_or(Vec::new(), |value| vec![Number { value, error: 0.0 }; Statistic::ALL.len()]),
+            changes: change.map_or(Vec::new(), |value| {
+                vec![Number { value, error: 0.0 }; Statistic::ALL.len()]
+            }),
         };
         let settings = vec![
             setting(DiscreteVi { step: 0.4 }.into(), 1.0, 1e-9, Some(0.05)),
@@ -299,15 +404,41 @@ mod tests {
             setting(EventDriven { tolerance: 1e-5 }.into(), 1000.0, 0.1, None),
         ];
         let (left_out, pairing) = (Vec::new(), Pairing::Unknown);
-        let trade = Trade { reference: 4, settings, left_out, pairing, is_random: true, has_limitless_phases: false };
+        let trade = Trade {
+            reference: 4,
+            settings,
+            left_out,
+            pairing,
+            is_random: true,
+            has_limitless_phases: false,
+        };
         let statistic = Statistic::SticksPerPath;
-        assert_eq!((trade.law(Kind::DiscreteVi, statistic), trade.standing(statistic)), (None, Standing::Value(1.0)));
+        assert_eq!(
+            (
+                trade.law(Kind::DiscreteVi, statistic),
+                trade.standing(statistic)
+            ),
+            (None, Standing::Value(1.0))
+        );
         let left = 0.01 / (2f64.sqrt() - 1.0);
-        for (setting, bound) in trade.settings.iter().zip([0.04 + left, 0.01 + left, 0.01 + left, left]) {
+        for (setting, bound) in
+            trade
+                .settings
+                .iter()
+                .zip([0.04 + left, 0.01 + left, 0.01 + left, left])
+        {
             let reported = trade.changes_from(setting, statistic).value;
-            assert!((reported - bound).abs() < 1e-12, "{}: {reported}, not {bound}", setting.scheme);
+            assert!(
+                (reported - bound).abs() < 1e-12,
+                "{}: {reported}, not {bound}",
+                setting.scheme
+            );
         }
-        let best = |target: f64| trade.best(Some(Kind::DiscreteVi), &[statistic], target).expect("a choice");
+        let best = |target: f64| {
+            trade
+                .best(Some(Kind::DiscreteVi), &[statistic], target)
+                .expect("a choice")
+        };
         for (target, step, is_measured, bias) in [
             (0.07, 0.4, true, 0.04 + left),
             (0.035, 0.2, true, 0.01 + left),
@@ -315,8 +446,15 @@ mod tests {
             (0.02, 0.025, false, 0.005 / (1.0 - 0.5f64.sqrt())),
         ] {
             let choice = best(target);
-            assert_eq!((choice.scheme, choice.is_measured), (DiscreteVi { step }.into(), is_measured), "{target}");
-            assert!((choice.bias - bias).abs() < 1e-12, "{target}: {choice:?}, not {bias}");
+            assert_eq!(
+                (choice.scheme, choice.is_measured),
+                (DiscreteVi { step }.into(), is_measured),
+                "{target}"
+            );
+            assert!(
+                (choice.bias - bias).abs() < 1e-12,
+                "{target}: {choice:?}, not {bias}"
+            );
         }
     }
 }

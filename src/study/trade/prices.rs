@@ -36,16 +36,27 @@ pub struct PriceCurve {
 impl Prices {
     /// What a trade of this scenario has measured, and predicts for each of [`TARGETS`].
     pub fn of(trade: &Trade, statistic: Statistic, scenario: &Scenario) -> Self {
-        let cost =
-            |scheme: Kind, target: f64| Some([trade.best(Some(scheme), &[statistic], target).ok()?.seconds, target]);
+        let cost = |scheme: Kind, target: f64| {
+            Some([
+                trade.best(Some(scheme), &[statistic], target).ok()?.seconds,
+                target,
+            ])
+        };
         let scale = trade.standing(statistic).scale().unwrap_or(f64::NAN);
         let biases = |scheme: Kind| {
-            let steps = trade.rungs_of(scheme).filter_map(|setting| Some((setting.scheme.step()?, setting)));
-            steps.map(|(step, setting)| (step, trade.bias(setting, statistic).relative_to(scale))).collect()
+            let steps = trade
+                .rungs_of(scheme)
+                .filter_map(|setting| Some((setting.scheme.step()?, setting)));
+            steps
+                .map(|(step, setting)| (step, trade.bias(setting, statistic).relative_to(scale)))
+                .collect()
         };
         let curve = |scheme: Kind| PriceCurve {
             scheme,
-            costs: TARGETS.iter().filter_map(|target| cost(scheme, *target)).collect(),
+            costs: TARGETS
+                .iter()
+                .filter_map(|target| cost(scheme, *target))
+                .collect(),
             biases: biases(scheme),
             order: trade.law(scheme, statistic).map(|law| law.order),
         };

@@ -19,7 +19,10 @@ pub struct Cost {
 
 impl Cost {
     /// The cost of paths that have not been timed yet.
-    pub(super) const UNKNOWN: Cost = Cost { first: f64::NAN, each: f64::NAN };
+    pub(super) const UNKNOWN: Cost = Cost {
+        first: f64::NAN,
+        each: f64::NAN,
+    };
 
     /// Cost of a run of this number of paths. Where paths are simulated side by side, one path
     /// costs as much as a full vector register.
@@ -72,10 +75,22 @@ mod tests {
     /// deviation of a path is then 0.5 sqrt(40), not 0.5 sqrt(100).
     #[test]
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
-        let estimates = vec![Number { value: 3.0, error: 0.5 }; Statistic::ALL.len()];
+        let estimates = vec![
+            Number {
+                value: 3.0,
+                error: 0.5
+            };
+            Statistic::ALL.len()
+        ];
         let scheme = DiscreteVi { step: 0.1 }.into();
-        let setting =
-            TradeSetting { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
+        let setting = TradeSetting {
+            scheme,
+            paths: 100,
+            diverged: 60,
+            cost: Cost::UNKNOWN,
+            estimates,
+            changes: Vec::new(),
+        };
         assert_eq!(setting.variance(Statistic::SticksPerPath), 10.0);
     }
 }

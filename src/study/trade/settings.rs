@@ -37,7 +37,12 @@ impl SettingGrid {
     /// The grid of a scenario. Its own scheme and step do not matter, except that steps are
     /// fractions of a grid on which its times lie.
     pub fn of(scenario: &Scenario) -> Self {
-        let mut grid = SettingGrid { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
+        let mut grid = SettingGrid {
+            stepping: Vec::new(),
+            steps: Vec::new(),
+            free: Vec::new(),
+            left_out: Vec::new(),
+        };
         let mut coarsest = f64::INFINITY;
         for &scheme in Kind::ALL {
             let tried = match scheme.parameter() {
@@ -49,14 +54,24 @@ impl SettingGrid {
                     // Without noise the cascade is exact at any tolerance, so one tolerance is
                     // enough.
                     let one = [DEFAULT_TOLERANCE];
-                    let tolerances = if scenario.model.temperature.is_random() { tolerances } else { &one };
-                    grid.free.extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
+                    let tolerances = if scenario.model.temperature.is_random() {
+                        tolerances
+                    } else {
+                        &one
+                    };
+                    grid.free
+                        .extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
                 }),
             };
-            grid.left_out.extend(tried.err().map(|why| LeftOut { what: scheme.name().into(), why }));
+            grid.left_out.extend(tried.err().map(|why| LeftOut {
+                what: scheme.name().into(),
+                why,
+            }));
         }
         if !grid.stepping.is_empty() {
-            grid.steps = (0..MOST_STEPS).map(|k| coarsest / f64::powi(2.0, k as i32)).collect();
+            grid.steps = (0..MOST_STEPS)
+                .map(|k| coarsest / f64::powi(2.0, k as i32))
+                .collect();
         }
         grid
     }
@@ -89,7 +104,13 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
 fn grid(scenario: &Scenario) -> f64 {
     let time = &scenario.time;
     match scenario.scheme.step() {
-        Some(h) => gcd((time.end / h).round() as u64, (time.output_step / h).round() as u64) as f64 * h,
+        Some(h) => {
+            gcd(
+                (time.end / h).round() as u64,
+                (time.output_step / h).round() as u64,
+            ) as f64
+                * h
+        }
         None => time.output_step,
     }
 }
@@ -113,7 +134,9 @@ fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
     if is_exact(scheme) {
         return Ok(());
     }
-    let candidate = scenario.with_scheme(scheme).map_err(|misfit| misfit.to_string())?;
+    let candidate = scenario
+        .with_scheme(scheme)
+        .map_err(|misfit| misfit.to_string())?;
     let against = |warning: &Warning| warning.class() == Class::Approximation;
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),

@@ -38,7 +38,9 @@ impl fmt::Display for Standing {
             Standing::Value(_) => "relative to its value",
             Standing::Deviation(_) => "zero within its error: relative to its sd per path",
             Standing::Zero => "exactly zero: nothing to choose",
-            Standing::NoLimit => "no limit: f_s = f_d under noise, so it depends on the step or the resolution",
+            Standing::NoLimit => {
+                "no limit: f_s = f_d under noise, so it depends on the step or the resolution"
+            }
             Standing::Absent => "does not exist in this scenario",
         })
     }
@@ -67,6 +69,9 @@ impl Trade {
 
     /// The statistics that have a relative error in this scenario.
     pub fn answerable(&self) -> Vec<Statistic> {
-        Statistic::ALL.into_iter().filter(|statistic| self.standing(*statistic).scale().is_some()).collect()
+        Statistic::ALL
+            .into_iter()
+            .filter(|statistic| self.standing(*statistic).scale().is_some())
+            .collect()
     }
 }

@@ -30,7 +30,11 @@ const TIMED_PATHS: [u64; 2] = [32, 256];
 
 /// The cost of the paths of an ensemble, measured for about this many CPU seconds.
 pub(super) fn cost(plan: &Plan, seconds: f64) -> Cost {
-    let least = |paths: u64| (0..REPETITIONS).map(|_| timed(plan, paths)).fold(f64::INFINITY, f64::min);
+    let least = |paths: u64| {
+        (0..REPETITIONS)
+            .map(|_| timed(plan, paths))
+            .fold(f64::INFINITY, f64::min)
+    };
     let [few, many] = TIMED_PATHS;
     // The first run only warms up tables, caches and the clock of the processor.
     let first = timed(plan, 1);
@@ -41,6 +45,10 @@ pub(super) fn cost(plan: &Plan, seconds: f64) -> Cost {
     let warm = timed(plan, few);
     let growth = (many / few) as f64 * REPETITIONS as f64;
     let paths = if warm * growth <= seconds { many } else { few };
-    let each = if warm > seconds { warm / few as f64 } else { least(paths) / paths as f64 };
+    let each = if warm > seconds {
+        warm / few as f64
+    } else {
+        least(paths) / paths as f64
+    };
     Cost { first, each }
 }

@@ -24,6 +24,10 @@ impl Coverage {
     pub fn assert_95_percent(&self, what: &str) {
         let margin = 4.0 * (0.05 * 0.95 / f64::from(self.of)).sqrt() + 0.01;
         println!("{what}: {:.4} +- {margin:.4}", self.share());
-        assert!((self.share() - 0.95).abs() < margin, "{what}: coverage {} +- {margin}", self.share());
+        assert!(
+            (self.share() - 0.95).abs() < margin,
+            "{what}: coverage {} +- {margin}",
+            self.share()
+        );
     }
 }

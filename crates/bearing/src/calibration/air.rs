@@ -34,13 +34,21 @@ impl Air {
     /// harmonics plus one path of the noise, which is stationary from the first sample on. Between
     /// samples it moves as the noise does.
     pub fn drawn(temperature: &Temperature, count: usize, every: f64, seed: u64) -> Self {
-        let fastest = temperature.effective_noises().map(|noise| noise.relaxation_rate).fold(0.0, f64::max);
+        let fastest = temperature
+            .effective_noises()
+            .map(|noise| noise.relaxation_rate)
+            .fold(0.0, f64::max);
         let parts = (every / LONGEST.min(SHARE / fastest)).ceil().max(1.0);
         let stride = (parts as usize).min(MOST / count.max(1)).max(1);
         let step = every / stride as f64;
         let all = count.saturating_sub(1) * stride + 1;
-        let times: Vec<f64> = (0..all).map(|i| (i / stride) as f64 * every + (i % stride) as f64 * step).collect();
-        let mut temperatures: Vec<f64> = times.iter().map(|t| temperature.deterministic(*t)).collect();
+        let times: Vec<f64> = (0..all)
+            .map(|i| (i / stride) as f64 * every + (i % stride) as f64 * step)
+            .collect();
+        let mut temperatures: Vec<f64> = times
+            .iter()
+            .map(|t| temperature.deterministic(*t))
+            .collect();
         let mut roughness = 0.0;
         // These streams are not used by the imperfections of a synthetic record.
         for (noise, stream) in temperature.effective_noises().zip([u64::MAX, u64::MAX - 1]) {
@@ -53,22 +61,38 @@ impl Air {
             }
             roughness += (noise.intensity * noise.diffusion).powi(2);
         }
-        Air { times, temperatures, stride, roughness }
+        Air {
+            times,
+            temperatures,
+            stride,
+            roughness,
+        }
     }
 
     /// A measured temperature, which moves between samples as it moves from one to the next.
     pub fn measured(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         let roughness = shown_roughness(&times, &temperatures);
-        Air { times, temperatures, stride: 1, roughness }
+        Air {
+            times,
+            temperatures,
+            stride: 1,
+            roughness,
+        }
     }
 
     /// A temperature that moves in straight lines from one sample to the next.
     pub fn straight(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
-        Air { times, temperatures, stride: 1, roughness: 0.0 }
+        Air {
+            times,
+            temperatures,
+            stride: 1,
+            roughness: 0.0,
+        }
     }
 
     /// The samples of the thermometer: times and temperatures.
     pub fn samples(&self) -> [Vec<f64>; 2] {
-        [&self.times, &self.temperatures].map(|values| values.iter().step_by(self.stride).copied().collect())
+        [&self.times, &self.temperatures]
+            .map(|values| values.iter().step_by(self.stride).copied().collect())
     }
 }

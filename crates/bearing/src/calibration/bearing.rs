@@ -23,7 +23,11 @@ pub struct Sensor {
 impl Sensor {
     /// The sensor at a bearing of this beta, of which shearing shows the share `kappa`.
     pub fn sheared(offset: f64, dilatation: f64, kappa: f64) -> Self {
-        Sensor { offset, moving: (1.0 - kappa) * dilatation, still: kappa * dilatation }
+        Sensor {
+            offset,
+            moving: (1.0 - kappa) * dilatation,
+            still: kappa * dilatation,
+        }
     }
 
     /// The reading z at this position xi and this temperature, both in kelvin.
@@ -52,12 +56,23 @@ impl Response {
     /// scenario gives no x(0), the body begins where no spring force acts. Without K_BP the bearing is
     /// not sheared.
     pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
-        let BridgeScene { stiffness, dilatation, f_s, f_d, offset, .. } = *scene;
+        let BridgeScene {
+            stiffness,
+            dilatation,
+            f_s,
+            f_d,
+            offset,
+            ..
+        } = *scene;
         let slope = stiffness * dilatation;
         let kappa = scene.shear_stiffness.map_or(0.0, |shear| stiffness / shear);
         let start = scene.displacement.unwrap_or(dilatation * temperature) / dilatation;
         Response {
-            motion: Motion { reach: f_s / slope, jump: 2.0 * (f_s - f_d) / slope, start },
+            motion: Motion {
+                reach: f_s / slope,
+                jump: 2.0 * (f_s - f_d) / slope,
+                start,
+            },
             sensor: Sensor::sheared(offset, dilatation, kappa),
         }
     }

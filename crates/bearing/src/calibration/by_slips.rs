@@ -28,24 +28,45 @@ impl<'a> BySlips<'a> {
         let mut replicates = Replicates::new(around, question);
         let fitted = evidence.fit(&evidence.unweighted());
         let response = fitted.as_ref().map(|(fit, _)| {
-            response_of(&conditioned(values(fit, Some(shear)), &mut replicates, &question.held, shear))
+            response_of(&conditioned(
+                values(fit, Some(shear)),
+                &mut replicates,
+                &question.held,
+                shear,
+            ))
         });
         let deviations = replicates.deviations();
         let zero = fitted.map_or_else(Zero::default, |(_, zero)| zero);
-        BySlips { response, zero, replicates, deviations, evidence }
+        BySlips {
+            response,
+            zero,
+            replicates,
+            deviations,
+            evidence,
+        }
     }
 
     /// Check that the jumps are the slips of a bearing, and that they tell which: more than half of
     /// the random weights have to give a possible bearing.
     pub fn check(&self, shear_stiffness: Option<f64>) -> Result<(), CalibrationError> {
         let jumps = self.evidence.slips.len();
-        let found = self.response.and_then(|response| response.impossible(shear_stiffness));
+        let found = self
+            .response
+            .and_then(|response| response.impossible(shear_stiffness));
         if let Some((quantity, value)) = found {
-            return Err(CalibrationError::NotSlips { jumps, quantity, value });
+            return Err(CalibrationError::NotSlips {
+                jumps,
+                quantity,
+                value,
+            });
         }
         let [impossible, all] = self.replicates.impossible();
         if 2 * impossible > all {
-            return Err(CalibrationError::Undetermined { jumps, impossible, all });
+            return Err(CalibrationError::Undetermined {
+                jumps,
+                impossible,
+                all,
+            });
         }
         Ok(())
     }

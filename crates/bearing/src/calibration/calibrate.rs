@@ -41,7 +41,12 @@ pub fn calibrate_again(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let Calibration { question, record, is_mirrored, .. } = calibration;
+    let Calibration {
+        question,
+        record,
+        is_mirrored,
+        ..
+    } = calibration;
     check(record)?;
     fit((record.clone(), *is_mirrored), question, threads, stop)
 }
@@ -55,7 +60,10 @@ fn fit(
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     let steel = Steel::of(&record, record.resolution(), question.lag);
-    let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
+    let by_slips = steel
+        .around
+        .as_ref()
+        .map(|around| BySlips::of(around, question));
     if let Some(by_slips) = &by_slips {
         by_slips.check(question.shear_stiffness)?;
     }
@@ -66,21 +74,29 @@ fn fit(
     if evidence.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let zero = by_slips.as_ref().map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
+    let zero = by_slips
+        .as_ref()
+        .map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
     let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked);
     let starts = match question.method {
         CalibrationMethod::Slips => Vec::new(),
-        CalibrationMethod::Err | CalibrationMethod::Both => {
-            starts(&misfit, &search(by_slips.as_ref(), question), question, threads, stop)
-        }
+        CalibrationMethod::Err | CalibrationMethod::Both => starts(
+            &misfit,
+            &search(by_slips.as_ref(), question),
+            question,
+            threads,
+            stop,
+        ),
     };
-    let mut calibration = Calibration::new(question, record, &steel, by_slips.as_ref(), &misfit, starts);
+    let mut calibration =
+        Calibration::new(question, record, &steel, by_slips.as_ref(), &misfit, starts);
     if let Some((quantity, value)) = calibration.response.impossible(question.shear_stiffness) {
         return Err(CalibrationError::NoBearing { quantity, value });
     }
     calibration.is_mirrored = is_mirrored;
-    let assumed = evidence
-        .map_or_else(Assumed::default, |evidence| evidence.assumed(&calibration.response, calibration.resolution));
+    let assumed = evidence.map_or_else(Assumed::default, |evidence| {
+        evidence.assumed(&calibration.response, calibration.resolution)
+    });
     calibration.friction_range = assumed.range;
     calibration.warnings = warnings(&calibration, evidence, &assumed);
     Ok(calibration)
@@ -90,7 +106,10 @@ fn fit(
 fn search(by_slips: Option<&BySlips>, question: &CalibrationQuestion) -> Search {
     let fitted = by_slips.and_then(|by_slips| Some((by_slips.response?, by_slips.deviations)));
     match fitted {
-        Some((fit, sd)) => around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]]),
+        Some((fit, sd)) => around(
+            &fit.motion,
+            [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]],
+        ),
         None => around_guess(&question.guess),
     }
 }

@@ -60,10 +60,28 @@ impl Body<'_> {
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
 /// farthest temperature within a step has its exact law. Across a gap it is a straight line.
-pub fn course(response: &Response, air: &Air, lag: f64, scatter: f64, [friction, mut between]: [Stream; 2]) -> Course {
-    let Air { times, temperatures, stride, roughness } = air;
+pub fn course(
+    response: &Response,
+    air: &Air,
+    lag: f64,
+    scatter: f64,
+    [friction, mut between]: [Stream; 2],
+) -> Course {
+    let Air {
+        times,
+        temperatures,
+        stride,
+        roughness,
+    } = air;
     let motion = response.motion;
-    let mut body = Body { response, scatter, friction, xi: motion.start, reach: motion.reach, slips: 0 };
+    let mut body = Body {
+        response,
+        scatter,
+        friction,
+        xi: motion.start,
+        reach: motion.reach,
+        slips: 0,
+    };
     let mut course = Course::default();
     let mut gaps = starts(times).into_iter().skip(1).peekable();
     let usual = interval(times);
@@ -72,8 +90,16 @@ pub fn course(response: &Response, air: &Air, lag: f64, scatter: f64, [friction,
         if i > 0 {
             let (h, mut a) = (times[i] - times[i - 1], temperatures[i - 1]);
             let is_gap = gaps.next_if_eq(&i).is_some();
-            let rough = if is_gap || usual.is_nan() { 0.0 } else { *roughness };
-            let steps = if rough > 0.0 { (h / STEP).ceil().clamp(1.0, MOST_STEPS) } else { 1.0 };
+            let rough = if is_gap || usual.is_nan() {
+                0.0
+            } else {
+                *roughness
+            };
+            let steps = if rough > 0.0 {
+                (h / STEP).ceil().clamp(1.0, MOST_STEPS)
+            } else {
+                1.0
+            };
             if is_gap && lag > 0.0 {
                 // As in a measured record, the steel is as warm as the air after a gap.
                 a = temperatures[i];

@@ -68,15 +68,25 @@ impl Thermometer {
         if all == 0.0 {
             return one(&self.temperatures);
         }
-        let mean = |of: &dyn Fn(&Crossing) -> f64| seen.iter().map(|one| one.evidence * of(one)).sum::<f64>() / all;
+        let mean = |of: &dyn Fn(&Crossing) -> f64| {
+            seen.iter().map(|one| one.evidence * of(one)).sum::<f64>() / all
+        };
         let temperature = mean(&|one| one.temperature);
         let variance = mean(&|one| one.variance + (one.temperature - temperature).powi(2));
-        Some(Crossing { temperature, variance, evidence: all / self.drawn.len() as f64 })
+        Some(Crossing {
+            temperature,
+            variance,
+            evidence: all / self.drawn.len() as f64,
+        })
     }
 
     fn crossing_of(&self, temperatures: &[f64], window: &Window, sign: f64) -> Option<Crossing> {
         // Samples of the displacement are among the times, but for rounding of clocks that differ.
-        let until = |time: f64| self.times.partition_point(|t| *t <= time + SAME).checked_sub(1);
+        let until = |time: f64| {
+            self.times
+                .partition_point(|t| *t <= time + SAME)
+                .checked_sub(1)
+        };
         let last = until(window.before)?;
         let first = until(window.since)?.min(last);
         let end = until(window.after)?.max(last + 1).min(self.times.len() - 1);
@@ -88,13 +98,22 @@ impl Thermometer {
         if wide == 0.0 {
             let beyond = (reached - farthest).max(0.0);
             let temperature = sign * (farthest + 0.5 * beyond);
-            return Some(Crossing { temperature, variance: beyond * beyond / 12.0, evidence: beyond });
+            return Some(Crossing {
+                temperature,
+                variance: beyond * beyond / 12.0,
+                evidence: beyond,
+            });
         }
-        let is_near = |i: &usize| (farthest - u(*i)) * (farthest - u(i + 1)) < 0.5 * NEGLIGIBLE * gain(*i);
+        let is_near =
+            |i: &usize| (farthest - u(*i)) * (farthest - u(i + 1)) < 0.5 * NEGLIGIBLE * gain(*i);
         let before: Vec<usize> = (first..last).filter(is_near).collect();
         let missed = |c: f64, i: usize| {
             let [a, b] = [c - u(i), c - u(i + 1)];
-            if a <= 0.0 || b <= 0.0 { 0.0 } else { -libm::expm1(-2.0 * a * b / gain(i)) }
+            if a <= 0.0 || b <= 0.0 {
+                0.0
+            } else {
+                -libm::expm1(-2.0 * a * b / gain(i))
+            }
         };
         let length = (reached - farthest).max(0.0) + BEYOND * wide;
         let step = length / POINTS as f64;
@@ -104,14 +123,26 @@ impl Thermometer {
             let c = farthest + off;
             let so_far: f64 = before.iter().map(|i| missed(c, *i)).product();
             let not = |c: f64| (last..end).map(|i| missed(c, i)).product::<f64>();
-            let once = if self.jump.is_finite() { not(c + self.jump) } else { 1.0 } - not(c);
+            let once = if self.jump.is_finite() {
+                not(c + self.jump)
+            } else {
+                1.0
+            } - not(c);
             all += so_far * once;
             moment += so_far * once * off;
             square += so_far * once * off * off;
         }
-        let [off, square] = if all > 0.0 { [moment / all, square / all] } else { [0.0; 2] };
+        let [off, square] = if all > 0.0 {
+            [moment / all, square / all]
+        } else {
+            [0.0; 2]
+        };
         let variance = (square - off * off).max(0.0);
-        Some(Crossing { temperature: sign * (farthest + off), variance, evidence: all * step })
+        Some(Crossing {
+            temperature: sign * (farthest + off),
+            variance,
+            evidence: all * step,
+        })
     }
 }
 
@@ -127,7 +158,11 @@ const RARE: f64 = 5.0;
 /// sample to the next, or in straight lines. Samples alone do not tell these apart, but of the
 /// slips under a rough temperature, one of three comes although no sample goes beyond the farthest
 /// one before it.
-pub fn as_slips_say(rough: Thermometer, straight: Thermometer, slips: &[(Window, f64)]) -> Thermometer {
+pub fn as_slips_say(
+    rough: Thermometer,
+    straight: Thermometer,
+    slips: &[(Window, f64)],
+) -> Thermometer {
     let likelihood = |course: &Thermometer| -> f64 {
         let of = |(window, sign): &(Window, f64)| {
             let wide = (rough.roughness * (window.after - window.before)).sqrt();
@@ -136,7 +171,11 @@ pub fn as_slips_say(rough: Thermometer, straight: Thermometer, slips: &[(Window,
         };
         slips.iter().map(of).sum()
     };
-    if rough.roughness > 0.0 && likelihood(&rough) + RARE < likelihood(&straight) { straight } else { rough }
+    if rough.roughness > 0.0 && likelihood(&rough) + RARE < likelihood(&straight) {
+        straight
+    } else {
+        rough
+    }
 }
 
 #[cfg(test)]
@@ -179,24 +218,49 @@ mod tests {
                     temperatures.push(t);
                 }
                 let after = times[times.len() - 1];
-                slips.push((Window { since: start, before: after - interval, after }, 1.0, c));
+                slips.push((
+                    Window {
+                        since: start,
+                        before: after - interval,
+                        after,
+                    },
+                    1.0,
+                    c,
+                ));
             }
-            let record =
-                MeasuredRecord { readings: vec![0.0; times.len()], temperatures, times, ..MeasuredRecord::default() };
+            let record = MeasuredRecord {
+                readings: vec![0.0; times.len()],
+                temperatures,
+                times,
+                ..MeasuredRecord::default()
+            };
             let rough = Thermometer::of(&record).moving(sd * sd / interval);
             let straight = rough.clone().moving(0.0);
             let off = |course: &Thermometer| {
-                let off =
-                    slips.iter().map(|(window, sign, c)| course.crossing(window, *sign).expect("seen").temperature - c);
-                let [sum, square] = off.fold([0.0; 2], |[sum, square], off| [sum + off, square + off * off]);
+                let off = slips.iter().map(|(window, sign, c)| {
+                    course.crossing(window, *sign).expect("seen").temperature - c
+                });
+                let [sum, square] = off.fold([0.0; 2], |[sum, square], off| {
+                    [sum + off, square + off * off]
+                });
                 [sum, square.sqrt()].map(|sum| sum / f64::from(count))
             };
-            let ([mean, error], [middle, _]) = (off(if is_rough { &rough } else { &straight }), off(&straight));
+            let ([mean, error], [middle, _]) = (
+                off(if is_rough { &rough } else { &straight }),
+                off(&straight),
+            );
             println!("rough {is_rough}: off by {mean:.4} +- {error:.4}, the middle by {middle:.4}");
             assert!(mean.abs() < 4.0 * error && error < 0.0045, "{mean} {error}");
             assert!(!is_rough || (middle + 0.16).abs() < 0.02, "{middle}");
-            let some: Vec<(Window, f64)> = slips.iter().take(100).map(|(window, sign, _)| (*window, *sign)).collect();
-            assert_eq!(as_slips_say(rough, straight, &some).roughness > 0.0, is_rough);
+            let some: Vec<(Window, f64)> = slips
+                .iter()
+                .take(100)
+                .map(|(window, sign, _)| (*window, *sign))
+                .collect();
+            assert_eq!(
+                as_slips_say(rough, straight, &some).roughness > 0.0,
+                is_rough
+            );
         }
     }
 }

@@ -49,7 +49,12 @@ const SHARE: f64 = 0.35;
 /// Find the jumps of z - still T: the peaks of the difference between the means over a window on
 /// each side. The shortest window is used in which jumps clearly exceed the noise.
 pub fn jumps(samples: &Samples, still: f64) -> Jumps {
-    let rest: Vec<f64> = samples.readings.iter().zip(&samples.temperatures).map(|(z, t)| z - still * t).collect();
+    let rest: Vec<f64> = samples
+        .readings
+        .iter()
+        .zip(&samples.temperatures)
+        .map(|(z, t)| z - still * t)
+        .collect();
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(rest.iter().scan(0.0, |sum, y| {
             *sum += y;
@@ -58,16 +63,26 @@ pub fn jumps(samples: &Samples, still: f64) -> Jumps {
         .collect();
     let interval = samples.interval();
     let mut best: Option<Jumps> = None;
-    for window in WINDOWS.into_iter().filter(|window| *window == 1 || *window as f64 * interval <= LONGEST) {
+    for window in WINDOWS
+        .into_iter()
+        .filter(|window| *window == 1 || *window as f64 * interval <= LONGEST)
+    {
         let found = with_window(samples, &sums, window);
-        if best.as_ref().is_none_or(|best| found.contrast > best.contrast) {
+        if best
+            .as_ref()
+            .is_none_or(|best| found.contrast > best.contrast)
+        {
             best = Some(found);
         }
         if best.as_ref().is_some_and(|best| best.contrast >= CLEAR) {
             break;
         }
     }
-    best.unwrap_or(Jumps { jumps: Vec::new(), window: 1, contrast: 0.0 })
+    best.unwrap_or(Jumps {
+        jumps: Vec::new(),
+        window: 1,
+        contrast: 0.0,
+    })
 }
 
 fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
@@ -78,7 +93,11 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
             steps[i] = (sums[i + window] - 2.0 * sums[i] + sums[i - window]) / window as f64;
         }
     }
-    let known: Vec<f64> = steps.iter().copied().filter(|step| step.is_finite()).collect();
+    let known: Vec<f64> = steps
+        .iter()
+        .copied()
+        .filter(|step| step.is_finite())
+        .collect();
     let noise = spread(&known);
     let is_peak = |i: usize, least: f64| {
         let height = steps[i].abs();
@@ -90,21 +109,47 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
             })
     };
     let peaks = |least: f64| -> Vec<Jump> {
-        (0..n).filter(|i| is_peak(*i, least)).map(|index| Jump { index, size: steps[index] }).collect()
+        (0..n)
+            .filter(|i| is_peak(*i, least))
+            .map(|index| Jump {
+                index,
+                size: steps[index],
+            })
+            .collect()
     };
     let significant = peaks(SIGNIFICANT * noise);
-    let usual = median(&mut significant.iter().map(|jump| jump.size.abs()).collect::<Vec<_>>());
+    let usual = median(
+        &mut significant
+            .iter()
+            .map(|jump| jump.size.abs())
+            .collect::<Vec<_>>(),
+    );
     if usual.is_nan() {
-        return Jumps { jumps: Vec::new(), window, contrast: 0.0 };
+        return Jumps {
+            jumps: Vec::new(),
+            window,
+            contrast: 0.0,
+        };
     }
-    let jumps = significant.into_iter().filter(|jump| jump.size.abs() >= SHARE * usual).collect();
-    Jumps { jumps, window, contrast: usual / noise }
+    let jumps = significant
+        .into_iter()
+        .filter(|jump| jump.size.abs() >= SHARE * usual)
+        .collect();
+    Jumps {
+        jumps,
+        window,
+        contrast: usual / noise,
+    }
 }
 
 /// An estimate of `still` before any slip is known, from increments over one hour. Large residuals
 /// are left out, because they may contain a slip.
 pub fn trimmed_slope(samples: &Samples) -> f64 {
-    let Samples { temperatures: t, readings: z, .. } = samples;
+    let Samples {
+        temperatures: t,
+        readings: z,
+        ..
+    } = samples;
     let pairs = samples.pairs(samples.intervals(HOUR).max(1));
     let pairs: Vec<[f64; 2]> = pairs.map(|[i, j]| [t[j] - t[i], z[j] - z[i]]).collect();
     let mut slope = 0.0;

@@ -60,7 +60,11 @@ pub fn lowest<const N: usize>(
             [(best.0[k] - half).max(low), (best.0[k] + half).min(high)]
         });
         let next = population(&near, &mut random, &leap, &f, &is_stopped)?;
-        in_vain = if next.1 < best.1 * (1.0 - BETTER) { 0 } else { in_vain + 1 };
+        in_vain = if next.1 < best.1 * (1.0 - BETTER) {
+            0
+        } else {
+            in_vain + 1
+        };
         if next.1 < best.1 {
             best = next;
         }
@@ -80,7 +84,9 @@ fn population<const N: usize>(
     is_stopped: &impl Fn() -> bool,
 ) -> Option<Found<N>> {
     let mut anywhere = || {
-        let x = std::array::from_fn(|k| bounds[k][0] + (bounds[k][1] - bounds[k][0]) * random.uniform());
+        let x = std::array::from_fn(|k| {
+            bounds[k][0] + (bounds[k][1] - bounds[k][0]) * random.uniform()
+        });
         (x, f(&x))
     };
     let mut all: Vec<Found<N>> = (0..CANDIDATES * N).map(|_| anywhere()).collect();
@@ -130,8 +136,12 @@ mod tests {
             1.0 + valley(x[0] - 0.3) + valley(x[1] + 0.7)
         };
         for start in 0..10 {
-            let (at, value) = lowest(&[[-5.0, 5.0]; 2], start, |x, _| x, rugged, || false).expect("not stopped");
-            assert!((value - 1.0).abs() < 1e-3, "start {start}: {value} at {at:?}");
+            let (at, value) =
+                lowest(&[[-5.0, 5.0]; 2], start, |x, _| x, rugged, || false).expect("not stopped");
+            assert!(
+                (value - 1.0).abs() < 1e-3,
+                "start {start}: {value} at {at:?}"
+            );
         }
     }
 }

@@ -26,16 +26,31 @@ impl Evidence {
     pub fn fit(&self, weights: &[f64]) -> Option<(Response, Zero)> {
         let still = self.still(weights);
         let kinetic = self.kinetic_reach(weights);
-        let MiddleLine { offset, slope: moving, zero, .. } = self.zero.line(&self.middles(weights))?;
+        let MiddleLine {
+            offset,
+            slope: moving,
+            zero,
+            ..
+        } = self.zero.line(&self.middles(weights))?;
         let usual = self.slips.iter().filter(|slip| slip.is_usual);
-        let jump = self.mean(weights, usual.map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
+        let jump = self.mean(
+            weights,
+            usual.map(|slip| (slip.size(still), self.block(slip.time))),
+        ) / moving;
         let reach = kinetic + 0.5 * jump;
         let first = self.slips.first()?;
         let start = match &self.beginning {
             None => first.temperature - first.sign * reach,
             Some(level) => (level.minus_slope(still) - offset) / moving,
         };
-        let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
+        let fit = Response {
+            motion: Motion { reach, jump, start },
+            sensor: Sensor {
+                offset,
+                moving,
+                still,
+            },
+        };
         (reach.is_finite() && jump.is_finite()).then_some((fit, zero))
     }
 }
@@ -47,17 +62,35 @@ impl Evidence {
     /// the middles of jumps from their line.
     pub fn scatter(&self) -> f64 {
         if self.beginning.is_some() {
-            let Some((Response { motion, sensor }, zero)) = self.fit(&self.unweighted()) else { return 0.0 };
+            let Some((Response { motion, sensor }, zero)) = self.fit(&self.unweighted()) else {
+                return 0.0;
+            };
             let kinetic = motion.kinetic_reach();
             let off = |slip: &Slip| {
-                let line =
-                    sensor.offset + zero.at(slip.time) + sensor.moving * (slip.temperature - slip.sign * kinetic);
+                let line = sensor.offset
+                    + zero.at(slip.time)
+                    + sensor.moving * (slip.temperature - slip.sign * kinetic);
                 (slip.middle(sensor.still) - line) / sensor.moving
             };
-            return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());
+            return spread(
+                &self
+                    .slips
+                    .iter()
+                    .filter(|slip| slip.is_usual)
+                    .map(off)
+                    .collect::<Vec<_>>(),
+            );
         }
-        let changes: Vec<f64> = self.reversals.iter().map(|reversal| reversal.change).collect();
-        if changes.len() < 2 { 0.0 } else { spread(&changes) / std::f64::consts::SQRT_2 }
+        let changes: Vec<f64> = self
+            .reversals
+            .iter()
+            .map(|reversal| reversal.change)
+            .collect();
+        if changes.len() < 2 {
+            0.0
+        } else {
+            spread(&changes) / std::f64::consts::SQRT_2
+        }
     }
 }
 
@@ -69,19 +102,30 @@ impl Evidence {
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let middle = median(&mut sizes.clone());
         // Two slips between two samples look like one of twice the size, and are left out.
-        let single: Vec<f64> = sizes.into_iter().filter(|size| *size < 1.5 * middle).collect();
+        let single: Vec<f64> = sizes
+            .into_iter()
+            .filter(|size| *size < 1.5 * middle)
+            .collect();
         let noise = self.contrast.recip();
-        ((spread(&single) / middle).powi(2) - noise * noise).max(0.0).sqrt()
+        ((spread(&single) / middle).powi(2) - noise * noise)
+            .max(0.0)
+            .sqrt()
     }
 
     /// The share of the motion that the visible slips explain while the body moves on in one
     /// direction. It is 1 if all slips are seen, because the next one comes after T has changed by
     /// G. If the body slides without jumps, only part of its motion appears as slips.
     pub fn explained(&self, response: &Response) -> f64 {
-        let onwards = self.slips.windows(2).filter(|pair| pair[0].sign == pair[1].sign);
+        let onwards = self
+            .slips
+            .windows(2)
+            .filter(|pair| pair[0].sign == pair[1].sign);
         let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {
             let change = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
-            [seen + pair[0].size(response.sensor.still) / response.sensor.moving, gone + change]
+            [
+                seen + pair[0].size(response.sensor.still) / response.sensor.moving,
+                gone + change,
+            ]
         });
         if gone > 0.0 { seen / gone } else { f64::NAN }
     }

@@ -45,7 +45,9 @@ impl Parabola {
     fn of(values: &[(f64, f64)]) -> Option<Self> {
         let rest = |columns: usize| {
             let mut normal = Normal::of(columns);
-            values.iter().for_each(|(u, y)| normal.add(&[1.0, *u, u * u][..columns], *y, 1.0));
+            values
+                .iter()
+                .for_each(|(u, y)| normal.add(&[1.0, *u, u * u][..columns], *y, 1.0));
             let found = normal.solve()?;
             let off = |(u, y): &(f64, f64)| {
                 let at: f64 = found.iter().zip([1.0, *u, u * u]).map(|(a, b)| a * b).sum();
@@ -56,11 +58,19 @@ impl Parabola {
         let n = values.len() as f64;
         let (constant, (squares, coefficients)) = (rest(1)?.0, rest(3)?);
         let gain = n * libm::log(constant / squares);
-        (values.len() >= FEWEST).then(|| Parabola { coefficients, gain, rest: (squares / (n - 3.0)).sqrt() })
+        (values.len() >= FEWEST).then(|| Parabola {
+            coefficients,
+            gain,
+            rest: (squares / (n - 3.0)).sqrt(),
+        })
     }
 
     fn at(&self, u: f64) -> f64 {
-        self.coefficients.iter().zip([1.0, u, u * u]).map(|(a, b)| a * b).sum()
+        self.coefficients
+            .iter()
+            .zip([1.0, u, u * u])
+            .map(|(a, b)| a * b)
+            .sum()
     }
 }
 
@@ -69,27 +79,56 @@ impl Evidence {
     /// thermometer has this resolution.
     pub fn assumed(&self, response: &Response, resolution: f64) -> Assumed {
         let still = response.sensor.still;
-        let [begin, end] = [self.slips.first(), self.slips.last()].map(|slip| slip.map_or(0.0, |slip| slip.time));
+        let [begin, end] =
+            [self.slips.first(), self.slips.last()].map(|slip| slip.map_or(0.0, |slip| slip.time));
         let place = |time: f64| 2.0 * (time - begin) / (end - begin) - 1.0;
         let usual = self.slips.iter().filter(|slip| slip.is_usual);
-        let jumps: Vec<(f64, f64)> =
-            usual.map(|slip| (place(slip.time), slip.size(still) / response.sensor.moving)).collect();
+        let jumps: Vec<(f64, f64)> = usual
+            .map(|slip| (place(slip.time), slip.size(still) / response.sensor.moving))
+            .collect();
         // A slip with a larger f_s than the one before it comes later, and is larger.
-        let kinetic = |reversal: &Reversal| 0.5 * reversal.change - 0.25 * reversal.growth / response.sensor.moving;
-        let changes: Vec<(f64, f64)> =
-            self.reversals.iter().map(|reversal| (place(reversal.time), kinetic(reversal))).collect();
-        let expected: f64 = self.reversals.iter().map(|reversal| 0.25 * reversal.variance).sum();
+        let kinetic = |reversal: &Reversal| {
+            0.5 * reversal.change - 0.25 * reversal.growth / response.sensor.moving
+        };
+        let changes: Vec<(f64, f64)> = self
+            .reversals
+            .iter()
+            .map(|reversal| (place(reversal.time), kinetic(reversal)))
+            .collect();
+        let expected: f64 = self
+            .reversals
+            .iter()
+            .map(|reversal| 0.25 * reversal.variance)
+            .sum();
         let expected = (expected / changes.len() as f64 + resolution * resolution / 24.0).sqrt();
         let sizes = self.sizes(still);
         let Some((kinetic, jump)) = Parabola::of(&changes).zip(Parabola::of(&jumps)) else {
-            return Assumed { sizes, expected, ..Assumed::default() };
+            return Assumed {
+                sizes,
+                expected,
+                ..Assumed::default()
+            };
         };
-        let reaches = || changes.iter().map(|(u, _)| kinetic.at(*u) + 0.5 * jump.at(*u));
+        let reaches = || {
+            changes
+                .iter()
+                .map(|(u, _)| kinetic.at(*u) + 0.5 * jump.at(*u))
+        };
         let reach = response.motion.reach;
-        let range = [reaches().fold(f64::INFINITY, f64::min), reaches().fold(0.0, f64::max)].map(|at| at / reach);
-        let is_convincing = kinetic.gain.max(jump.gain) > CONVINCING && range[1] - range[0] > HARMLESS;
+        let range = [
+            reaches().fold(f64::INFINITY, f64::min),
+            reaches().fold(0.0, f64::max),
+        ]
+        .map(|at| at / reach);
+        let is_convincing =
+            kinetic.gain.max(jump.gain) > CONVINCING && range[1] - range[0] > HARMLESS;
         let is_sound = range[0] > 0.0 && range[1].is_finite();
-        Assumed { range: (is_convincing && is_sound).then_some(range), scatter: kinetic.rest, expected, sizes }
+        Assumed {
+            range: (is_convincing && is_sound).then_some(range),
+            scatter: kinetic.rest,
+            expected,
+            sizes,
+        }
     }
 
     /// The two sizes of jumps, if there are two: the split that leaves the least squares has two groups
@@ -104,15 +143,20 @@ impl Evidence {
             let (low, high) = sizes.split_at(*k);
             (low.len() * high.len()) as f64 * (mean(high) - mean(low)).powi(2)
         };
-        let split = (least..sizes.len().saturating_sub(least)).max_by(|a, b| between(a).total_cmp(&between(b)))?;
+        let split = (least..sizes.len().saturating_sub(least))
+            .max_by(|a, b| between(a).total_cmp(&between(b)))?;
         let (low, high) = sizes.split_at(split);
         let middles = [mean(low), mean(high)];
         let ratio = middles[1] / middles[0];
         let wide = middles[1] - middles[0];
         let is_apart = wide > APART * spread(low).max(spread(high));
         let between = [middles[0] + wide / 3.0, middles[1] - wide / 3.0];
-        let between = sizes.iter().filter(|size| (between[0]..between[1]).contains(size)).count();
-        (is_apart && 8 * between < split.min(sizes.len() - split) && !TWO_AT_ONCE.contains(&ratio)).then_some(middles)
+        let between = sizes
+            .iter()
+            .filter(|size| (between[0]..between[1]).contains(size))
+            .count();
+        (is_apart && 8 * between < split.min(sizes.len() - split) && !TWO_AT_ONCE.contains(&ratio))
+            .then_some(middles)
     }
 }
 

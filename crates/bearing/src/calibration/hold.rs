@@ -9,13 +9,21 @@ use super::uncertainty::Replicates;
 ///
 /// The errors of the estimates are correlated, so fixing one quantity also corrects the others.
 /// This is the conditional distribution of normal errors, applied for one quantity after the other.
-pub fn conditioned(estimates: Values, replicates: &mut Replicates, held: &[Held], shear_stiffness: f64) -> Values {
+pub fn conditioned(
+    estimates: Values,
+    replicates: &mut Replicates,
+    held: &[Held],
+    shear_stiffness: f64,
+) -> Values {
     let mut estimates = estimates;
     for (quantity, target) in held {
         let gains = replicates.gains(*quantity);
         let corrected = |values: &Values| {
             let off = target - values[*quantity as usize];
-            with_derived(&std::array::from_fn(|i| values[i] + gains[i] * off), shear_stiffness)
+            with_derived(
+                &std::array::from_fn(|i| values[i] + gains[i] * off),
+                shear_stiffness,
+            )
         };
         replicates.change(corrected);
         estimates = corrected(&estimates);

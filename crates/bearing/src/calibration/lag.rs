@@ -15,15 +15,15 @@ pub const CONVINCING: f64 = 15.0;
 /// The lags of the reported profile, in minutes. The last one, two days, is the longest that is
 /// considered.
 const MINUTES: [f64; 19] = [
-    0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0, 360.0, 480.0, 720.0, 1080.0, 1440.0,
-    2160.0, 2880.0,
+    0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0, 360.0, 480.0, 720.0,
+    1080.0, 1440.0, 2160.0, 2880.0,
 ];
 
 /// By how many minutes two clocks may differ: what they gain in a year, and what summer time or a
 /// time zone that was forgotten make.
 const CLOCKS: [f64; 28] = [
-    -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0, -2.0, 2.0, 5.0, 10.0,
-    15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
+    -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0,
+    -2.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
 ];
 
 /// The first of them that are tried.
@@ -46,7 +46,11 @@ pub struct LagProfile {
 
 /// Minus twice the logarithm of the likelihood of other temperatures of a record, from bins of so
 /// many seconds of its sticks.
-fn deviances(record: &MeasuredRecord, evidence: &Evidence, seconds: f64) -> impl Fn(&MeasuredRecord) -> f64 {
+fn deviances(
+    record: &MeasuredRecord,
+    evidence: &Evidence,
+    seconds: f64,
+) -> impl Fn(&MeasuredRecord) -> f64 {
     let samples = record.samples();
     let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
     let walk = level::fitted_walk(&bins(&samples, &sticks, seconds, 2));
@@ -60,19 +64,36 @@ fn deviances(record: &MeasuredRecord, evidence: &Evidence, seconds: f64) -> impl
 pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     let of = deviances(record, evidence, evidence.bin);
     let deviance = |lag: f64| of(&record.lagged(lag));
-    let mut profile: Vec<(f64, f64)> = MINUTES.map(|minutes| 60.0 * minutes).map(|lag| (lag, deviance(lag))).to_vec();
+    let mut profile: Vec<(f64, f64)> = MINUTES
+        .map(|minutes| 60.0 * minutes)
+        .map(|lag| (lag, deviance(lag)))
+        .to_vec();
     let (without, last) = (profile[0].1, profile.len() - 1);
-    let best = (0..=last).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1)).unwrap_or(0);
+    let best = (0..=last)
+        .min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1))
+        .unwrap_or(0);
     let (mut likeliest, mut lowest) = profile[best];
     if best < last {
-        let found = golden_section_minimum(profile[best.saturating_sub(1)].0, profile[best + 1].0, 16, deviance);
+        let found = golden_section_minimum(
+            profile[best.saturating_sub(1)].0,
+            profile[best + 1].0,
+            16,
+            deviance,
+        );
         let at_found = deviance(found);
         if at_found < lowest {
             (likeliest, lowest) = (found, at_found);
         }
     }
-    profile.iter_mut().for_each(|(_, deviance)| *deviance -= lowest);
-    LagProfile { likeliest, gain: without - lowest, clock: clock(record, evidence, likeliest), profile }
+    profile
+        .iter_mut()
+        .for_each(|(_, deviance)| *deviance -= lowest);
+    LagProfile {
+        likeliest,
+        gain: without - lowest,
+        clock: clock(record, evidence, likeliest),
+        profile,
+    }
 }
 
 /// The difference of the clocks, if it is likelier than this lag and than none. A lag smooths the
@@ -80,7 +101,9 @@ pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
 fn clock(record: &MeasuredRecord, evidence: &Evidence, lag: f64) -> Option<f64> {
     let deviance = deviances(record, evidence, 1.0);
     let best_of = |clocks: &[f64]| {
-        let shifts = clocks.iter().map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
+        let shifts = clocks
+            .iter()
+            .map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
         shifts.min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let none = deviance(record);
@@ -106,13 +129,22 @@ impl LagProfile {
 
     /// Whether an even longer lag than is considered may be more likely.
     pub fn is_beyond(&self) -> bool {
-        self.gain > CONVINCING && self.profile.last().is_some_and(|(longest, _)| self.likeliest >= *longest)
+        self.gain > CONVINCING
+            && self
+                .profile
+                .last()
+                .is_some_and(|(longest, _)| self.likeliest >= *longest)
     }
 
     /// The deviance of a lag above the minimum, interpolated linearly between the lags of the
     /// profile.
     pub fn against(&self, lag: f64) -> f64 {
-        let after = self.profile.iter().position(|(at, _)| *at >= lag).unwrap_or(self.profile.len() - 1).max(1);
+        let after = self
+            .profile
+            .iter()
+            .position(|(at, _)| *at >= lag)
+            .unwrap_or(self.profile.len() - 1)
+            .max(1);
         let ((a, low), (b, high)) = (self.profile[after - 1], self.profile[after]);
         low + (high - low) * (lag - a) / (b - a)
     }
@@ -132,7 +164,13 @@ mod tests {
             profile: vec![(0.0, gain), (7200.0, 0.0)],
         };
         assert_eq!(of(3600.0, 100.0).found(), Some(3600.0));
-        assert_eq!((of(7200.0, 100.0).found(), of(7200.0, 100.0).is_beyond()), (None, true));
-        assert_eq!((of(3600.0, 10.0).found(), of(7200.0, 10.0).is_beyond()), (None, false));
+        assert_eq!(
+            (of(7200.0, 100.0).found(), of(7200.0, 100.0).is_beyond()),
+            (None, true)
+        );
+        assert_eq!(
+            (of(3600.0, 10.0).found(), of(7200.0, 10.0).is_beyond()),
+            (None, false)
+        );
     }
 }

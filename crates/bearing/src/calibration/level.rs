@@ -56,7 +56,11 @@ impl LevelSums {
 
     /// The slope of z against T, `still`.
     pub fn slope(&self) -> f64 {
-        if self.tt > 0.0 { self.tz / self.tt } else { 0.0 }
+        if self.tt > 0.0 {
+            self.tz / self.tt
+        } else {
+            0.0
+        }
     }
 
     /// The variance of the white noise.
@@ -94,17 +98,31 @@ impl Level {
 fn filtered(bins: &[Bin], walk: f64) -> impl Iterator<Item = (Level, Option<[f64; 3]>)> {
     let mut last: Option<(Level, f64)> = None;
     bins.iter().map(move |bin| {
-        let own = Level { reading: bin.reading, temperature: bin.temperature, variance: 1.0 / bin.count };
+        let own = Level {
+            reading: bin.reading,
+            temperature: bin.temperature,
+            variance: 1.0 / bin.count,
+        };
         let (level, row) = match last.filter(|_| !bin.is_first) {
             None => (own, None),
             Some((level, time)) => {
                 let before = level.variance + walk * (bin.time - time).abs();
                 let variance = before + own.variance;
-                let (t, z) = (bin.temperature - level.temperature, bin.reading - level.reading);
+                let (t, z) = (
+                    bin.temperature - level.temperature,
+                    bin.reading - level.reading,
+                );
                 let gain = before / variance;
                 let reading = level.reading + gain * z;
                 let temperature = level.temperature + gain * t;
-                (Level { reading, temperature, variance: before * (1.0 - gain) }, Some([t, z, variance]))
+                (
+                    Level {
+                        reading,
+                        temperature,
+                        variance: before * (1.0 - gain),
+                    },
+                    Some([t, z, variance]),
+                )
             }
         };
         last = Some((level, bin.time));
@@ -118,10 +136,17 @@ pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
 }
 
 /// The sums of each block; `block` gives the index of the block of a time.
-pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize) -> Vec<LevelSums> {
+pub fn sums(
+    bins: &[Bin],
+    walk: f64,
+    blocks: usize,
+    block: impl Fn(f64) -> usize,
+) -> Vec<LevelSums> {
     let mut out = vec![LevelSums::default(); blocks];
     for (bin, (_, row)) in bins.iter().zip(filtered(bins, walk)) {
-        let Some([t, z, variance]) = row else { continue };
+        let Some([t, z, variance]) = row else {
+            continue;
+        };
         let sums = &mut out[block(bin.time)];
         sums.rows += 1.0;
         sums.tt += t * t / variance;

@@ -1,9 +1,17 @@
 //! The minimum of a function of one number.
 
 /// The minimum within an interval, by this number of golden sections.
-pub fn golden_section_minimum(mut low: f64, mut high: f64, sections: u32, mut f: impl FnMut(f64) -> f64) -> f64 {
+pub fn golden_section_minimum(
+    mut low: f64,
+    mut high: f64,
+    sections: u32,
+    mut f: impl FnMut(f64) -> f64,
+) -> f64 {
     const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
-    let mut inner = [high - GOLDEN_SECTION * (high - low), low + GOLDEN_SECTION * (high - low)];
+    let mut inner = [
+        high - GOLDEN_SECTION * (high - low),
+        low + GOLDEN_SECTION * (high - low),
+    ];
     let mut values = inner.map(&mut f);
     for _ in 0..sections {
         if values[0] <= values[1] {
@@ -16,7 +24,11 @@ pub fn golden_section_minimum(mut low: f64, mut high: f64, sections: u32, mut f:
             values = [values[1], f(inner[1])];
         }
     }
-    if values[0] <= values[1] { inner[0] } else { inner[1] }
+    if values[0] <= values[1] {
+        inner[0]
+    } else {
+        inner[1]
+    }
 }
 
 #[cfg(test)]

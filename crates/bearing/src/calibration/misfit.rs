@@ -48,14 +48,23 @@ impl FitObjective {
     pub fn new(record: &MeasuredRecord, overlooked: f64) -> FitObjective {
         let temperatures = &record.temperatures;
         let shares = record.shares();
-        let readings: Vec<f64> = record.readings.iter().map(|z| if z.is_finite() { *z } else { 0.0 }).collect();
+        let readings: Vec<f64> = record
+            .readings
+            .iter()
+            .map(|z| if z.is_finite() { *z } else { 0.0 })
+            .collect();
         let total: f64 = shares.iter().sum();
-        let mean = |values: &[f64]| values.iter().zip(&shares).map(|(v, w)| v * w).sum::<f64>() / total;
+        let mean =
+            |values: &[f64]| values.iter().zip(&shares).map(|(v, w)| v * w).sum::<f64>() / total;
         let centre = [mean(temperatures), mean(&readings)];
         let mut before = vec![CumulativeSums::default()];
         let (mut sum, mut products) = (CumulativeSums::default(), [0.0; 3]);
         for i in 0..shares.len() {
-            let (w, t, z) = (shares[i], temperatures[i] - centre[0], readings[i] - centre[1]);
+            let (w, t, z) = (
+                shares[i],
+                temperatures[i] - centre[0],
+                readings[i] - centre[1],
+            );
             sum.time += w;
             sum.temperature += w * t;
             sum.reading += w * z;
@@ -68,12 +77,22 @@ impl FitObjective {
         let mut extremes = Vec::new();
         while level.len() > RADIX {
             let widest = |part: &[[f64; 2]]| {
-                part.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| [low.min(*l), high.max(*h)])
+                part.iter()
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| {
+                        [low.min(*l), high.max(*h)]
+                    })
             };
             level = level.chunks(RADIX).map(widest).collect();
             extremes.push(level.clone());
         }
-        FitObjective { temperatures: temperatures.clone(), overlooked, before, extremes, centre, products }
+        FitObjective {
+            temperatures: temperatures.clone(),
+            overlooked,
+            before,
+            extremes,
+            centre,
+            products,
+        }
     }
 
     /// The index of the first sample, from `from` on, whose temperature is not between `low` and
@@ -149,11 +168,21 @@ impl FitObjective {
         // The first unknown is the deviation of z from its mean, at the mean temperature of body
         // and steel, instead of z0.
         let matrix = vec![vec![time, 0.0, 0.0], vec![x, xx, 0.0], vec![0.0, xt, tt]];
-        let mut normal = Normal { matrix, right: vec![0.0, xz, tz] };
+        let mut normal = Normal {
+            matrix,
+            right: vec![0.0, xz, tz],
+        };
         let moved: Vec<([f64; 3], f64)> = (rows.iter())
-            .map(|([a, b, c], value)| ([*a, b - a * origin, c - a * origin], value - a * self.centre[1]))
+            .map(|([a, b, c], value)| {
+                (
+                    [*a, b - a * origin, c - a * origin],
+                    value - a * self.centre[1],
+                )
+            })
             .collect();
-        moved.iter().for_each(|(row, value)| normal.add(row, *value, WEIGHT * time));
+        moved
+            .iter()
+            .for_each(|(row, value)| normal.add(row, *value, WEIGHT * time));
         let Some(Ok([level, moving, still])) = normal.solve().map(<[f64; 3]>::try_from) else {
             return self.best_sensor([x, xx, xt, xz]);
         };
@@ -164,9 +193,17 @@ impl FitObjective {
         let off = |(row, value): &([f64; 3], f64)| {
             (row[0] * level + row[1] * moving + row[2] * still - value).powi(2) * WEIGHT * time
         };
-        let err = zz - 2.0 * (moving * xz + still * tz) + quadratic + moved.iter().map(off).sum::<f64>();
+        let err =
+            zz - 2.0 * (moving * xz + still * tz) + quadratic + moved.iter().map(off).sum::<f64>();
         let offset = self.centre[1] + level - (moving + still) * origin;
-        (err.max(0.0), Sensor { offset, moving, still })
+        (
+            err.max(0.0),
+            Sensor {
+                offset,
+                moving,
+                still,
+            },
+        )
     }
 
     /// Sums of xi, xi xi, xi T and xi z.
@@ -206,13 +243,23 @@ impl FitObjective {
         let determinant = xx * tt - xt * xt;
         // If the body never moves, the data do not determine `moving`.
         let [moving, still] = if determinant > 1e-12 * xx * tt {
-            [(xz * tt - tz * xt) / determinant, (tz * xx - xz * xt) / determinant]
+            [
+                (xz * tt - tz * xt) / determinant,
+                (tz * xx - xz * xt) / determinant,
+            ]
         } else {
             [0.0, tz / tt]
         };
         let err = zz - moving * xz - still * tz;
         let offset = self.centre[1] - moving * (self.centre[0] + x / time) - still * self.centre[0];
-        (err.max(0.0), Sensor { offset, moving, still })
+        (
+            err.max(0.0),
+            Sensor {
+                offset,
+                moving,
+                still,
+            },
+        )
     }
 
     /// The measured time, in seconds.
@@ -232,28 +279,61 @@ mod tests {
     /// sensor. If it is held at its best value, err does not change.
     #[test]
     fn a_held_quantity_has_its_value() {
-        let temperatures: Vec<f64> = (0..3000).map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i))).collect();
-        let motion = Motion { reach: 3.0, jump: 0.8, start: 9.0 };
+        let temperatures: Vec<f64> = (0..3000)
+            .map(|i| 10.0 + 8.0 * libm::sin(0.01 * f64::from(i)))
+            .collect();
+        let motion = Motion {
+            reach: 3.0,
+            jump: 0.8,
+            start: 9.0,
+        };
         let positions = motion.follow(&temperatures);
         let mut random = Stream::new(6, 0);
-        let readings =
-            positions.iter().zip(&temperatures).map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal()).collect();
+        let readings = positions
+            .iter()
+            .zip(&temperatures)
+            .map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal())
+            .collect();
         let times = (0..3000).map(f64::from).collect();
-        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
+        let record = MeasuredRecord {
+            times,
+            temperatures,
+            readings,
+            ..MeasuredRecord::default()
+        };
         let misfit = FitObjective::new(&record, 0.0);
         let (least, best) = misfit.of(&motion);
-        let at = |sensor: Sensor| values(&crate::calibration::Response { motion, sensor }, Some(1e3));
-        for quantity in [Quantity::Dilatation, Quantity::Offset, Quantity::Stiffness, Quantity::Static, Quantity::Gap] {
+        let at =
+            |sensor: Sensor| values(&crate::calibration::Response { motion, sensor }, Some(1e3));
+        for quantity in [
+            Quantity::Dilatation,
+            Quantity::Offset,
+            Quantity::Stiffness,
+            Quantity::Static,
+            Quantity::Gap,
+        ] {
             for factor in [1.0, 1.2] {
                 let target = factor * at(best)[quantity as usize];
                 let (err, sensor) = misfit.held(&motion, &[row(&(quantity, target), &motion, 1e3)]);
                 let got = at(sensor)[quantity as usize];
-                assert!((got / target - 1.0).abs() < 1e-3, "{quantity:?}: {got} for {target}");
+                assert!(
+                    (got / target - 1.0).abs() < 1e-3,
+                    "{quantity:?}: {got} for {target}"
+                );
                 let slow: f64 = (0..3000)
-                    .map(|i| (sensor.reading(positions[i], record.temperatures[i]) - record.readings[i]).powi(2))
+                    .map(|i| {
+                        (sensor.reading(positions[i], record.temperatures[i]) - record.readings[i])
+                            .powi(2)
+                    })
                     .sum();
-                assert!((err / slow - 1.0).abs() < 0.05, "{quantity:?}: {err} for {slow}");
-                assert!(factor > 1.0 || (err / least - 1.0).abs() < 1e-6, "{quantity:?}");
+                assert!(
+                    (err / slow - 1.0).abs() < 0.05,
+                    "{quantity:?}: {err} for {slow}"
+                );
+                assert!(
+                    factor > 1.0 || (err / least - 1.0).abs() < 1e-6,
+                    "{quantity:?}"
+                );
             }
         }
     }
@@ -270,28 +350,76 @@ mod tests {
                 t
             })
             .collect();
-        let hidden = Motion { reach: 3.0, jump: 0.8, start: 9.0 }.follow(&temperatures);
+        let hidden = Motion {
+            reach: 3.0,
+            jump: 0.8,
+            start: 9.0,
+        }
+        .follow(&temperatures);
         let noisy = |(i, (xi, t)): (usize, (&f64, &f64))| {
-            if i % 50 == 7 { f64::NAN } else { 2.0 + 0.9 * xi + 0.1 * t + 0.2 * random.normal() }
+            if i % 50 == 7 {
+                f64::NAN
+            } else {
+                2.0 + 0.9 * xi + 0.1 * t + 0.2 * random.normal()
+            }
         };
-        let readings = hidden.iter().zip(&temperatures).enumerate().map(noisy).collect();
+        let readings = hidden
+            .iter()
+            .zip(&temperatures)
+            .enumerate()
+            .map(noisy)
+            .collect();
         let times = (0..5000).map(|i| 60.0 * (i + i / 900) as f64).collect();
-        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
+        let record = MeasuredRecord {
+            times,
+            temperatures,
+            readings,
+            ..MeasuredRecord::default()
+        };
         let misfit = FitObjective::new(&record, 0.05);
         let shares = record.shares();
-        for (reach, jump) in [(3.0, 0.8), (2.0, 4.0), (0.4, 0.01), (0.01, 0.003), (1.0, 0.0), (1e3, 1.0)] {
-            let motion = Motion { reach, jump, start: 9.3 };
-            let (err, sensor) = misfit.of(&Motion { reach: reach + 0.05, ..motion });
+        for (reach, jump) in [
+            (3.0, 0.8),
+            (2.0, 4.0),
+            (0.4, 0.01),
+            (0.01, 0.003),
+            (1.0, 0.0),
+            (1e3, 1.0),
+        ] {
+            let motion = Motion {
+                reach,
+                jump,
+                start: 9.3,
+            };
+            let (err, sensor) = misfit.of(&Motion {
+                reach: reach + 0.05,
+                ..motion
+            });
             let positions = motion.follow(&record.temperatures);
             let slow = |sensor: &Sensor| -> f64 {
                 let seen = (0..5000).filter(|i| record.readings[*i].is_finite());
-                let off = |i: usize| sensor.reading(positions[i], record.temperatures[i]) - record.readings[i];
+                let off = |i: usize| {
+                    sensor.reading(positions[i], record.temperatures[i]) - record.readings[i]
+                };
                 seen.map(|i| shares[i] * off(i).powi(2)).sum()
             };
-            assert!((err / slow(&sensor) - 1.0).abs() < 1e-9, "{motion:?}: {err} and {}", slow(&sensor));
+            assert!(
+                (err / slow(&sensor) - 1.0).abs() < 1e-9,
+                "{motion:?}: {err} and {}",
+                slow(&sensor)
+            );
             // No other sensor gives a smaller err.
-            for [a, b, c] in [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3], [-1e-3, 1e-4, -1e-4]] {
-                let other = Sensor { offset: sensor.offset + a, moving: sensor.moving + b, still: sensor.still + c };
+            for [a, b, c] in [
+                [1e-3, 0.0, 0.0],
+                [0.0, 1e-3, 0.0],
+                [0.0, 0.0, 1e-3],
+                [-1e-3, 1e-4, -1e-4],
+            ] {
+                let other = Sensor {
+                    offset: sensor.offset + a,
+                    moving: sensor.moving + b,
+                    still: sensor.still + c,
+                };
                 assert!(slow(&other) > err, "{motion:?}");
             }
         }

@@ -33,7 +33,10 @@ impl Motion {
     /// The same motion as it is followed from sample to sample, if a level has to be closer by so
     /// many kelvin for samples to go beyond it as often as the temperature between them.
     pub fn at_samples(&self, overlooked: f64) -> Motion {
-        Motion { reach: (self.reach - overlooked).max(0.0), ..*self }
+        Motion {
+            reach: (self.reach - overlooked).max(0.0),
+            ..*self
+        }
     }
 
     /// xi after the temperature has gone to this value without turning.
@@ -83,7 +86,11 @@ mod tests {
     /// Compared with slips taken one at a time, as the paper defines them: x + 2 eps (f_s - f_d)/K.
     #[test]
     fn many_slips_at_once_are_slips_one_after_another() {
-        let motion = Motion { reach: 2.0, jump: 0.75, start: 0.0 };
+        let motion = Motion {
+            reach: 2.0,
+            jump: 0.75,
+            start: 0.0,
+        };
         let mut xi = 0.0_f64;
         let mut slow = Vec::new();
         for temperature in WAVE {
@@ -100,11 +107,23 @@ mod tests {
     /// distance A otherwise.
     #[test]
     fn without_a_gap_it_is_the_play_operator() {
-        let play = Motion { reach: 2.0, jump: 0.0, start: 0.0 };
-        assert_eq!(play.follow(&WAVE), [0.0, 0.0, 0.5, 2.75, 2.75, -1.0, -1.0, 2.0, 2.0]);
+        let play = Motion {
+            reach: 2.0,
+            jump: 0.0,
+            start: 0.0,
+        };
+        assert_eq!(
+            play.follow(&WAVE),
+            [0.0, 0.0, 0.5, 2.75, 2.75, -1.0, -1.0, 2.0, 2.0]
+        );
         let nearly = Motion { jump: 1e-9, ..play };
         let apart = |(a, b): (f64, f64)| (a - b).abs();
-        let far = nearly.follow(&WAVE).into_iter().zip(play.follow(&WAVE)).map(apart).fold(0.0, f64::max);
+        let far = nearly
+            .follow(&WAVE)
+            .into_iter()
+            .zip(play.follow(&WAVE))
+            .map(apart)
+            .fold(0.0, f64::max);
         assert!(far <= 1e-9, "{far}");
     }
 }

@@ -21,7 +21,11 @@ impl Response {
         let all = values(self, shear_stiffness);
         let of = |quantity: Quantity| all[quantity as usize];
         let (reach, jump, shear) = (of(Quantity::Reach), of(Quantity::Jump), of(Quantity::Shear));
-        let least = if shear_stiffness.is_some() { 0.0 } else { UNSHEARED };
+        let least = if shear_stiffness.is_some() {
+            0.0
+        } else {
+            UNSHEARED
+        };
         [
             (Quantity::Reach, reach > LEAST && reach.is_finite()),
             (Quantity::Jump, jump > 0.0 && jump.is_finite()),
@@ -42,24 +46,100 @@ mod tests {
     /// A possible bearing, and the same with one number out of its range after the other.
     #[test]
     fn every_condition_is_one_of_its_own() {
-        let motion = Motion { reach: 4.0, jump: 1.0, start: 15.0 };
-        let sensor = Sensor { offset: 0.0, moving: 9e-4, still: 1e-4 };
+        let motion = Motion {
+            reach: 4.0,
+            jump: 1.0,
+            start: 15.0,
+        };
+        let sensor = Sensor {
+            offset: 0.0,
+            moving: 9e-4,
+            still: 1e-4,
+        };
         let of = |motion: Motion, sensor: Sensor| {
-            Response { motion, sensor }.impossible(Some(2e9)).map(|(quantity, _)| quantity)
+            Response { motion, sensor }
+                .impossible(Some(2e9))
+                .map(|(quantity, _)| quantity)
         };
         assert_eq!(of(motion, sensor), None);
-        assert_eq!(of(Motion { reach: -4.0, ..motion }, sensor), Some(Quantity::Reach));
-        assert_eq!(of(Motion { reach: 0.04, jump: 0.01, ..motion }, sensor), Some(Quantity::Reach));
-        assert_eq!(of(Motion { reach: f64::NAN, ..motion }, sensor), Some(Quantity::Reach));
+        assert_eq!(
+            of(
+                Motion {
+                    reach: -4.0,
+                    ..motion
+                },
+                sensor
+            ),
+            Some(Quantity::Reach)
+        );
+        assert_eq!(
+            of(
+                Motion {
+                    reach: 0.04,
+                    jump: 0.01,
+                    ..motion
+                },
+                sensor
+            ),
+            Some(Quantity::Reach)
+        );
+        assert_eq!(
+            of(
+                Motion {
+                    reach: f64::NAN,
+                    ..motion
+                },
+                sensor
+            ),
+            Some(Quantity::Reach)
+        );
         for jump in [-1.0, 0.0, f64::INFINITY] {
             assert_eq!(of(Motion { jump, ..motion }, sensor), Some(Quantity::Jump));
         }
-        assert_eq!(of(Motion { jump: 8.1, ..motion }, sensor), Some(Quantity::DynamicWay));
-        assert_eq!(of(motion, Sensor { moving: -9e-4, ..sensor }), Some(Quantity::Dilatation));
-        assert_eq!(of(motion, Sensor { moving: -0.5e-4, ..sensor }), Some(Quantity::Shear));
+        assert_eq!(
+            of(
+                Motion {
+                    jump: 8.1,
+                    ..motion
+                },
+                sensor
+            ),
+            Some(Quantity::DynamicWay)
+        );
+        assert_eq!(
+            of(
+                motion,
+                Sensor {
+                    moving: -9e-4,
+                    ..sensor
+                }
+            ),
+            Some(Quantity::Dilatation)
+        );
+        assert_eq!(
+            of(
+                motion,
+                Sensor {
+                    moving: -0.5e-4,
+                    ..sensor
+                }
+            ),
+            Some(Quantity::Shear)
+        );
         // A little below zero is noise where no force is asked for.
-        let unsheared = Response { motion, sensor: Sensor { still: -1e-5, ..sensor } };
-        assert_eq!(unsheared.impossible(Some(2e9)).map(|(quantity, _)| quantity), Some(Quantity::Shear));
+        let unsheared = Response {
+            motion,
+            sensor: Sensor {
+                still: -1e-5,
+                ..sensor
+            },
+        };
+        assert_eq!(
+            unsheared
+                .impossible(Some(2e9))
+                .map(|(quantity, _)| quantity),
+            Some(Quantity::Shear)
+        );
         assert_eq!(unsheared.impossible(None), None);
     }
 }

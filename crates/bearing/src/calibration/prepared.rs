@@ -22,7 +22,12 @@ pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
 pub fn upright(record: MeasuredRecord) -> (MeasuredRecord, bool) {
     let seen = record.samples();
     let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
-    let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
+    let together: f64 = seen
+        .temperatures
+        .iter()
+        .zip(&seen.readings)
+        .map(|(a, b)| (a - t) * (b - z))
+        .sum();
     if together >= 0.0 {
         return (record, false);
     }

@@ -36,18 +36,33 @@ use Quantity::*;
 
 impl Quantity {
     /// All quantities: first the seven parameters, then those that follow from them.
-    pub const ALL: [Quantity; 12] =
-        [Stiffness, Dilatation, Static, Dynamic, Gap, Offset, Displacement, Shear, Reach, Jump, StaticWay, DynamicWay];
+    pub const ALL: [Quantity; 12] = [
+        Stiffness,
+        Dilatation,
+        Static,
+        Dynamic,
+        Gap,
+        Offset,
+        Displacement,
+        Shear,
+        Reach,
+        Jump,
+        StaticWay,
+        DynamicWay,
+    ];
 
     /// Number of parameters.
     pub const PARAMETERS: usize = 7;
 
     /// The parameters that can be fitted or held; f_s - f_d follows from them.
-    pub const FITTED: [Quantity; 6] = [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
+    pub const FITTED: [Quantity; 6] =
+        [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
 
     /// The quantity of [`Quantity::FITTED`] with this key.
     pub fn fitted(key: &str) -> Option<Quantity> {
-        Quantity::FITTED.into_iter().find(|quantity| quantity.key() == key)
+        Quantity::FITTED
+            .into_iter()
+            .find(|quantity| quantity.key() == key)
     }
 
     /// The key of the scenario, or a name of the same form if the scenario has no such key.
@@ -84,24 +99,84 @@ struct Row {
     words: &'static str,
 }
 
-const fn row(key: &'static str, symbol: &'static str, unit: &'static str, words: &'static str) -> Row {
-    Row { key, symbol, unit, words }
+const fn row(
+    key: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    words: &'static str,
+) -> Row {
+    Row {
+        key,
+        symbol,
+        unit,
+        words,
+    }
 }
 
 /// One row for each of [`Quantity::ALL`].
 const ROWS: [Row; Quantity::ALL.len()] = [
-    row("oscillator.stiffness", "K", "N/m", "stiffness of the structure against the bearing"),
-    row("oscillator.dilatation", "beta", "m/K", "movement of the joint per kelvin"),
-    row("friction.static", "f_s", "N", "friction force at which the bearing slips"),
-    row("friction.dynamic", "f_d", "N", "friction force while it slides"),
-    row("friction.gap", "f_s - f_d", "N", "difference of the two friction forces"),
+    row(
+        "oscillator.stiffness",
+        "K",
+        "N/m",
+        "stiffness of the structure against the bearing",
+    ),
+    row(
+        "oscillator.dilatation",
+        "beta",
+        "m/K",
+        "movement of the joint per kelvin",
+    ),
+    row(
+        "friction.static",
+        "f_s",
+        "N",
+        "friction force at which the bearing slips",
+    ),
+    row(
+        "friction.dynamic",
+        "f_d",
+        "N",
+        "friction force while it slides",
+    ),
+    row(
+        "friction.gap",
+        "f_s - f_d",
+        "N",
+        "difference of the two friction forces",
+    ),
     row("bearing.offset", "z0", "m", "offset of the sensor"),
-    row("initial.displacement", "x(0)", "m", "displacement at the start"),
-    row("bearing.shear", "K/K_BP", "1", "share of the movement that shears the bearing"),
+    row(
+        "initial.displacement",
+        "x(0)",
+        "m",
+        "displacement at the start",
+    ),
+    row(
+        "bearing.shear",
+        "K/K_BP",
+        "1",
+        "share of the movement that shears the bearing",
+    ),
     row("reach", "A", "K", "change of temperature from rest to slip"),
-    row("jump", "G", "K", "change of temperature that a slip makes up for"),
-    row("static_way", "f_s/K", "m", "movement held back before a slip"),
-    row("dynamic_way", "f_d/K", "m", "movement held back while it slides"),
+    row(
+        "jump",
+        "G",
+        "K",
+        "change of temperature that a slip makes up for",
+    ),
+    row(
+        "static_way",
+        "f_s/K",
+        "m",
+        "movement held back before a slip",
+    ),
+    row(
+        "dynamic_way",
+        "f_d/K",
+        "m",
+        "movement held back while it slides",
+    ),
 ];
 
 /// One value for each of [`Quantity::ALL`].
@@ -141,7 +216,11 @@ pub fn response_of(values: &Values) -> Response {
     let of = |quantity: Quantity| values[quantity as usize];
     let (beta, kappa) = (of(Dilatation), of(Shear));
     Response {
-        motion: Motion { reach: of(Reach), jump: of(Jump), start: of(Displacement) / beta },
+        motion: Motion {
+            reach: of(Reach),
+            jump: of(Jump),
+            start: of(Displacement) / beta,
+        },
         sensor: Sensor::sheared(of(Offset), beta, kappa),
     }
 }
@@ -169,17 +248,37 @@ mod tests {
     fn values_and_responses_are_the_same_thing() {
         let slope = 1.9e8 * 3e-4;
         let response = Response {
-            motion: Motion { reach: 4.7e5 / slope, jump: 1e5 / slope, start: 0.004 / 3e-4 },
-            sensor: Sensor { offset: -0.01, moving: 0.905 * 3e-4, still: 0.095 * 3e-4 },
+            motion: Motion {
+                reach: 4.7e5 / slope,
+                jump: 1e5 / slope,
+                start: 0.004 / 3e-4,
+            },
+            sensor: Sensor {
+                offset: -0.01,
+                moving: 0.905 * 3e-4,
+                still: 0.095 * 3e-4,
+            },
         };
         let found = values(&response, Some(2e9));
         let expected = [1.9e8, 3e-4, 4.7e5, 4.2e5, 5e4, -0.01, 0.004];
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
-        assert!(found.iter().zip(expected).all(|(a, b)| near(*a, b)), "{found:?}");
+        assert!(
+            found.iter().zip(expected).all(|(a, b)| near(*a, b)),
+            "{found:?}"
+        );
         let again = values(&response_of(&found), Some(2e9));
         assert!(found.iter().zip(again).all(|(a, b)| near(*a, b)));
-        assert!(found.iter().zip(with_derived(&found, 2e9)).all(|(a, b)| near(*a, b)));
+        assert!(
+            found
+                .iter()
+                .zip(with_derived(&found, 2e9))
+                .all(|(a, b)| near(*a, b))
+        );
         let unsheared = values(&response, None);
-        assert!(Quantity::ALL.iter().all(|q| unsheared[*q as usize].is_nan() == q.needs_shear_stiffness()));
+        assert!(
+            Quantity::ALL
+                .iter()
+                .all(|q| unsheared[*q as usize].is_nan() == q.needs_shear_stiffness())
+        );
     }
 }

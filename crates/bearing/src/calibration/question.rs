@@ -33,9 +33,13 @@ impl CalibrationMethod {
     /// The method with this name; `err` is an earlier name of the criterion.
     pub fn from_name(name: &str) -> Option<Self> {
         let name = if name == "err" { "criterion" } else { name };
-        [CalibrationMethod::Slips, CalibrationMethod::Err, CalibrationMethod::Both]
-            .into_iter()
-            .find(|method| method.name() == name)
+        [
+            CalibrationMethod::Slips,
+            CalibrationMethod::Err,
+            CalibrationMethod::Both,
+        ]
+        .into_iter()
+        .find(|method| method.name() == name)
     }
 }
 
@@ -92,21 +96,28 @@ impl CalibrationQuestion {
     /// needed and missing.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
-        let held = Quantity::FITTED.into_iter().filter(is_held).map(|quantity| {
-            let value = match quantity {
-                Quantity::Stiffness => Some(scene.stiffness),
-                Quantity::Dilatation => Some(scene.dilatation),
-                Quantity::Static => Some(scene.f_s),
-                Quantity::Dynamic => Some(scene.f_d),
-                Quantity::Offset => Some(scene.offset),
-                _ => scene.displacement,
-            };
-            Ok((quantity, value.ok_or(NotHeld::NoNumber(quantity))?))
-        });
+        let held = Quantity::FITTED
+            .into_iter()
+            .filter(is_held)
+            .map(|quantity| {
+                let value = match quantity {
+                    Quantity::Stiffness => Some(scene.stiffness),
+                    Quantity::Dilatation => Some(scene.dilatation),
+                    Quantity::Static => Some(scene.f_s),
+                    Quantity::Dynamic => Some(scene.f_d),
+                    Quantity::Offset => Some(scene.offset),
+                    _ => scene.displacement,
+                };
+                Ok((quantity, value.ok_or(NotHeld::NoNumber(quantity))?))
+            });
         let held: Vec<Held> = held.collect::<Result<_, _>>()?;
-        let mut named =
-            held.iter().map(|(quantity, _)| *quantity).chain(self.bounds.iter().map(|(quantity, _)| *quantity));
-        match named.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
+        let mut named = held
+            .iter()
+            .map(|(quantity, _)| *quantity)
+            .chain(self.bounds.iter().map(|(quantity, _)| *quantity));
+        match named
+            .find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none())
+        {
             Some(quantity) => Err(NotHeld::TakesShearStiffness(quantity)),
             None => Ok(CalibrationQuestion { held, ..self }),
         }
@@ -128,7 +139,9 @@ pub enum NotHeld {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The record has too few samples.
-    #[error("{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}")]
+    #[error(
+        "{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}"
+    )]
     TooShort(usize),
     /// The temperature or the displacement cannot be used.
     #[error(transparent)]
@@ -183,14 +196,18 @@ pub enum CalibrationError {
 
 /// A quantity with its value and its unit.
 fn stated(quantity: &Quantity, value: &f64) -> String {
-    format!("{} = {value:.3e} {}", quantity.symbol(), quantity.unit()).trim_end_matches(" 1").to_string()
+    format!("{} = {value:.3e} {}", quantity.symbol(), quantity.unit())
+        .trim_end_matches(" 1")
+        .to_string()
 }
 
 impl CalibrationError {
     /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
+            CalibrationError::TooShort(_) => {
+                "measure for longer: weeks at least, with tens of slips"
+            }
             CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
                 "measure for longer, until tens of slips are in the record; the method `criterion` needs none, but beware of its \

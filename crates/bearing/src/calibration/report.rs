@@ -41,14 +41,18 @@ impl ParameterEstimate {
 /// the paper's bridge with red noise. The tests judge by other records.
 /// `cargo test --release --test calibration widening -- --ignored --nocapture` prints by how much
 /// more the intervals would have to be widened.
-const WIDENING: Values = [1.05, 1.22, 1.07, 1.06, 1.08, 1.23, 1.26, 1.05, 1.18, 1.17, 1.21, 1.22];
+const WIDENING: Values = [
+    1.05, 1.22, 1.07, 1.06, 1.08, 1.23, 1.26, 1.05, 1.18, 1.17, 1.21, 1.22,
+];
 
 /// The factors for the paper's least squares, from 150 such records. The intervals around its
 /// estimates come from the same standard deviations.
 ///
 /// Least squares determines A and G far better if friction is always the same. It determines K, f_s
 /// and f_d far worse, because it takes red noise for independent.
-const WIDENING_ERR: Values = [2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85];
+const WIDENING_ERR: Values = [
+    2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85,
+];
 
 /// A slip that was seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,19 +131,31 @@ impl Calibration {
         misfit: &FitObjective,
         starts: Vec<SearchStart>,
     ) -> Calibration {
-        let best = starts.iter().min_by(|a, b| a.err.total_cmp(&b.err)).map(|start| start.response);
+        let best = starts
+            .iter()
+            .min_by(|a, b| a.err.total_cmp(&b.err))
+            .map(|start| start.response);
         let motion = question.guess;
-        let guess = Response { motion, sensor: misfit.of(&motion).1 };
+        let guess = Response {
+            motion,
+            sensor: misfit.of(&motion).1,
+        };
         let fitted = by_slips.and_then(|by_slips| by_slips.response);
         let wanted = fitted.filter(|_| question.method != CalibrationMethod::Err);
         let response = wanted.or(best).or(fitted).unwrap_or(guess);
         let sides = normal_quantile(question.level);
-        let deviations = by_slips.map_or([f64::NAN; Quantity::ALL.len()], |by_slips| by_slips.deviations);
+        let deviations = by_slips.map_or([f64::NAN; Quantity::ALL.len()], |by_slips| {
+            by_slips.deviations
+        });
         let with_intervals = |response: &Response, widening: &Values| {
             let at = values(response, question.shear_stiffness);
             std::array::from_fn(|i| {
                 let half = sides * widening[i] * deviations[i];
-                ParameterEstimate { estimate: at[i], low: at[i] - half, high: at[i] + half }
+                ParameterEstimate {
+                    estimate: at[i],
+                    low: at[i] - half,
+                    high: at[i] + half,
+                }
             })
         };
         let least_squares = best.map(|best| with_intervals(&best, &WIDENING_ERR));
@@ -149,7 +165,9 @@ impl Calibration {
         };
         let replicates = by_slips.map(|by_slips| &by_slips.replicates);
         let half = match question.lag {
-            Lag::Auto if steel.lag > 0.0 => sides * replicates.map_or(f64::NAN, Replicates::lag_deviation),
+            Lag::Auto if steel.lag > 0.0 => {
+                sides * replicates.map_or(f64::NAN, Replicates::lag_deviation)
+            }
             _ => 0.0,
         };
         let evidence = by_slips.and_then(BySlips::evidence);
@@ -160,10 +178,14 @@ impl Calibration {
             is_usual: slip.is_usual,
         };
         let temperatures = &steel.record.temperatures;
-        let positions = response.motion.at_samples(steel.overlooked).follow(temperatures);
+        let positions = response
+            .motion
+            .at_samples(steel.overlooked)
+            .follow(temperatures);
         let zero = by_slips.map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
-        let reading =
-            |i: usize| response.sensor.reading(positions[i], temperatures[i]) + zero.at(steel.record.times[i]);
+        let reading = |i: usize| {
+            response.sensor.reading(positions[i], temperatures[i]) + zero.at(steel.record.times[i])
+        };
         let modelled: Vec<f64> = (0..positions.len()).map(reading).collect();
         Calibration {
             question: question.clone(),
@@ -176,8 +198,14 @@ impl Calibration {
             estimates,
             least_squares,
             correlations: replicates.map_or_else(Vec::new, Replicates::correlations),
-            slips: evidence.map_or_else(Vec::new, |evidence| evidence.slips.iter().map(seen).collect()),
-            lag: ParameterEstimate { estimate: steel.lag, low: (steel.lag - half).max(0.0), high: steel.lag + half },
+            slips: evidence.map_or_else(Vec::new, |evidence| {
+                evidence.slips.iter().map(seen).collect()
+            }),
+            lag: ParameterEstimate {
+                estimate: steel.lag,
+                low: (steel.lag - half).max(0.0),
+                high: steel.lag + half,
+            },
             lag_profile: steel.profile.clone(),
             starts,
             residuals: residuals(&record, &modelled),
@@ -207,7 +235,10 @@ impl Calibration {
 
     /// All quantities of the result of each start.
     pub fn start_values(&self) -> Vec<Values> {
-        self.starts.iter().map(|start| values(&start.response, self.question.shear_stiffness)).collect()
+        self.starts
+            .iter()
+            .map(|start| values(&start.response, self.question.shear_stiffness))
+            .collect()
     }
 }
 
@@ -217,19 +248,37 @@ fn normal_quantile(level: f64) -> f64 {
 }
 
 /// Delays of the autocorrelation, in hours.
-const DELAYS: [f64; 14] = [0.0, 1.0, 2.0, 3.0, 6.0, 9.0, 12.0, 18.0, 24.0, 36.0, 48.0, 72.0, 96.0, 120.0];
+const DELAYS: [f64; 14] = [
+    0.0, 1.0, 2.0, 3.0, 6.0, 9.0, 12.0, 18.0, 24.0, 36.0, 48.0, 72.0, 96.0, 120.0,
+];
 
 fn residuals(record: &MeasuredRecord, modelled: &[f64]) -> Residuals {
     let samples = record.samples();
-    let left: Vec<f64> = record.readings.iter().zip(modelled).map(|(z, model)| z - model).collect();
-    let seen: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
+    let left: Vec<f64> = record
+        .readings
+        .iter()
+        .zip(modelled)
+        .map(|(z, model)| z - model)
+        .collect();
+    let seen: Vec<f64> = left
+        .iter()
+        .copied()
+        .filter(|left| left.is_finite())
+        .collect();
     let mean = mean(&seen);
     let variance = seen.iter().map(|left| (left - mean).powi(2)).sum::<f64>() / seen.len() as f64;
     let correlation = |hours: f64| {
-        let products = samples.pairs(samples.intervals(hours * HOUR)).map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
-        let [sum, count] = products.fold([0.0; 2], |[sum, count], product| [sum + product, count + 1.0]);
+        let products = samples
+            .pairs(samples.intervals(hours * HOUR))
+            .map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
+        let [sum, count] = products.fold([0.0; 2], |[sum, count], product| {
+            [sum + product, count + 1.0]
+        });
         (hours, sum / count / variance)
     };
     let rms = (seen.iter().map(|left| left * left).sum::<f64>() / seen.len() as f64).sqrt();
-    Residuals { rms, autocorrelation: DELAYS.map(correlation).to_vec() }
+    Residuals {
+        rms,
+        autocorrelation: DELAYS.map(correlation).to_vec(),
+    }
 }

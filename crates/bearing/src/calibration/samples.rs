@@ -32,12 +32,23 @@ pub const HOUR: f64 = 3600.0;
 const GAP: f64 = 3.5;
 
 impl From<&BearingData> for MeasuredRecord {
-    fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
+    fn from(
+        BearingData {
+            temperature,
+            displacement,
+            start,
+            ..
+        }: &BearingData,
+    ) -> Self {
         let averaged = [temperature.averaged, displacement.averaged];
-        let [air, sensor] = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
+        let [air, sensor] =
+            [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
         let most = 0.5 * averaged[0].max(averaged[1]);
         let start = start.and_then(|start| start.after(-most));
-        MeasuredRecord { start, ..MeasuredRecord::of_means(air, sensor, averaged) }
+        MeasuredRecord {
+            start,
+            ..MeasuredRecord::of_means(air, sensor, averaged)
+        }
     }
 }
 
@@ -45,10 +56,22 @@ impl MeasuredRecord {
     /// The same as [`MeasuredRecord::of`] from temperatures and displacements that are means over so
     /// many seconds before their times; 0 for those of an instant. A mean stands for the middle of its
     /// time, and all times are later by half of the longer one, so that they stay at or above 0.
-    pub fn of_means(temperatures: [&[f64]; 2], readings: [&[f64]; 2], averaged: [f64; 2]) -> MeasuredRecord {
+    pub fn of_means(
+        temperatures: [&[f64]; 2],
+        readings: [&[f64]; 2],
+        averaged: [f64; 2],
+    ) -> MeasuredRecord {
         let most = 0.5 * averaged[0].max(averaged[1]);
-        let middles = |times: &[f64], over: f64| times.iter().map(|t| t + (most - 0.5 * over)).collect::<Vec<f64>>();
-        let times = [middles(temperatures[0], averaged[0]), middles(readings[0], averaged[1])];
+        let middles = |times: &[f64], over: f64| {
+            times
+                .iter()
+                .map(|t| t + (most - 0.5 * over))
+                .collect::<Vec<f64>>()
+        };
+        let times = [
+            middles(temperatures[0], averaged[0]),
+            middles(readings[0], averaged[1]),
+        ];
         let both = MeasuredRecord::of([&times[0], temperatures[1]], [&times[1], readings[1]]);
         MeasuredRecord { averaged, ..both }
     }
@@ -65,14 +88,19 @@ impl MeasuredRecord {
             while next < when.len() && when[next] < times[i] {
                 if i > 0 && times[i] - times[i - 1] <= gap {
                     let share = (when[next] - times[i - 1]) / (times[i] - times[i - 1]);
-                    let between = temperatures[i - 1] + share * (temperatures[i] - temperatures[i - 1]);
+                    let between =
+                        temperatures[i - 1] + share * (temperatures[i] - temperatures[i - 1]);
                     interpolated.push(record.times.len());
                     record.push(when[next], between, readings[next]);
                 }
                 next += 1;
             }
             let is_both = next < when.len() && when[next] == times[i];
-            record.push(times[i], temperatures[i], if is_both { readings[next] } else { f64::NAN });
+            record.push(
+                times[i],
+                temperatures[i],
+                if is_both { readings[next] } else { f64::NAN },
+            );
             next += usize::from(is_both);
         }
         record.interpolated = interpolated;
@@ -94,8 +122,16 @@ impl MeasuredRecord {
 
     /// The same record with readings that the sensor would show if its zero had not moved.
     pub fn without(&self, zero: &Zero) -> MeasuredRecord {
-        let readings = self.times.iter().zip(&self.readings).map(|(time, reading)| reading - zero.at(*time)).collect();
-        MeasuredRecord { readings, ..self.clone() }
+        let readings = self
+            .times
+            .iter()
+            .zip(&self.readings)
+            .map(|(time, reading)| reading - zero.at(*time))
+            .collect();
+        MeasuredRecord {
+            readings,
+            ..self.clone()
+        }
     }
 
     /// The same record without the readings at these places.
@@ -108,20 +144,33 @@ impl MeasuredRecord {
     /// The same record with temperatures that are interpolated between these.
     pub fn with_temperatures(&self, times: &[f64], temperatures: &[f64]) -> MeasuredRecord {
         let at = |time: &f64| {
-            let after = times.partition_point(|t| t < time).clamp(1, times.len() - 1);
+            let after = times
+                .partition_point(|t| t < time)
+                .clamp(1, times.len() - 1);
             let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
-            temperatures[after - 1] + share.clamp(0.0, 1.0) * (temperatures[after] - temperatures[after - 1])
+            temperatures[after - 1]
+                + share.clamp(0.0, 1.0) * (temperatures[after] - temperatures[after - 1])
         };
-        MeasuredRecord { temperatures: self.times.iter().map(at).collect(), ..self.clone() }
+        MeasuredRecord {
+            temperatures: self.times.iter().map(at).collect(),
+            ..self.clone()
+        }
     }
 
     /// The samples that have a reading.
     pub fn samples(&self) -> Samples {
-        let seen: Vec<usize> = (0..self.times.len()).filter(|i| self.readings[*i].is_finite()).collect();
+        let seen: Vec<usize> = (0..self.times.len())
+            .filter(|i| self.readings[*i].is_finite())
+            .collect();
         let pick = |values: &[f64]| seen.iter().map(|i| values[*i]).collect::<Vec<f64>>();
         let times = pick(&self.times);
         let starts = starts(&times);
-        Samples { temperatures: pick(&self.temperatures), readings: pick(&self.readings), times, starts }
+        Samples {
+            temperatures: pick(&self.temperatures),
+            readings: pick(&self.readings),
+            times,
+            starts,
+        }
     }
 
     /// The same record with the temperature of the steel, which follows that of the air with this
@@ -142,7 +191,10 @@ impl MeasuredRecord {
                 }
             }
         }
-        MeasuredRecord { temperatures: steel, ..self.clone() }
+        MeasuredRecord {
+            temperatures: steel,
+            ..self.clone()
+        }
     }
 
     /// The same record with the temperature of so many seconds earlier, interpolated between its
@@ -167,7 +219,13 @@ impl MeasuredRecord {
             }
         }
         let mut seen = seen.into_iter();
-        let share = |reading: &f64| if reading.is_finite() { seen.next().unwrap_or(0.0) } else { 0.0 };
+        let share = |reading: &f64| {
+            if reading.is_finite() {
+                seen.next().unwrap_or(0.0)
+            } else {
+                0.0
+            }
+        };
         self.readings.iter().map(share).collect()
     }
 
@@ -203,7 +261,9 @@ impl Samples {
 
     /// The indices of pairs of samples that are so many intervals apart, without a gap between them.
     pub fn pairs(&self, step: usize) -> impl Iterator<Item = [usize; 2]> {
-        let later = self.stretches().flat_map(move |stretch| stretch.start + step..stretch.end);
+        let later = self
+            .stretches()
+            .flat_map(move |stretch| stretch.start + step..stretch.end);
         later.map(move |i| [i - step, i])
     }
 
@@ -215,13 +275,20 @@ impl Samples {
 
 /// The median time between samples, in seconds.
 pub fn interval(times: &[f64]) -> f64 {
-    median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>())
+    median(
+        &mut times
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect::<Vec<_>>(),
+    )
 }
 
 /// The index at which each stretch without a gap begins.
 pub fn starts(times: &[f64]) -> Vec<usize> {
     let interval = interval(times);
-    (0..times.len()).filter(|i| *i == 0 || times[*i] - times[*i - 1] > GAP * interval).collect()
+    (0..times.len())
+        .filter(|i| *i == 0 || times[*i] - times[*i - 1] > GAP * interval)
+        .collect()
 }
 
 /// The stretches that begin at these indices, of samples up to this end.
@@ -236,14 +303,22 @@ mod tests {
 
     fn record(times: &[f64], readings: &[f64]) -> MeasuredRecord {
         let (times, temperatures) = (times.to_vec(), times.to_vec());
-        MeasuredRecord { times, temperatures, readings: readings.to_vec(), ..MeasuredRecord::default() }
+        MeasuredRecord {
+            times,
+            temperatures,
+            readings: readings.to_vec(),
+            ..MeasuredRecord::default()
+        }
     }
 
     #[test]
     fn a_gap_ends_a_stretch_and_stands_for_no_time() {
         let times = [0.0, 1.0, 2.0, 3.0, 4.0, 11.0, 12.0, 14.0];
         let record = record(&times, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::NAN, 0.0]);
-        assert_eq!(record.samples().stretches().collect::<Vec<_>>(), [0..5, 5..7]);
+        assert_eq!(
+            record.samples().stretches().collect::<Vec<_>>(),
+            [0..5, 5..7]
+        );
         assert_eq!(record.shares(), [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0]);
     }
 
@@ -256,9 +331,15 @@ mod tests {
         assert_eq!(both.times, [0.0, 10.0, 15.0, 20.0, 100.0]);
         assert_eq!(both.temperatures, [1.0, 2.0, 2.5, 3.0, 4.0]);
         assert_eq!(both.interpolated, [2]);
-        assert_eq!(both.thermometer(), [vec![0.0, 10.0, 20.0, 100.0], vec![1.0, 2.0, 3.0, 4.0]]);
+        assert_eq!(
+            both.thermometer(),
+            [vec![0.0, 10.0, 20.0, 100.0], vec![1.0, 2.0, 3.0, 4.0]]
+        );
         assert!(both.readings[1].is_nan() && both.readings[3].is_nan());
-        assert_eq!([both.readings[0], both.readings[2], both.readings[4]], [5.0, 6.0, 8.0]);
+        assert_eq!(
+            [both.readings[0], both.readings[2], both.readings[4]],
+            [5.0, 6.0, 8.0]
+        );
     }
 
     /// Compared with small explicit steps of the differential equation.
@@ -266,21 +347,32 @@ mod tests {
     fn steel_follows_air_exactly() {
         let times = [0.0, 600.0, 1300.0, 1800.0];
         let temperatures = vec![3.0, 5.0, 1.0, 1.0];
-        let record =
-            MeasuredRecord { times: times.to_vec(), temperatures, readings: vec![0.0; 4], ..MeasuredRecord::default() };
+        let record = MeasuredRecord {
+            times: times.to_vec(),
+            temperatures,
+            readings: vec![0.0; 4],
+            ..MeasuredRecord::default()
+        };
         let (lag, h) = (900.0, 0.01);
         let (mut steel, mut expected) = (3.0, vec![3.0]);
         for i in 1..4 {
             let n = ((times[i] - times[i - 1]) / h).round() as usize;
             let air = |k: f64| {
-                record.temperatures[i - 1] + (record.temperatures[i] - record.temperatures[i - 1]) * k / n as f64
+                record.temperatures[i - 1]
+                    + (record.temperatures[i] - record.temperatures[i - 1]) * k / n as f64
             };
             for k in 0..n {
                 steel += h / lag * (air(k as f64 + 0.5) - steel);
             }
             expected.push(steel);
         }
-        let far = record.lagged(lag).temperatures.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let far = record
+            .lagged(lag)
+            .temperatures
+            .iter()
+            .zip(expected)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         assert!(far < 1e-4, "{far}");
     }
 }

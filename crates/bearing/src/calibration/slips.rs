@@ -127,16 +127,23 @@ impl Evidence {
         };
         let sticks = StickAnalysis::new(samples, &found, seconds)?;
         let evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
-        let jump = evidence.fit(&evidence.unweighted()).map_or(0.0, |(fit, _)| fit.motion.jump);
+        let jump = evidence
+            .fit(&evidence.unweighted())
+            .map_or(0.0, |(fit, _)| fit.motion.jump);
         let thermometer = evidence.thermometer.slipping(jump);
         let moves = |_: &[(Window, f64)]| thermometer.clone();
         let mut evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
-        let candidates: Vec<f64> = (found.indices().chain(samples.starts.iter().copied().filter(|start| *start > 0)))
-            .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
-            .collect();
+        let candidates: Vec<f64> = (found
+            .indices()
+            .chain(samples.starts.iter().copied().filter(|start| *start > 0)))
+        .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
+        .collect();
         for _ in 0..ROUNDS {
-            let zero =
-                ZeroColumns::asked_by(&evidence.middles(&evidence.unweighted()), &candidates, evidence.zero.start);
+            let zero = ZeroColumns::asked_by(
+                &evidence.middles(&evidence.unweighted()),
+                &candidates,
+                evidence.zero.start,
+            );
             evidence.zero = zero;
             let set = evidence.jumps_of_zero();
             if set.is_empty() {
@@ -164,7 +171,13 @@ impl Evidence {
         let mut since = 0;
         for jump in found.jumps.iter().filter(|jump| !set.contains(&jump.index)) {
             let (i, sign) = (jump.index, jump.size.signum());
-            let stretch = samples.starts.iter().rev().find(|start| **start <= i).copied().unwrap_or(0);
+            let stretch = samples
+                .starts
+                .iter()
+                .rev()
+                .find(|start| **start <= i)
+                .copied()
+                .unwrap_or(0);
             let slip = Slip {
                 index: i,
                 time: 0.5 * (samples.times[i - 1] + samples.times[i]),
@@ -178,7 +191,14 @@ impl Evidence {
             let since = samples.times[std::mem::replace(&mut since, i).max(stretch)];
             if slip.size(still) > 0.0 {
                 slips.push(slip);
-                windows.push((Window { since, before: samples.times[i - 1], after: samples.times[i] }, sign));
+                windows.push((
+                    Window {
+                        since,
+                        before: samples.times[i - 1],
+                        after: samples.times[i],
+                    },
+                    sign,
+                ));
             }
         }
         let thermometer = moves(&windows);
@@ -187,8 +207,16 @@ impl Evidence {
             (slip.temperature, slip.variance) = (crossing.temperature, crossing.variance);
         }
         mark_usual(&mut slips, still);
-        let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
-        let reversals = usual(reversals(&slips, still, is_whole, |time| block(start, time)), thermometer.jump);
+        let is_whole = |from: usize, to: usize| {
+            !samples
+                .starts
+                .iter()
+                .any(|start| (from + 1..=to).contains(start))
+        };
+        let reversals = usual(
+            reversals(&slips, still, is_whole, |time| block(start, time)),
+            thermometer.jump,
+        );
         let first = slips.first()?;
         let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
         Some(Evidence {
@@ -198,7 +226,10 @@ impl Evidence {
             contrast: found.contrast,
             bin: sticks.bin,
             thermometer,
-            zero: ZeroColumns { start, ..ZeroColumns::default() },
+            zero: ZeroColumns {
+                start,
+                ..ZeroColumns::default()
+            },
             set,
             beginning,
         })
@@ -213,7 +244,12 @@ impl Evidence {
     /// more than their mean does.
     pub fn kinetic_reach(&self, weights: &[f64]) -> f64 {
         let mean = |weights: &[f64]| {
-            0.5 * self.mean(weights, self.reversals.iter().map(|reversal| (reversal.change, reversal.block)))
+            0.5 * self.mean(
+                weights,
+                self.reversals
+                    .iter()
+                    .map(|reversal| (reversal.change, reversal.block)),
+            )
         };
         let usual = mean(&self.unweighted());
         usual + FEW * (mean(weights) - usual)
@@ -221,8 +257,9 @@ impl Evidence {
 
     /// The mean of values, each with the index of its block, with these weights of the blocks.
     pub fn mean(&self, weights: &[f64], values: impl Iterator<Item = (f64, usize)>) -> f64 {
-        let [sum, weight] =
-            values.fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
+        let [sum, weight] = values.fold([0.0; 2], |[sum, all], (value, block)| {
+            [sum + weights[block] * value, all + weights[block]]
+        });
         sum / weight
     }
 
@@ -236,29 +273,46 @@ impl Evidence {
             place: slip.middle(still),
             weight: weights[self.block(slip.time)],
         };
-        self.slips.iter().filter(|slip| slip.is_usual).map(of).collect()
+        self.slips
+            .iter()
+            .filter(|slip| slip.is_usual)
+            .map(of)
+            .collect()
     }
 
     /// The slips that are none: the zero of the sensor moved there, by what z jumped to half of a
     /// usual slip.
     fn jumps_of_zero(&self) -> Vec<usize> {
         let still = self.still(&self.unweighted());
-        let Some(line) = self.zero.line(&self.middles(&self.unweighted())) else { return Vec::new() };
+        let Some(line) = self.zero.line(&self.middles(&self.unweighted())) else {
+            return Vec::new();
+        };
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let usual = median(&mut sizes.clone());
         let is_set = |(slip, size): &(&Slip, f64)| {
             let step = line.zero.steps.iter().find(|(when, _)| *when == slip.time);
             step.is_some_and(|(_, step)| (slip.sign * size - step).abs() < 0.5 * usual)
         };
-        self.slips.iter().zip(sizes).filter(is_set).map(|(slip, _)| slip.index).collect()
+        self.slips
+            .iter()
+            .zip(sizes)
+            .filter(is_set)
+            .map(|(slip, _)| slip.index)
+            .collect()
     }
 
     /// The readings that are means over a slip: of the two beside each jump, the one that is farther
     /// from the level on its side.
     pub fn mixed(&self, record: &MeasuredRecord) -> Vec<usize> {
-        let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
+        let seen: Vec<usize> = (0..record.times.len())
+            .filter(|i| record.readings[*i].is_finite())
+            .collect();
         let still = self.still(&self.unweighted());
-        let rest = |k: usize| seen.get(k).map_or(f64::NAN, |i| record.readings[*i] - still * record.temperatures[*i]);
+        let rest = |k: usize| {
+            seen.get(k).map_or(f64::NAN, |i| {
+                record.readings[*i] - still * record.temperatures[*i]
+            })
+        };
         let mixed = |slip: &Slip| {
             let k = slip.index;
             let off = |a: usize, b: usize| (rest(a) - rest(b)).abs();
@@ -271,7 +325,13 @@ impl Evidence {
     /// Check that the jumps are larger than steps of a sensor of this resolution.
     pub fn check_resolution(&self, resolution: f64) -> Result<(), CalibrationError> {
         let still = self.still(&self.unweighted());
-        let jump = median(&mut self.slips.iter().map(|slip| slip.size(still)).collect::<Vec<_>>());
+        let jump = median(
+            &mut self
+                .slips
+                .iter()
+                .map(|slip| slip.size(still))
+                .collect::<Vec<_>>(),
+        );
         match jump < COARSE * resolution {
             true => Err(CalibrationError::Coarse { jump, resolution }),
             false => Ok(()),
@@ -291,11 +351,21 @@ impl Evidence {
     /// The evidence from the same slips with other temperatures of the samples.
     pub fn with_temperatures(&self, record: &MeasuredRecord) -> Option<Evidence> {
         let samples = &record.samples();
-        let slips = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign });
-        let set = self.set.iter().map(|index| detect::Jump { index: *index, size: 1.0 });
+        let slips = self.slips.iter().map(|slip| detect::Jump {
+            index: slip.index,
+            size: slip.sign,
+        });
+        let set = self.set.iter().map(|index| detect::Jump {
+            index: *index,
+            size: 1.0,
+        });
         let mut jumps: Vec<detect::Jump> = slips.chain(set).collect();
         jumps.sort_by_key(|jump| jump.index);
-        let found = Jumps { jumps, window: 1, contrast: self.contrast };
+        let found = Jumps {
+            jumps,
+            window: 1,
+            contrast: self.contrast,
+        };
         let is_rough = self.thermometer.roughness > 0.0;
         let moves = |_: &[(Window, f64)]| {
             let rough = Thermometer::of(record);
@@ -303,7 +373,10 @@ impl Evidence {
         };
         let sticks = StickAnalysis::new(samples, &found, self.bin)?;
         let zero = self.zero.clone();
-        Some(Evidence { zero, ..Evidence::of(samples, moves, &found, &sticks, self.set.clone())? })
+        Some(Evidence {
+            zero,
+            ..Evidence::of(samples, moves, &found, &sticks, self.set.clone())?
+        })
     }
 }
 
@@ -311,10 +384,15 @@ impl Evidence {
 fn mark_usual(slips: &mut [Slip], still: f64) {
     let sizes: Vec<f64> = slips.iter().map(|slip| slip.size(still)).collect();
     let middle = median(&mut sizes.clone());
-    let single: Vec<f64> = sizes.iter().copied().filter(|size| (0.5..1.5).contains(&(size / middle))).collect();
+    let single: Vec<f64> = sizes
+        .iter()
+        .copied()
+        .filter(|size| (0.5..1.5).contains(&(size / middle)))
+        .collect();
     let (middle, wide) = (median(&mut single.clone()), spread(&single));
     for (slip, size) in slips.iter_mut().zip(sizes) {
-        slip.is_usual = (0.5..1.5).contains(&(size / middle)) && (size - middle).abs() <= UNUSUAL * wide;
+        slip.is_usual =
+            (0.5..1.5).contains(&(size / middle)) && (size - middle).abs() <= UNUSUAL * wide;
     }
 }
 
@@ -369,7 +447,10 @@ fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
     let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));
     let most = (0.5 * jump).max(UNUSUAL * wide).min(MOST_UNUSUAL * wide);
-    reversals.into_iter().filter(|reversal| (reversal.change - middle).abs() <= most).collect()
+    reversals
+        .into_iter()
+        .filter(|reversal| (reversal.change - middle).abs() <= most)
+        .collect()
 }
 
 #[cfg(test)]
@@ -380,16 +461,37 @@ mod tests {
     /// a block of its own. The first three make two differences that share a slip.
     #[test]
     fn differences_that_share_a_slip_have_one_weight() {
-        let level = Level { reading: 0.0, temperature: 0.0, variance: 1.0 };
+        let level = Level {
+            reading: 0.0,
+            temperature: 0.0,
+            variance: 1.0,
+        };
         let slip = |(index, (sign, temperature)): (usize, &(f64, f64))| {
             let (sign, temperature, time) = (*sign, *temperature, index as f64);
-            Slip { index, time, sign, temperature, variance: 0.1, before: level, after: level, is_usual: true }
+            Slip {
+                index,
+                time,
+                sign,
+                temperature,
+                variance: 0.1,
+                before: level,
+                after: level,
+                is_usual: true,
+            }
         };
-        let turns = [(1.0, 3.0), (-1.0, -3.0), (1.0, 3.5), (1.0, 4.0), (-1.0, -2.0)];
+        let turns = [
+            (1.0, 3.0),
+            (-1.0, -3.0),
+            (1.0, 3.5),
+            (1.0, 4.0),
+            (-1.0, -2.0),
+        ];
         let slips: Vec<Slip> = turns.iter().enumerate().map(slip).collect();
         let of = |is_whole: &dyn Fn(usize, usize) -> bool| -> Vec<(f64, usize)> {
             let all = reversals(&slips, 0.0, is_whole, |time| time as usize);
-            all.iter().map(|reversal| (reversal.change, reversal.block)).collect()
+            all.iter()
+                .map(|reversal| (reversal.change, reversal.block))
+                .collect()
         };
         assert_eq!(of(&|_, _| true), [(6.0, 1), (6.5, 1), (6.0, 4)]);
         assert_eq!(of(&|from, _| from != 1), [(6.0, 1), (6.0, 4)]);
@@ -409,6 +511,9 @@ mod tests {
             });
             usual(values.to_vec(), jump).len()
         };
-        assert_eq!([of(0.5, 2.0), of(0.5, 0.9), of(0.7, 2.0), of(0.3, 0.1)], [9, 8, 8, 9]);
+        assert_eq!(
+            [of(0.5, 2.0), of(0.5, 0.9), of(0.7, 2.0), of(0.3, 0.1)],
+            [9, 8, 8, 9]
+        );
     }
 }

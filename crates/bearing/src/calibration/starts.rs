@@ -19,18 +19,34 @@ pub type Search = [[f64; 2]; 3];
 /// It is so wide that the minimum lies in it almost certainly. A and G are positive, and so are the
 /// ends of their intervals, of which the lower one is below the upper one.
 pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
-    let Motion { reach: a, jump: g, start } = *motion;
+    let Motion {
+        reach: a,
+        jump: g,
+        start,
+    } = *motion;
     let [reach, jump] = [reach, jump].map(|sd| if sd.is_nan() { 0.0 } else { sd });
     let a_away = (4.0 * reach).clamp(0.08 * a, 0.9 * a);
     let g_away = (4.0 * jump).clamp(0.2 * g, 0.95 * g);
-    [[a - a_away, a + a_away], [g - g_away, g + g_away], [start - 1.2 * g - a_away, start + 1.2 * g + a_away]]
+    [
+        [a - a_away, a + a_away],
+        [g - g_away, g + g_away],
+        [start - 1.2 * g - a_away, start + 1.2 * g + a_away],
+    ]
 }
 
 /// The box around a motion that was only guessed.
 pub fn around_guess(motion: &Motion) -> Search {
-    let Motion { reach: a, jump: g, start } = *motion;
+    let Motion {
+        reach: a,
+        jump: g,
+        start,
+    } = *motion;
     let g = if g > 0.0 { g } else { 0.1 * a };
-    [[0.3 * a, 3.0 * a], [0.1 * g, 4.0 * g], [start - 1.5 * a, start + 1.5 * a]]
+    [
+        [0.3 * a, 3.0 * a],
+        [0.1 * g, 4.0 * g],
+        [start - 1.5 * a, start + 1.5 * a],
+    ]
 }
 
 /// The result of one start.
@@ -51,13 +67,21 @@ pub fn starts(
     threads: usize,
     stop: &AtomicBool,
 ) -> Vec<SearchStart> {
-    let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
+    let motion = |[reach, jump, start]: [f64; 3]| Motion {
+        reach,
+        jump: jump.min(2.0 * reach),
+        start,
+    };
     let shear = question.shear_stiffness.unwrap_or(1.0);
     let best = |motion: &Motion| {
         if question.held.is_empty() {
             return misfit.of(motion);
         }
-        let rows: Vec<_> = question.held.iter().map(|held| row(held, motion, shear)).collect();
+        let rows: Vec<_> = question
+            .held
+            .iter()
+            .map(|held| row(held, motion, shear))
+            .collect();
         misfit.held(motion, &rows)
     };
     let outside = |response: &Response| {
@@ -71,15 +95,27 @@ pub fn starts(
     let value = |x: &[f64; 3]| {
         let motion = motion(*x);
         let (err, sensor) = best(&motion);
-        if question.bounds.is_empty() { err } else { err * (1.0 + 100.0 * outside(&Response { motion, sensor })) }
+        if question.bounds.is_empty() {
+            err
+        } else {
+            err * (1.0 + 100.0 * outside(&Response { motion, sensor }))
+        }
     };
     // xi moves on the lattice xi(0) + n G. A start shifted by G gives the same motion once both
     // bodies have slipped.
-    let leap = |[reach, jump, start]: [f64; 3], direction: f64| [reach, jump, start + jump.copysign(direction)];
+    let leap = |[reach, jump, start]: [f64; 3], direction: f64| {
+        [reach, jump, start + jump.copysign(direction)]
+    };
     let make = |number: u64| {
         let (at, _) = evolve::lowest(search, number, leap, value, || stop.load(Ordering::Relaxed))?;
         let (err, sensor) = best(&motion(at));
-        Some(SearchStart { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } })
+        Some(SearchStart {
+            err: err / misfit.duration(),
+            response: Response {
+                motion: motion(at),
+                sensor,
+            },
+        })
     };
     let mut all = Vec::new();
     let deliver = |start: Option<SearchStart>| {

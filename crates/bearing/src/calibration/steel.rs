@@ -44,13 +44,21 @@ impl Steel {
         let interval = interval(&times);
         let imagined_at = |shift: f64| {
             let times: Vec<f64> = times.iter().map(|time| time + shift).collect();
-            imagined([&times, &temperatures], &air.times, interval, air.averaged[0])
+            imagined(
+                [&times, &temperatures],
+                &air.times,
+                interval,
+                air.averaged[0],
+            )
         };
         let imagined = imagined_at(0.0);
         // Temperatures with noise would make the slope of z against T too small, and so would means
         // beside readings of an instant.
         let is_better = |of: &&Imagined| of.white > 0.0 || air.averaged[0] != air.averaged[1];
-        let better = imagined.as_ref().filter(is_better).map(|of| air.with_temperatures(&of.times, &of.mean));
+        let better = imagined
+            .as_ref()
+            .filter(is_better)
+            .map(|of| air.with_temperatures(&of.times, &of.mean));
         let air = better.as_ref().unwrap_or(air);
         let evidence_of = |air: &MeasuredRecord, lag: f64, imagined: &Option<Imagined>| {
             let steel = air.lagged(lag);
@@ -61,13 +69,17 @@ impl Steel {
             Evidence::find(&steel, &rough, resolution).filter(is_visible)
         };
         let clean = match air.averaged[1] > 0.0 {
-            true => evidence_of(air, given, &imagined).map(|evidence| air.without_readings(&evidence.mixed(air))),
+            true => evidence_of(air, given, &imagined)
+                .map(|evidence| air.without_readings(&evidence.mixed(air))),
             false => None,
         };
         let clean = clean.unwrap_or_else(|| air.clone());
         let first = evidence_of(&clean, given, &imagined);
         let first_profile = first.as_ref().map(|evidence| lag_profile(&clean, evidence));
-        let clock = first_profile.as_ref().and_then(|profile| profile.clock).filter(|seconds| is_small(*seconds));
+        let clock = first_profile
+            .as_ref()
+            .and_then(|profile| profile.clock)
+            .filter(|seconds| is_small(*seconds));
         let shift = clock.unwrap_or(0.0);
         let (air, imagined) = match shift {
             0.0 => (&clean, imagined),
@@ -78,32 +90,54 @@ impl Steel {
             0.0 => (first, first_profile),
             _ => {
                 let evidence = evidence_at(given);
-                let profile = evidence.as_ref().map(|evidence| LagProfile { clock, ..lag_profile(air, evidence) });
+                let profile = evidence.as_ref().map(|evidence| LagProfile {
+                    clock,
+                    ..lag_profile(air, evidence)
+                });
                 (evidence, profile)
             }
         };
         let mut used = given;
         for _ in 0..if lag == Lag::Auto { LAG_ROUNDS } else { 0 } {
-            let Some(found) = profile.as_ref().and_then(LagProfile::found) else { break };
-            let Some(next) = evidence_at(found) else { break };
+            let Some(found) = profile.as_ref().and_then(LagProfile::found) else {
+                break;
+            };
+            let Some(next) = evidence_at(found) else {
+                break;
+            };
             let again = lag_profile(air, &next);
             let is_same = (again.likeliest - found).abs() <= SAME_LAG * found;
             used = again.found().unwrap_or(0.0);
             evidence = evidence_at(used);
-            profile = Some(LagProfile { clock: clock.or(again.clock), ..again });
+            profile = Some(LagProfile {
+                clock: clock.or(again.clock),
+                ..again
+            });
             if is_same {
                 break;
             }
         }
         let around = evidence.map(|evidence| match lag {
             Lag::Auto if used > 0.0 => AroundLag::lag(evidence, air, used),
-            _ => AroundLag { here: evidence, beside: None },
+            _ => AroundLag {
+                here: evidence,
+                beside: None,
+            },
         });
         let record = air.lagged(used);
-        let thermometer =
-            around.as_ref().map_or_else(|| Thermometer::of(&record), |around| around.here.thermometer.clone());
+        let thermometer = around.as_ref().map_or_else(
+            || Thermometer::of(&record),
+            |around| around.here.thermometer.clone(),
+        );
         let (roughness, overlooked) = (thermometer.roughness, thermometer.overlooked(interval));
-        Steel { record, lag: used, profile, roughness, overlooked, around }
+        Steel {
+            record,
+            lag: used,
+            profile,
+            roughness,
+            overlooked,
+            around,
+        }
     }
 }
 

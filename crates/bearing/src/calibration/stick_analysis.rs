@@ -52,17 +52,35 @@ impl StickAnalysis {
         let sticks = sticks(samples, found.indices());
         let binned = bins(samples, &sticks, seconds, found.window / 2 + 1);
         let walk = level::fitted_walk(&binned);
-        let sums = level::sums(&binned, walk, block(start, end) + 1, |time| block(start, time));
+        let sums = level::sums(&binned, walk, block(start, end) + 1, |time| {
+            block(start, time)
+        });
         let single = |i: usize, first: usize| bin(samples, i..i + 1, i == first);
-        let forward: Vec<Bin> = sticks.iter().flat_map(|stick| stick.clone().map(|i| single(i, stick.start))).collect();
-        let reverse = |stick: &Range<usize>| stick.clone().rev().map(|i| single(i, stick.end - 1)).collect::<Vec<_>>();
+        let forward: Vec<Bin> = sticks
+            .iter()
+            .flat_map(|stick| stick.clone().map(|i| single(i, stick.start)))
+            .collect();
+        let reverse = |stick: &Range<usize>| {
+            stick
+                .clone()
+                .rev()
+                .map(|i| single(i, stick.end - 1))
+                .collect::<Vec<_>>()
+        };
         let backward: Vec<Bin> = sticks.iter().rev().flat_map(reverse).collect();
         let walk = level::fitted_walk(&forward);
         let noise = level::sums(&forward, walk, 1, |_| 0)[0].variance().sqrt();
         let before = level::levels(&forward, walk);
         let mut after = level::levels(&backward, walk);
         after.reverse();
-        Some(StickAnalysis { sums, bin: seconds, before, after, walk, noise })
+        Some(StickAnalysis {
+            sums,
+            bin: seconds,
+            before,
+            after,
+            walk,
+            noise,
+        })
     }
 
     /// The slope of z against T.
@@ -76,7 +94,12 @@ impl StickAnalysis {
         let still = self.still();
         let mut steps = vec![[0.0; 2]; samples.times.len()];
         for stretch in samples.stretches() {
-            for (i, step) in steps.iter_mut().enumerate().take(stretch.end).skip(stretch.start + 1) {
+            for (i, step) in steps
+                .iter_mut()
+                .enumerate()
+                .take(stretch.end)
+                .skip(stretch.start + 1)
+            {
                 let (before, after) = (&self.before[i - 1], &self.after[i]);
                 let size = after.minus_slope(still) - before.minus_slope(still);
                 let walked = self.walk * (samples.times[i] - samples.times[i - 1]);
@@ -100,11 +123,23 @@ impl StickAnalysis {
         let usual = median(&mut kept().map(|i| steps[i][0].abs()).collect::<Vec<_>>());
         let is_clearest = |i: usize| {
             let around = i.saturating_sub(APART)..(i + APART + 1).min(steps.len());
-            around.into_iter().all(|j| clear(j) <= clear(i) || is_kept[j])
+            around
+                .into_iter()
+                .all(|j| clear(j) <= clear(i) || is_kept[j])
         };
-        let is_new = |i: usize| clear(i) >= NEW && steps[i][0].abs() >= SHARE * usual && is_clearest(i);
+        let is_new =
+            |i: usize| clear(i) >= NEW && steps[i][0].abs() >= SHARE * usual && is_clearest(i);
         let all = (0..steps.len()).filter(|i| is_kept[*i] || is_new(*i));
-        let jumps = all.map(|index| Jump { index, size: steps[index][0] }).collect();
-        Jumps { jumps, window: 1, contrast: usual / self.noise }
+        let jumps = all
+            .map(|index| Jump {
+                index,
+                size: steps[index][0],
+            })
+            .collect();
+        Jumps {
+            jumps,
+            window: 1,
+            contrast: usual / self.noise,
+        }
     }
 }

@@ -54,8 +54,13 @@ pub fn bin_length(samples: &Samples, resolution: f64) -> f64 {
     let moves = |hours: f64| {
         let t = &samples.temperatures;
         let pairs = samples.pairs(samples.intervals(hours * HOUR).max(1));
-        let [sum, count] = pairs.fold([0.0; 2], |[sum, count], [i, j]| [sum + (t[j] - t[i]).powi(2), count + 1.0]);
+        let [sum, count] = pairs.fold([0.0; 2], |[sum, count], [i, j]| {
+            [sum + (t[j] - t[i]).powi(2), count + 1.0]
+        });
         (sum / count).sqrt() >= 3.0 * resolution
     };
-    HOUR * BINS.into_iter().find(|hours| moves(*hours)).unwrap_or(BINS[3])
+    HOUR * BINS
+        .into_iter()
+        .find(|hours| moves(*hours))
+        .unwrap_or(BINS[3])
 }

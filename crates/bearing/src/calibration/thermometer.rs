@@ -30,20 +30,48 @@ impl Thermometer {
         let [times, temperatures] = record.thermometer();
         let roughness = shown_roughness(&times, &temperatures);
         let [times, temperatures] = [&record.times, &record.temperatures].map(Vec::clone);
-        Thermometer { times, temperatures, roughness, drawn: Vec::new(), jump: f64::INFINITY }
+        Thermometer {
+            times,
+            temperatures,
+            roughness,
+            drawn: Vec::new(),
+            jump: f64::INFINITY,
+        }
     }
 
     /// A temperature that was imagined.
     pub fn imagined(of: Imagined) -> Self {
-        let Imagined { times, mean, drawn, roughness, .. } = of;
-        Thermometer { times, temperatures: mean, drawn, roughness, jump: f64::INFINITY }
+        let Imagined {
+            times,
+            mean,
+            drawn,
+            roughness,
+            ..
+        } = of;
+        Thermometer {
+            times,
+            temperatures: mean,
+            drawn,
+            roughness,
+            jump: f64::INFINITY,
+        }
     }
 
     /// The temperatures of a record in straight lines, at the same times.
     pub fn straight(&self, record: &MeasuredRecord) -> Self {
-        let here = MeasuredRecord { times: self.times.clone(), ..MeasuredRecord::default() };
-        let temperatures = here.with_temperatures(&record.times, &record.temperatures).temperatures;
-        Thermometer { temperatures, roughness: 0.0, drawn: Vec::new(), ..self.clone() }
+        let here = MeasuredRecord {
+            times: self.times.clone(),
+            ..MeasuredRecord::default()
+        };
+        let temperatures = here
+            .with_temperatures(&record.times, &record.temperatures)
+            .temperatures;
+        Thermometer {
+            temperatures,
+            roughness: 0.0,
+            drawn: Vec::new(),
+            ..self.clone()
+        }
     }
 
     /// The same with another roughness; 0 for straight lines.
@@ -53,7 +81,10 @@ impl Thermometer {
 
     /// The same where slips have this G, in kelvin.
     pub fn slipping(self, jump: f64) -> Self {
-        Thermometer { jump: if jump > 0.0 { jump } else { f64::INFINITY }, ..self }
+        Thermometer {
+            jump: if jump > 0.0 { jump } else { f64::INFINITY },
+            ..self
+        }
     }
 
     /// By how many kelvin a level has to be closer, so that samples of this interval go beyond it as
@@ -62,7 +93,11 @@ impl Thermometer {
     /// -zeta(1/2)/sqrt(2 pi) (Broadie, Glasserman and Kou, *Mathematical Finance* 7, 1997).
     pub fn overlooked(&self, interval: f64) -> f64 {
         let overlooked = 0.582_597_157_9 * (self.roughness * interval).sqrt();
-        if overlooked.is_finite() { overlooked } else { 0.0 }
+        if overlooked.is_finite() {
+            overlooked
+        } else {
+            0.0
+        }
     }
 }
 
@@ -92,7 +127,11 @@ pub fn shown_roughness(t: &[f64], x: &[f64]) -> f64 {
     let [cube_g, cube_h] = [g, h].map(|g| g * g * g);
     let less_smooth = (one * cube_h - two * cube_g) / (g * cube_h - h * cube_g);
     let roughness = less_noise.min(less_smooth).max(0.0);
-    if roughness.is_finite() { roughness } else { 0.0 }
+    if roughness.is_finite() {
+        roughness
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -105,7 +144,12 @@ mod tests {
     fn course(temperatures: Vec<f64>) -> Thermometer {
         let times = (0..temperatures.len()).map(|i| STEP * i as f64).collect();
         let readings = vec![0.0; temperatures.len()];
-        Thermometer::of(&MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() })
+        Thermometer::of(&MeasuredRecord {
+            times,
+            temperatures,
+            readings,
+            ..MeasuredRecord::default()
+        })
     }
 
     /// A process of 1.8 K and 8 hours gains 2 * 1.8^2/28800 = 2.25e-4 K^2 a second. Thirty thousand
@@ -128,17 +172,28 @@ mod tests {
             .collect();
         let cycle = |i: usize| 8.0 * libm::sin(std::f64::consts::TAU * i as f64 / 144.0);
         let shown = |noise: f64, amplitude: f64, random: &mut Stream| {
-            let seen =
-                weather.iter().enumerate().map(|(i, v)| v + noise * random.normal() + amplitude * cycle(i) / 8.0);
+            let seen = weather
+                .iter()
+                .enumerate()
+                .map(|(i, v)| v + noise * random.normal() + amplitude * cycle(i) / 8.0);
             course(seen.collect()).roughness / truth
         };
-        let [plain, noisy, cyclic] =
-            [shown(0.0, 0.0, &mut random), shown(0.2, 0.0, &mut random), shown(0.0, 8.0, &mut random)];
+        let [plain, noisy, cyclic] = [
+            shown(0.0, 0.0, &mut random),
+            shown(0.2, 0.0, &mut random),
+            shown(0.0, 8.0, &mut random),
+        ];
         println!("{plain:.3} {noisy:.3} {cyclic:.3}");
-        assert!((plain - 1.0).abs() < 0.05 && (noisy - 1.0).abs() < 0.14 && (cyclic - 1.0).abs() < 0.05);
+        assert!(
+            (plain - 1.0).abs() < 0.05 && (noisy - 1.0).abs() < 0.14 && (cyclic - 1.0).abs() < 0.05
+        );
         let times: Vec<f64> = (0..30_000).map(|i| STEP * f64::from(i)).collect();
-        let air =
-            MeasuredRecord { readings: vec![0.0; 30_000], temperatures: weather, times, ..MeasuredRecord::default() };
+        let air = MeasuredRecord {
+            readings: vec![0.0; 30_000],
+            temperatures: weather,
+            times,
+            ..MeasuredRecord::default()
+        };
         let steel = Thermometer::of(&air.lagged(3600.0)).roughness / truth;
         println!("{steel:.4}");
         assert!(steel < 0.05, "{steel}");

@@ -71,27 +71,50 @@ pub struct Twin {
 pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
     // others as they are.
-    let [mut sensor, friction, mut spikes, mut gaps, between] = std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let Course { steel, positions, slips } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
+    let [mut sensor, friction, mut spikes, mut gaps, between] =
+        std::array::from_fn(|i| Stream::new(seed, i as u64));
+    let Course {
+        steel,
+        positions,
+        slips,
+    } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
     let [mut times, temperatures] = air.samples();
     let mut positions = positions;
-    let zero = Zero::moving(times.first().copied().unwrap_or(0.0), flaws.drift, flaws.zero_set);
+    let zero = Zero::moving(
+        times.first().copied().unwrap_or(0.0),
+        flaws.drift,
+        flaws.zero_set,
+    );
     let mut red = flaws.red * sensor.normal();
     let mut readings = Vec::with_capacity(times.len());
     for i in 0..times.len() {
         if i > 0 {
             let diffusion = flaws.red * (2.0 / flaws.memory).sqrt();
-            red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1]).next(red, sensor.normal());
+            red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1])
+                .next(red, sensor.normal());
         }
-        let mut reading = response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        let mut reading =
+            response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
         reading += zero.at(times[i]);
         if spikes.uniform() < flaws.spikes {
             reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
         }
         readings.push(reading);
     }
-    let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
-    let seen = |(i, t): (usize, &f64)| if i.is_multiple_of(flaws.thermometer_every) { shown(t) } else { f64::NAN };
+    let shown = |t: &f64| {
+        if flaws.resolution > 0.0 {
+            (t / flaws.resolution).round() * flaws.resolution
+        } else {
+            *t
+        }
+    };
+    let seen = |(i, t): (usize, &f64)| {
+        if i.is_multiple_of(flaws.thermometer_every) {
+            shown(t)
+        } else {
+            f64::NAN
+        }
+    };
     let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
     for _ in 0..flaws.gaps {
@@ -107,5 +130,11 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
         keep(&mut readings);
         keep(&mut positions);
     }
-    Twin { times, temperatures, readings, positions, slips }
+    Twin {
+        times,
+        temperatures,
+        readings,
+        positions,
+        slips,
+    }
 }

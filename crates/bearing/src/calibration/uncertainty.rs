@@ -32,22 +32,32 @@ impl AroundLag {
     pub fn lag(here: Evidence, record: &MeasuredRecord, lag: f64) -> AroundLag {
         let step = (0.2 * lag).max(60.0).min(lag);
         let at = |lag: f64| here.with_temperatures(&record.lagged(lag));
-        let beside = at(lag - step).zip(at(lag + step)).map(|(less, more)| ([less, more], step));
+        let beside = at(lag - step)
+            .zip(at(lag + step))
+            .map(|(less, more)| ([less, more], step));
         AroundLag { here, beside }
     }
 
     /// The most likely lag, relative to the one that was estimated, and all quantities, with these
     /// weights.
     fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
-        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?.0, Some(shear_stiffness)));
+        let at =
+            |evidence: &Evidence| Some(values(&evidence.fit(weights)?.0, Some(shear_stiffness)));
         let here = at(&self.here)?;
-        let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
-        let deviance = |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();
+        let Some(([less, more], step)) = &self.beside else {
+            return Some((0.0, here));
+        };
+        let deviance =
+            |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();
         let [low, middle, high] = [deviance(less), deviance(&self.here), deviance(more)];
         // The vertex of the parabola through the three deviances, limited to the range in which a
         // parabola is a good approximation.
         let bend = low - 2.0 * middle + high;
-        let vertex = if bend > 0.0 { (0.5 * (low - high) / bend).clamp(-3.0, 3.0) } else { 0.0 };
+        let vertex = if bend > 0.0 {
+            (0.5 * (low - high) / bend).clamp(-3.0, 3.0)
+        } else {
+            0.0
+        };
         let (low, high) = (at(less)?, at(more)?);
         let moved = std::array::from_fn(|i| here[i] + 0.5 * vertex * (high[i] - low[i]));
         Some((vertex * step, moved))
@@ -70,9 +80,16 @@ impl Replicates {
         let shear_stiffness = question.shear_stiffness.unwrap_or(1.0);
         let replicate = |number: u64| {
             let mut random = Stream::new(SEED, number);
-            let weights: Vec<f64> = evidence.sums.iter().map(|_| -libm::log(random.uniform())).collect();
+            let weights: Vec<f64> = evidence
+                .sums
+                .iter()
+                .map(|_| -libm::log(random.uniform()))
+                .collect();
             let (lag, mut values) = around.replicate(&weights, shear_stiffness)?;
-            if response_of(&values).impossible(question.shear_stiffness).is_some() {
+            if response_of(&values)
+                .impossible(question.shear_stiffness)
+                .is_some()
+            {
                 return None;
             }
             // The temperature of the first slip is a single number that weights do not change, so
@@ -104,7 +121,10 @@ impl Replicates {
     /// The correlations of the quantities, one row for each.
     pub fn correlations(&self) -> Vec<Values> {
         let columns: Vec<Vec<f64>> = (0..Quantity::ALL.len()).map(|i| self.column(i)).collect();
-        columns.iter().map(|a| std::array::from_fn(|j| correlation(a, &columns[j]))).collect()
+        columns
+            .iter()
+            .map(|a| std::array::from_fn(|j| correlation(a, &columns[j])))
+            .collect()
     }
 
     /// The regression coefficient of each quantity on this one.

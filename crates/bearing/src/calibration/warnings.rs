@@ -52,8 +52,19 @@ pub(super) fn warnings(
     evidence: Option<&Evidence>,
     assumed: &Assumed,
 ) -> Vec<CalibrationWarning> {
-    let case = Case { calibration, evidence, assumed };
-    ALL.iter().filter_map(|(name, says)| Some(CalibrationWarning { name, text: says(&case)? })).collect()
+    let case = Case {
+        calibration,
+        evidence,
+        assumed,
+    };
+    ALL.iter()
+        .filter_map(|(name, says)| {
+            Some(CalibrationWarning {
+                name,
+                text: says(&case)?,
+            })
+        })
+        .collect()
 }
 
 impl Case<'_> {
@@ -72,7 +83,11 @@ impl Case<'_> {
 fn no_shear_stiffness(case: &Case) -> Option<String> {
     let text = "the shear stiffness of the bearing is not known, so the data tell beta, f_s/K and f_d/K and no force; \
                 give bearing.stiffness to know K, f_s and f_d";
-    case.calibration.question.shear_stiffness.is_none().then(|| text.into())
+    case.calibration
+        .question
+        .shear_stiffness
+        .is_none()
+        .then(|| text.into())
 }
 
 /// No slips can be distinguished from noise.
@@ -89,9 +104,14 @@ const A_SLIP_AWAY: f64 = 1.15;
 
 /// The model does not follow the measurement.
 fn misfit(case: &Case) -> Option<String> {
-    let Calibration { residuals, response, .. } = case.calibration;
+    let Calibration {
+        residuals,
+        response,
+        ..
+    } = case.calibration;
     let jump = (response.sensor.moving * response.motion.jump).abs();
-    case.evidence.filter(|_| residuals.rms > A_SLIP_AWAY * jump)?;
+    case.evidence
+        .filter(|_| residuals.rms > A_SLIP_AWAY * jump)?;
     Some(format!(
         "no single bearing of this kind moves so: measurement and model differ by {:.2} mm (root mean square), where a slip \
          moves the sensor by {:.2} mm; does the sensor see several bearings, or is the temperature that of another place? \
@@ -129,7 +149,9 @@ const EXPLAINED: f64 = 0.9;
 fn gap_not_identified(case: &Case) -> Option<String> {
     let jump = case.estimate(Quantity::Jump).estimate;
     let is_identified = case.calibration.standard_error(Quantity::Jump) < IDENTIFIED * jump;
-    let explained = case.evidence.map_or(1.0, |evidence| evidence.explained(&case.calibration.response));
+    let explained = case.evidence.map_or(1.0, |evidence| {
+        evidence.explained(&case.calibration.response)
+    });
     let text = "f_s - f_d is not identified: slips are too few, or do not explain all of the way, because they are \
                 hardly larger than the noise, the body slides without them, or the sensor sees several bearings";
     (!is_identified || explained < EXPLAINED).then(|| text.into())
@@ -141,7 +163,10 @@ const FEW: usize = 18;
 
 /// Slips are so few that intervals promise too much.
 fn few_slips(case: &Case) -> Option<String> {
-    let slips = case.evidence.map(|_| case.calibration.slips.len()).filter(|slips| *slips < FEW)?;
+    let slips = case
+        .evidence
+        .map(|_| case.calibration.slips.len())
+        .filter(|slips| *slips < FEW)?;
     Some(format!(
         "{slips} slips are few: from 14 to 17 slips of synthetic records, intervals of 90 % held the truth in three \
          quarters of the records; measure for longer"
@@ -154,7 +179,9 @@ const SPARSE: f64 = 0.75;
 
 /// The temperature moves far between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
-    let jump = case.evidence.map(|_| case.estimate(Quantity::Jump).estimate)?;
+    let jump = case
+        .evidence
+        .map(|_| case.estimate(Quantity::Jump).estimate)?;
     let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
         format!(
@@ -169,7 +196,10 @@ const SCATTER: f64 = 0.2;
 
 /// The sizes of slips differ more than noise explains.
 fn scatter(case: &Case) -> Option<String> {
-    let share = case.evidence.map(Evidence::excess_scatter).filter(|scatter| *scatter > SCATTER)?;
+    let share = case
+        .evidence
+        .map(Evidence::excess_scatter)
+        .filter(|scatter| *scatter > SCATTER)?;
     Some(format!(
         "slips differ in size by {:.0} % more than noise explains: f_s changes from slip to slip, or the body slides \
          without slips. So the estimates are those of the mean f_s, the interval of f_s - f_d is too narrow, and the \
@@ -199,7 +229,15 @@ const ELSEWHERE: f64 = 1.8;
 
 /// The temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
-    let Assumed { scatter, expected, range: None, sizes: None } = *case.assumed else { return None };
+    let Assumed {
+        scatter,
+        expected,
+        range: None,
+        sizes: None,
+    } = *case.assumed
+    else {
+        return None;
+    };
     (scatter > ELSEWHERE * expected).then(|| {
         format!(
             "half of the change of temperature between slips to either side scatters by {scatter:.2} K, and noise explains \
@@ -218,7 +256,11 @@ const ONE_AT_ONCE: f64 = 0.3;
 fn two_sizes(case: &Case) -> Option<String> {
     let jump = case.estimate(Quantity::Jump).estimate;
     let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
-    let [small, large] = case.assumed.sizes.filter(|_| is_clear)?.map(|size| 1e3 * size);
+    let [small, large] = case
+        .assumed
+        .sizes
+        .filter(|_| is_clear)?
+        .map(|size| 1e3 * size);
     Some(format!(
         "jumps have two sizes, {small:.2} and {large:.2} mm, as if the sensor saw two bearings: K, f_s and f_d are those of \
          neither; measure each bearing with a sensor of its own"
@@ -233,11 +275,27 @@ fn saturated(case: &Case) -> Option<String> {
     let samples = case.calibration.record.samples();
     let end = |sign: f64| {
         let of = |reading: &f64| sign * reading;
-        let end = samples.readings.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        let count = |from: f64, to: f64| samples.readings.iter().map(of).filter(|z| (from..=to).contains(z)).count();
+        let end = samples
+            .readings
+            .iter()
+            .map(of)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let count = |from: f64, to: f64| {
+            samples
+                .readings
+                .iter()
+                .map(of)
+                .filter(|z| (from..=to).contains(z))
+                .count()
+        };
         let at_end = count(end, end);
         // Of a sensor with a coarse resolution, as many readings are a step further in.
-        let next = samples.readings.iter().map(of).filter(|z| *z < end).fold(f64::NEG_INFINITY, f64::max);
+        let next = samples
+            .readings
+            .iter()
+            .map(of)
+            .filter(|z| *z < end)
+            .fold(f64::NEG_INFINITY, f64::max);
         (at_end >= STAYS && at_end > 4 * count(next, next)).then_some((at_end, sign * end))
     };
     let (count, reading) = [1.0, -1.0].into_iter().find_map(end)?;
@@ -250,7 +308,11 @@ fn saturated(case: &Case) -> Option<String> {
 
 /// The steel may lag behind the thermometer by more than is considered.
 fn lag_beyond(case: &Case) -> Option<String> {
-    let profile = case.calibration.lag_profile.as_ref().filter(|profile| profile.is_beyond())?;
+    let profile = case
+        .calibration
+        .lag_profile
+        .as_ref()
+        .filter(|profile| profile.is_beyond())?;
     let longest = profile.profile.last()?.0 / HOUR;
     (case.calibration.question.lag == Lag::Auto).then(|| {
         format!(
@@ -274,10 +336,18 @@ fn lag(case: &Case) -> Option<String> {
 
 /// A lag was given, but the data indicate another.
 fn other_lag(case: &Case) -> Option<String> {
-    let Lag::Known(given) = case.calibration.question.lag else { return None };
-    let profile = case.calibration.lag_profile.as_ref().filter(|profile| profile.against(given) > CONVINCING)?;
+    let Lag::Known(given) = case.calibration.question.lag else {
+        return None;
+    };
+    let profile = case
+        .calibration
+        .lag_profile
+        .as_ref()
+        .filter(|profile| profile.against(given) > CONVINCING)?;
     let [likeliest, given] = [profile.likeliest, given].map(|seconds| seconds / 60.0);
-    Some(format!("the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"))
+    Some(format!(
+        "the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"
+    ))
 }
 
 /// The clocks of thermometer and sensor seem to differ.
@@ -285,7 +355,11 @@ fn clocks(case: &Case) -> Option<String> {
     let seconds = case.calibration.lag_profile.as_ref()?.clock?;
     let side = if seconds > 0.0 { "earlier" } else { "later" };
     let minutes = seconds.abs() / 60.0;
-    let by = if minutes < 60.0 { format!("{minutes:.0} min") } else { format!("{:.0} h", minutes / 60.0) };
+    let by = if minutes < 60.0 {
+        format!("{minutes:.0} min")
+    } else {
+        format!("{:.0} h", minutes / 60.0)
+    };
     let taken = match is_small(seconds) {
         true => {
             "the two clocks seem to differ; this is fitted and taken out, to five minutes, and is no lag of steel; correct \
@@ -302,7 +376,9 @@ fn clocks(case: &Case) -> Option<String> {
 
 /// The zero of the sensor was set.
 fn zero_set(case: &Case) -> Option<String> {
-    let of = |(when, size): &(f64, f64)| format!("{:+.2} mm after {:.2} d", 1e3 * size, when / (24.0 * HOUR));
+    let of = |(when, size): &(f64, f64)| {
+        format!("{:+.2} mm after {:.2} d", 1e3 * size, when / (24.0 * HOUR))
+    };
     let steps: Vec<String> = case.calibration.zero.steps.iter().map(of).collect();
     (!steps.is_empty()).then(|| {
         format!(
@@ -326,13 +402,17 @@ fn zero_drift(case: &Case) -> Option<String> {
 /// The intervals by slips and by least squares do not overlap for some parameters.
 fn methods_apart(case: &Case) -> Option<String> {
     let others = case.calibration.least_squares.as_ref()?;
-    case.evidence.filter(|_| case.calibration.question.method == CalibrationMethod::Both)?;
+    case.evidence
+        .filter(|_| case.calibration.question.method == CalibrationMethod::Both)?;
     let is_apart = |quantity: &&Quantity| {
         let [a, b] = [case.estimate(**quantity), others[**quantity as usize]];
         a.high < b.low || b.high < a.low
     };
     let parameters = Quantity::ALL[..Quantity::PARAMETERS].iter();
-    let apart: Vec<&str> = parameters.filter(is_apart).map(|quantity| quantity.key()).collect();
+    let apart: Vec<&str> = parameters
+        .filter(is_apart)
+        .map(|quantity| quantity.key())
+        .collect();
     (!apart.is_empty()).then(|| {
         format!(
             "slips and least squares are farther apart than their intervals in {}: trust the slips, since least squares \
@@ -369,18 +449,36 @@ fn mirrored(case: &Case) -> Option<String> {
 mod tests {
     use super::*;
     use crate::calibration::{
-        Air, CalibrationQuestion, Flaws, MeasuredRecord, Motion, ParameterEstimate, Response, Sensor, calibrate, twin,
+        Air, CalibrationQuestion, Flaws, MeasuredRecord, Motion, ParameterEstimate, Response,
+        Sensor, calibrate, twin,
     };
 
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,
     /// whether the intervals have 50 %, 90 % or 99.9 %.
     #[test]
     fn the_gap_is_identified_at_every_level_of_the_intervals_or_at_none() {
-        let motion = Motion { reach: 4.0, jump: 1.0, start: 15.0 };
-        let response = Response { motion, sensor: Sensor { offset: 0.0, moving: 9e-4, still: 1e-4 } };
+        let motion = Motion {
+            reach: 4.0,
+            jump: 1.0,
+            start: 15.0,
+        };
+        let response = Response {
+            motion,
+            sensor: Sensor {
+                offset: 0.0,
+                moving: 9e-4,
+                still: 1e-4,
+            },
+        };
         let times: Vec<f64> = (0..3000).map(|i| 600.0 * f64::from(i)).collect();
-        let temperatures: Vec<f64> = times.iter().map(|t| 15.0 + 12.0 * libm::sin(4e-5 * t)).collect();
-        let flaws = Flaws { white: 1e-5, ..Flaws::NONE };
+        let temperatures: Vec<f64> = times
+            .iter()
+            .map(|t| 15.0 + 12.0 * libm::sin(4e-5 * t))
+            .collect();
+        let flaws = Flaws {
+            white: 1e-5,
+            ..Flaws::NONE
+        };
         let twin = twin(&response, &Air::straight(times, temperatures), &flaws, 1);
         let record = MeasuredRecord {
             times: twin.times,
@@ -403,7 +501,11 @@ mod tests {
             calibration.question.level = level;
             let mut is_identified = |error: f64| {
                 let [low, high] = [1.0 - quantile * error, 1.0 + quantile * error];
-                calibration.estimates[Quantity::Jump as usize] = ParameterEstimate { estimate: 1.0, low, high };
+                calibration.estimates[Quantity::Jump as usize] = ParameterEstimate {
+                    estimate: 1.0,
+                    low,
+                    high,
+                };
                 warnings(&calibration, None, &Assumed::default())
                     .iter()
                     .all(|warning| warning.name() != "gap_not_identified")

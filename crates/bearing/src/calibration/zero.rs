@@ -35,12 +35,21 @@ const YEAR: f64 = 365.25 * 86_400.0;
 impl Zero {
     /// A zero that drifts by so much in a year from `start` on, and may be set once.
     pub fn moving(start: f64, per_year: f64, set: Option<(f64, f64)>) -> Self {
-        Zero { start, drift: per_year / YEAR, steps: set.into_iter().collect() }
+        Zero {
+            start,
+            drift: per_year / YEAR,
+            steps: set.into_iter().collect(),
+        }
     }
 
     /// Where the zero is at this time, relative to the start.
     pub fn at(&self, time: f64) -> f64 {
-        let stepped: f64 = self.steps.iter().filter(|(when, _)| *when < time).map(|(_, size)| size).sum();
+        let stepped: f64 = self
+            .steps
+            .iter()
+            .filter(|(when, _)| *when < time)
+            .map(|(_, size)| size)
+            .sum();
         self.drift * (time - self.start) + stepped
     }
 
@@ -95,22 +104,35 @@ impl ZeroColumns {
     /// The movements that these middles ask for. `candidates` are the times at which the zero may
     /// have been set: those of jumps, and the ends of gaps.
     pub fn asked_by(middles: &[Middle], candidates: &[f64], start: f64) -> Self {
-        let mut columns = ZeroColumns { start, ..ZeroColumns::default() };
+        let mut columns = ZeroColumns {
+            start,
+            ..ZeroColumns::default()
+        };
         let sides = |when: f64| middles.iter().filter(|middle| middle.time < when).count();
-        let is_told = |when: &f64| (BESIDE..=middles.len().saturating_sub(BESIDE)).contains(&sides(*when));
+        let is_told =
+            |when: &f64| (BESIDE..=middles.len().saturating_sub(BESIDE)).contains(&sides(*when));
         let places: Vec<f64> = candidates.iter().copied().filter(is_told).collect();
         // A step is a drift to many middles, and a drift is some steps. So the one with the larger
         // gain beyond what it has to gain is taken first, and what is no longer needed beside later
         // ones is taken out.
         while columns.steps.len() < MOST {
             let more = columns.more(&places);
-            let best = more.into_iter().map(|more| (more.gain_over(&columns, middles), more));
-            let Some((_, next)) = best.filter(|(gain, _)| *gain > 0.0).max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            let best = more
+                .into_iter()
+                .map(|more| (more.gain_over(&columns, middles), more));
+            let Some((_, next)) = best
+                .filter(|(gain, _)| *gain > 0.0)
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+            else {
                 break;
             };
             columns = next;
         }
-        while let Some(less) = columns.less().into_iter().find(|less| columns.gain_over(less, middles) <= 0.0) {
+        while let Some(less) = columns
+            .less()
+            .into_iter()
+            .find(|less| columns.gain_over(less, middles) <= 0.0)
+        {
             columns = less;
         }
         columns.steps.sort_by(f64::total_cmp);
@@ -119,32 +141,65 @@ impl ZeroColumns {
 
     /// The same with one movement more: a step at one of these places, or a drift.
     fn more(&self, places: &[f64]) -> Vec<Self> {
-        let steps = places.iter().filter(|place| !self.steps.contains(place)).map(|place| {
-            let steps = self.steps.iter().copied().chain([*place]).collect();
-            ZeroColumns { steps, ..self.clone() }
+        let steps = places
+            .iter()
+            .filter(|place| !self.steps.contains(place))
+            .map(|place| {
+                let steps = self.steps.iter().copied().chain([*place]).collect();
+                ZeroColumns {
+                    steps,
+                    ..self.clone()
+                }
+            });
+        let drift = (!self.drifts).then(|| ZeroColumns {
+            drifts: true,
+            ..self.clone()
         });
-        let drift = (!self.drifts).then(|| ZeroColumns { drifts: true, ..self.clone() });
         steps.chain(drift).collect()
     }
 
     /// The same with one movement less.
     fn less(&self) -> Vec<Self> {
         let without = |i: usize| {
-            let steps = self.steps.iter().enumerate().filter(|(j, _)| i != *j).map(|(_, step)| *step).collect();
-            ZeroColumns { steps, ..self.clone() }
+            let steps = self
+                .steps
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| i != *j)
+                .map(|(_, step)| *step)
+                .collect();
+            ZeroColumns {
+                steps,
+                ..self.clone()
+            }
         };
         let steps = (0..self.steps.len()).map(without);
-        steps.chain(self.drifts.then(|| ZeroColumns { drifts: false, ..self.clone() })).collect()
+        steps
+            .chain(self.drifts.then(|| ZeroColumns {
+                drifts: false,
+                ..self.clone()
+            }))
+            .collect()
     }
 
     /// Twice the logarithm of the likelihood that these columns gain over fewer of them, less what
     /// they have to gain.
     fn gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
         let squares = |columns: &Self| columns.line(middles).map_or(f64::NAN, |line| line.squares);
-        let days = middles.chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY)).count();
+        let days = middles
+            .chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY))
+            .count();
         let gain = days as f64 * libm::log(squares(fewer) / squares(self));
-        let price = if self.drifts == fewer.drifts { STEP } else { DRIFT };
-        if gain.is_nan() { f64::NEG_INFINITY } else { gain - price }
+        let price = if self.drifts == fewer.drifts {
+            STEP
+        } else {
+            DRIFT
+        };
+        if gain.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            gain - price
+        }
     }
 
     /// The line of least squares; `None` if the middles do not determine it.
@@ -153,7 +208,13 @@ impl ZeroColumns {
         let mut normal = Normal::of(n);
         let mut row = vec![0.0; n];
         let mut squares = 0.0;
-        for Middle { time, centre, place, weight } in middles {
+        for Middle {
+            time,
+            centre,
+            place,
+            weight,
+        } in middles
+        {
             row[0] = 1.0;
             row[1] = *centre;
             if self.drifts {
@@ -169,16 +230,33 @@ impl ZeroColumns {
                     0.5
                 }
             };
-            row[n - self.steps.len()..].iter_mut().zip(&self.steps).for_each(|(cell, when)| *cell = stepped(when));
+            row[n - self.steps.len()..]
+                .iter_mut()
+                .zip(&self.steps)
+                .for_each(|(cell, when)| *cell = stepped(when));
             normal.add(&row, *place, *weight);
             squares += weight * place * place;
         }
         let found = normal.solve()?;
         let explained: f64 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
         let drift = if self.drifts { found[2] / YEAR } else { 0.0 };
-        let steps = self.steps.iter().copied().zip(found[n - self.steps.len()..].iter().copied()).collect();
-        let zero = Zero { start: self.start, drift, steps };
-        Some(MiddleLine { offset: found[0], slope: found[1], zero, squares: (squares - explained).max(0.0) })
+        let steps = self
+            .steps
+            .iter()
+            .copied()
+            .zip(found[n - self.steps.len()..].iter().copied())
+            .collect();
+        let zero = Zero {
+            start: self.start,
+            drift,
+            steps,
+        };
+        Some(MiddleLine {
+            offset: found[0],
+            slope: found[1],
+            zero,
+            squares: (squares - explained).max(0.0),
+        })
     }
 }
 
@@ -198,20 +276,39 @@ mod tests {
             let middle = |i: usize, random: &mut Stream, step: f64, drift: f64| {
                 let time = 86_400.0 * (100.0 + 1.5 * i as f64);
                 let centre = 10.0 + 9.0 * libm::sin(0.02 * i as f64) + 4.0 * random.normal();
-                let moved = if i >= 80 { step } else { 0.0 } + drift * (time - 100.0 * 86_400.0) / YEAR;
-                Middle { time, centre, place: 0.003 + 3e-4 * centre + moved + 1.5e-4 * random.normal(), weight: 1.0 }
+                let moved =
+                    if i >= 80 { step } else { 0.0 } + drift * (time - 100.0 * 86_400.0) / YEAR;
+                Middle {
+                    time,
+                    centre,
+                    place: 0.003 + 3e-4 * centre + moved + 1.5e-4 * random.normal(),
+                    weight: 1.0,
+                }
             };
             let still: Vec<Middle> = (0..200).map(|i| middle(i, &mut random, 0.0, 0.0)).collect();
             let times: Vec<f64> = still.iter().map(|middle| middle.time).collect();
             let start = times[0];
-            assert_eq!(ZeroColumns::asked_by(&still, &times, start), ZeroColumns { start, ..ZeroColumns::default() });
-            let moving: Vec<Middle> = (0..200).map(|i| middle(i, &mut random, 2e-3, 1e-3)).collect();
+            assert_eq!(
+                ZeroColumns::asked_by(&still, &times, start),
+                ZeroColumns {
+                    start,
+                    ..ZeroColumns::default()
+                }
+            );
+            let moving: Vec<Middle> = (0..200)
+                .map(|i| middle(i, &mut random, 2e-3, 1e-3))
+                .collect();
             let columns = ZeroColumns::asked_by(&moving, &times, start);
             assert!(columns.drifts && columns.steps.len() == 1, "{columns:?}");
             let line = columns.line(&moving).expect("determined");
-            let [(when, size)] = line.zero.steps[..] else { panic!("one step") };
+            let [(when, size)] = line.zero.steps[..] else {
+                panic!("one step")
+            };
             assert!((when - times[79]).abs() < 3.0 * 86_400.0, "{when}");
-            assert!((size - 2e-3).abs() < 2e-4 && (line.zero.drift_per_year() - 1e-3).abs() < 5e-4, "{line:?}");
+            assert!(
+                (size - 2e-3).abs() < 2e-4 && (line.zero.drift_per_year() - 1e-3).abs() < 5e-4,
+                "{line:?}"
+            );
             assert!((line.slope - 3e-4).abs() < 1e-5, "{line:?}");
             let end = line.zero.at(start + 0.8 * YEAR);
             assert!((end - 2e-3 - 0.8e-3).abs() < 3e-4, "{end}");

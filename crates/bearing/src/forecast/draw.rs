@@ -7,7 +7,13 @@ use stickslip::noise::Stream;
 
 /// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
 /// forgotten in the burn-in.
-const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
+const DRAWN: [Quantity; 5] = [
+    Quantity::Dilatation,
+    Quantity::Shear,
+    Quantity::Offset,
+    Quantity::Reach,
+    Quantity::Jump,
+];
 
 /// A and G are at least this share of their estimates, because a very small A or G gives an
 /// enormous number of slips.
@@ -36,13 +42,19 @@ pub struct DrawnSteel {
 impl DrawnSteel {
     /// The most likely one.
     pub fn likeliest(calibration: &Calibration, weather: &WeatherFit) -> Self {
-        DrawnSteel { weather: weather.likeliest(), lag: calibration.lag.estimate }
+        DrawnSteel {
+            weather: weather.likeliest(),
+            lag: calibration.lag.estimate,
+        }
     }
 
     /// A random one, as the errors allow.
     pub fn drawn(calibration: &Calibration, weather: &WeatherFit, random: &mut Stream) -> Self {
         let lag = calibration.lag.estimate + calibration.lag_error() * random.normal();
-        DrawnSteel { weather: weather.drawn(random), lag: lag.max(0.0) }
+        DrawnSteel {
+            weather: weather.drawn(random),
+            lag: lag.max(0.0),
+        }
     }
 }
 
@@ -66,16 +78,30 @@ impl BearingDraws {
             false => calibration.correlations[DRAWN[i] as usize][DRAWN[j] as usize],
         };
         let covariance: Matrix = (0..DRAWN.len())
-            .map(|i| (0..DRAWN.len()).map(|j| finite(sds[i] * sds[j] * correlation(i, j))).collect())
+            .map(|i| {
+                (0..DRAWN.len())
+                    .map(|j| finite(sds[i] * sds[j] * correlation(i, j)))
+                    .collect()
+            })
             .collect();
         // A quantity that was held has no error. The matrix then has a row of zeros and no Cholesky
         // factor, so the correlations are left out.
         let errors = cholesky(&covariance).unwrap_or_else(|| {
             let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
-            (0..DRAWN.len()).map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect()).collect()
+            (0..DRAWN.len())
+                .map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect())
+                .collect()
         });
-        let (shear_stiffness, range) = (calibration.question.shear_stiffness, calibration.friction_range);
-        BearingDraws { estimates, errors, shear_stiffness, range }
+        let (shear_stiffness, range) = (
+            calibration.question.shear_stiffness,
+            calibration.friction_range,
+        );
+        BearingDraws {
+            estimates,
+            errors,
+            shear_stiffness,
+            range,
+        }
     }
 
     /// The most likely bearing.
@@ -107,10 +133,15 @@ impl BearingDraws {
     /// The bearing whose independent standardised errors are these.
     fn at(&self, normals: &[f64]) -> DrawnBearing {
         let errors = times(&self.errors, normals);
-        let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);
+        let [beta, kappa, offset, reach, jump] =
+            std::array::from_fn(|i| self.estimates[i] + errors[i]);
         DrawnBearing {
             response: Response {
-                motion: Motion { reach, jump, start: 0.0 },
+                motion: Motion {
+                    reach,
+                    jump,
+                    start: 0.0,
+                },
                 sensor: Sensor::sheared(offset, beta, kappa),
             },
             stiffness: self.shear_stiffness.map_or(1.0, |shear| kappa * shear),

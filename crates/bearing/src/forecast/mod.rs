@@ -24,7 +24,9 @@ pub use question::{ForecastError, ForecastQuestion};
 pub use summary::{Forecast, ForecastLevel, ReturnLevel, Showed};
 pub use year::{BURN_IN, ForecastQuantity, YEAR, Year};
 
-use super::calibration::{Calibration, CalibrationMethod, CalibrationQuestion, MeasuredRecord, calibrate};
+use super::calibration::{
+    Calibration, CalibrationMethod, CalibrationQuestion, MeasuredRecord, calibrate,
+};
 use super::weather::{PERIODS, WeatherFit, fit};
 use draw::{BearingDraws, DrawnSteel};
 use std::convert::Infallible;
@@ -66,20 +68,45 @@ impl Foreseen {
         stop: &AtomicBool,
     ) -> Result<Option<Self>, ForecastError> {
         let (method, level) = (CalibrationMethod::Slips, question.level);
-        let asked = CalibrationQuestion { method, level, ..CalibrationQuestion::of(scene, record) };
+        let asked = CalibrationQuestion {
+            method,
+            level,
+            ..CalibrationQuestion::of(scene, record)
+        };
         let calibration = calibrate(record, &asked, threads, stop)?;
         let [times, temperatures] = calibration.record.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0])?;
+        let weather = fit(
+            &times,
+            &temperatures,
+            &PERIODS,
+            processes,
+            calibration.record.averaged[0],
+        )?;
         let forecast = forecast(&calibration, &weather, question, threads, stop)?;
-        Ok(forecast.map(|forecast| Foreseen { calibration, weather, forecast }))
+        Ok(forecast.map(|forecast| Foreseen {
+            calibration,
+            weather,
+            forecast,
+        }))
     }
 
     /// Reasons why the years may mislead: those of the calibration, of the weather and of the years,
     /// each with its name.
     pub fn warnings(&self) -> Vec<(String, String)> {
-        let of_bearing = self.calibration.warnings.iter().map(|warning| (warning.name().into(), warning.to_string()));
-        let of_weather = self.weather.warnings().into_iter().map(|text| ("weather".to_string(), text));
-        of_bearing.chain(of_weather).chain(self.forecast.warnings()).collect()
+        let of_bearing = self
+            .calibration
+            .warnings
+            .iter()
+            .map(|warning| (warning.name().into(), warning.to_string()));
+        let of_weather = self
+            .weather
+            .warnings()
+            .into_iter()
+            .map(|text| ("weather".to_string(), text));
+        of_bearing
+            .chain(of_weather)
+            .chain(self.forecast.warnings())
+            .collect()
     }
 }
 
@@ -101,13 +128,19 @@ pub fn forecast(
     let bearings = BearingDraws::new(calibration);
     // Draw 0 has the most likely parameters. Every other draw has a stream of random numbers of its
     // own, separate from those of the years.
-    let mut models = vec![(bearings.likeliest(), DrawnSteel::likeliest(calibration, weather))];
+    let mut models = vec![(
+        bearings.likeliest(),
+        DrawnSteel::likeliest(calibration, weather),
+    )];
     let mut redrawn = 0;
     for draw in 1..=question.draws {
         let mut random = Stream::new(question.seed ^ DRAW_SEED, draw);
         let (bearing, impossible) = bearings.draw(&mut random).ok_or(ForecastError::Unknown)?;
         redrawn += impossible;
-        models.push((bearing, DrawnSteel::drawn(calibration, weather, &mut random)));
+        models.push((
+            bearing,
+            DrawnSteel::drawn(calibration, weather, &mut random),
+        ));
     }
     if redrawn > question.draws {
         return Err(ForecastError::Unknown);
@@ -115,15 +148,25 @@ pub fn forecast(
     let showed = Showed::of(calibration);
     let pieces = question.years.div_ceil(PIECE);
     let make = |piece: u64| {
-        let (draw, from) = ((piece / pieces + 1).saturating_sub(LIKELIEST), piece % pieces * PIECE);
+        let (draw, from) = (
+            (piece / pieces + 1).saturating_sub(LIKELIEST),
+            piece % pieces * PIECE,
+        );
         let (bearing, steel) = &models[draw as usize];
         let steel = SteelOfAYear::of(steel);
         let first = piece / pieces * question.years;
         let one = |number: u64| {
             let mut random = Stream::new(question.seed, first + number);
-            year(bearing, &steel, question.share, showed.duration, &mut random)
+            year(
+                bearing,
+                &steel,
+                question.share,
+                showed.duration,
+                &mut random,
+            )
         };
-        let numbers = (from..question.years.min(from + PIECE)).take_while(|_| !stop.load(Ordering::Relaxed));
+        let numbers =
+            (from..question.years.min(from + PIECE)).take_while(|_| !stop.load(Ordering::Relaxed));
         (draw, numbers.map(one).collect::<Vec<YearAndRecord>>())
     };
     let mut draws: Vec<Vec<YearAndRecord>> = Vec::new();
@@ -132,9 +175,20 @@ pub fn forecast(
         draws[draw as usize].extend(years);
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
-    let Ok(_) = in_order((LIKELIEST + question.draws) * pieces, threads, stop, make, deliver);
+    let Ok(_) = in_order(
+        (LIKELIEST + question.draws) * pieces,
+        threads,
+        stop,
+        make,
+        deliver,
+    );
     let knows_forces = calibration.question.shear_stiffness.is_some();
-    Ok(Forecast::of(&draws, question, &showed, knows_forces)?.map(|forecast| Forecast { redrawn, ..forecast }))
+    Ok(
+        Forecast::of(&draws, question, &showed, knows_forces)?.map(|forecast| Forecast {
+            redrawn,
+            ..forecast
+        }),
+    )
 }
 
 /// Turns the seed of the forecast into that of the draws of parameters.

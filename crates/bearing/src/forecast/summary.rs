@@ -67,13 +67,25 @@ impl Showed {
     /// What the record of a calibration showed. Of a record of more than a year, it is a year's
     /// share.
     pub fn of(calibration: &Calibration) -> Self {
-        let Calibration { record, response, slips, .. } = calibration;
+        let Calibration {
+            record,
+            response,
+            slips,
+            ..
+        } = calibration;
         let observed: f64 = record.shares().iter().sum();
         let duration = observed.min(YEAR);
         let share = duration / observed;
-        let moved: f64 = slips.iter().map(|slip| slip.jump.abs() / response.sensor.moving).sum();
+        let moved: f64 = slips
+            .iter()
+            .map(|slip| slip.jump.abs() / response.sensor.moving)
+            .sum();
         let path = share * moved * response.sensor.dilatation();
-        Showed { slips: share * libm::round(moved / response.motion.jump), path, duration }
+        Showed {
+            slips: share * libm::round(moved / response.motion.jump),
+            path,
+            duration,
+        }
     }
 }
 
@@ -100,35 +112,73 @@ impl Forecast {
         showed: &Showed,
         knows_forces: bool,
     ) -> Result<Option<Forecast>, ForecastError> {
-        let Some((likeliest, draws)) = draws.split_first() else { return Ok(None) };
-        let whole: Vec<&Vec<YearAndRecord>> =
-            draws.iter().filter(|years| years.len() as u64 == question.years).collect();
+        let Some((likeliest, draws)) = draws.split_first() else {
+            return Ok(None);
+        };
+        let whole: Vec<&Vec<YearAndRecord>> = draws
+            .iter()
+            .filter(|years| years.len() as u64 == question.years)
+            .collect();
         if whole.len() < 2 {
             return Ok(None);
         }
-        let of = |years: &Vec<YearAndRecord>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
-        let (likeliest, years): (_, Vec<Vec<Year>>) = (of(likeliest), whole.iter().copied().map(of).collect());
-        let mut within: Vec<f64> = whole.iter().copied().flatten().map(|one| one.within).collect();
+        let of =
+            |years: &Vec<YearAndRecord>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
+        let (likeliest, years): (_, Vec<Vec<Year>>) =
+            (of(likeliest), whole.iter().copied().map(of).collect());
+        let mut within: Vec<f64> = whole
+            .iter()
+            .copied()
+            .flatten()
+            .map(|one| one.within)
+            .collect();
         within.sort_by(f64::total_cmp);
         let usual = [UNUSUAL, 1.0 - UNUSUAL].map(|level| quantile(&within, level));
-        let Showed { slips, path, duration } = *showed;
+        let Showed {
+            slips,
+            path,
+            duration,
+        } = *showed;
         if slips > ANOTHER * usual[1] || ANOTHER * slips < usual[0] {
-            return Err(ForecastError::NotTheRecord { slips, path, days: duration / 86_400.0, range: usual });
+            return Err(ForecastError::NotTheRecord {
+                slips,
+                path,
+                days: duration / 86_400.0,
+                range: usual,
+            });
         }
-        let known = |quantity: &ForecastQuantity| knows_forces || *quantity != ForecastQuantity::Force;
+        let known =
+            |quantity: &ForecastQuantity| knows_forces || *quantity != ForecastQuantity::Force;
         let levels = ForecastQuantity::ALL
             .into_iter()
             .filter(known)
             .map(|quantity| level(&likeliest, &years, quantity, question))
             .collect();
-        let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
+        let return_levels = RETURN_PERIODS
+            .map(|period| return_level(&years, period, question))
+            .to_vec();
         let question = *question;
-        Ok(Some(Forecast { question, likeliest, years, levels, return_levels, showed: *showed, usual, redrawn: 0 }))
+        Ok(Some(Forecast {
+            question,
+            likeliest,
+            years,
+            levels,
+            return_levels,
+            showed: *showed,
+            usual,
+            redrawn: 0,
+        }))
     }
 
     /// Reasons to be careful with the result.
     pub fn warnings(&self) -> Vec<(String, String)> {
-        let Forecast { showed: Showed { slips, duration, .. }, usual: [low, high], .. } = self;
+        let Forecast {
+            showed: Showed {
+                slips, duration, ..
+            },
+            usual: [low, high],
+            ..
+        } = self;
         let another = (slips < low || slips > high).then(|| {
             format!(
                 "the record shows {slips:.0} slips in {:.0} days, and nearly all simulated records of the same days between {low:.0} and \
@@ -144,7 +194,10 @@ impl Forecast {
             )
         });
         let named = |name: &str, text: Option<String>| text.map(|text| (name.to_string(), text));
-        named("record_unlike_forecast", another).into_iter().chain(named("draws_redrawn", redrawn)).collect()
+        named("record_unlike_forecast", another)
+            .into_iter()
+            .chain(named("draws_redrawn", redrawn))
+            .collect()
     }
 
     /// The forecast of a quantity, if it can be known.
@@ -160,30 +213,50 @@ fn level(
     question: &ForecastQuestion,
 ) -> ForecastLevel {
     let of = |year: &Year| year[quantity as usize];
-    let draws: Vec<Vec<f64>> = years.iter().map(|years| years.iter().map(of).collect()).collect();
+    let draws: Vec<Vec<f64>> = years
+        .iter()
+        .map(|years| years.iter().map(of).collect())
+        .collect();
     let mut all: Vec<f64> = draws.iter().flatten().copied().collect();
     all.sort_by(f64::total_cmp);
     let means: Vec<f64> = draws.iter().map(|years| mean(years)).collect();
-    let within = draws.iter().map(|years| variance(years) / years.len() as f64);
+    let within = draws
+        .iter()
+        .map(|years| variance(years) / years.len() as f64);
     let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
-    let expected_interval = if expected > 0.0 && means.iter().all(|mean| *mean > 0.0) && quantity.is_unbounded() {
-        // A count or a length is a product of what is not known, so its logarithm is more nearly
-        // normal, and no end of the interval is below zero.
-        let relative =
-            within.zip(&means).map(|(variance, mean)| variance / (mean * mean)).sum::<f64>() / draws.len() as f64;
-        let logarithms: Vec<f64> = means.iter().map(|mean| libm::log(*mean)).collect();
-        let factor = libm::exp(half_width(&logarithms, relative, question.level));
-        [expected / factor, expected * factor]
-    } else {
-        let half = half_width(&means, within.sum::<f64>() / draws.len() as f64, question.level);
-        let most = if quantity.is_unbounded() { f64::INFINITY } else { 1.0 };
-        [(expected - half).max(0.0), (expected + half).min(most)]
-    };
+    let expected_interval =
+        if expected > 0.0 && means.iter().all(|mean| *mean > 0.0) && quantity.is_unbounded() {
+            // A count or a length is a product of what is not known, so its logarithm is more nearly
+            // normal, and no end of the interval is below zero.
+            let relative = within
+                .zip(&means)
+                .map(|(variance, mean)| variance / (mean * mean))
+                .sum::<f64>()
+                / draws.len() as f64;
+            let logarithms: Vec<f64> = means.iter().map(|mean| libm::log(*mean)).collect();
+            let factor = libm::exp(half_width(&logarithms, relative, question.level));
+            [expected / factor, expected * factor]
+        } else {
+            let half = half_width(
+                &means,
+                within.sum::<f64>() / draws.len() as f64,
+                question.level,
+            );
+            let most = if quantity.is_unbounded() {
+                f64::INFINITY
+            } else {
+                1.0
+            };
+            [(expected - half).max(0.0), (expected + half).min(most)]
+        };
     ForecastLevel {
         quantity,
         expected,
         expected_interval,
-        year_interval: [quantile(&all, 0.5 - 0.5 * question.level), quantile(&all, 0.5 + 0.5 * question.level)],
+        year_interval: [
+            quantile(&all, 0.5 - 0.5 * question.level),
+            quantile(&all, 0.5 + 0.5 * question.level),
+        ],
     }
 }
 
@@ -193,7 +266,8 @@ fn level(
 fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
     let n = means.len() as f64;
     let variance = (variance(means) - within).max(0.0) + within / n;
-    StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * level)) * variance.sqrt()
+    StudentsT::new(0.0, 1.0, n - 1.0).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * level))
+        * variance.sqrt()
 }
 
 /// The largest value of a year nearly has a Gumbel distribution, which gives a return level for
@@ -218,7 +292,11 @@ fn return_level(years: &[Vec<Year>], period: f64, question: &ForecastQuestion) -
         within += share * variance / values.len() as f64 / years.len() as f64;
     }
     let half = half_width(&levels, within, question.level);
-    ReturnLevel { years: period, expected, interval: [(expected - half).max(0.0), expected + half] }
+    ReturnLevel {
+        years: period,
+        expected,
+        interval: [(expected - half).max(0.0), expected + half],
+    }
 }
 
 /// A quantile of ascending values, interpolated between the two nearest.
@@ -234,14 +312,38 @@ mod tests {
     use super::*;
     use stickslip::noise::Stream;
 
-    const QUESTION: ForecastQuestion = ForecastQuestion { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
+    const QUESTION: ForecastQuestion = ForecastQuestion {
+        draws: 50,
+        years: 40,
+        seed: 1,
+        level: 0.9,
+        share: 0.9,
+    };
 
     /// The forecast of these years, whose slips are also those of the time of a record with `slips`.
-    fn of(draws: Vec<Vec<Year>>, question: &ForecastQuestion, slips: f64) -> Result<Option<Forecast>, ForecastError> {
-        let one = |year: Year| YearAndRecord { year, within: year[ForecastQuantity::Slips as usize] };
-        let draws: Vec<Vec<YearAndRecord>> =
-            draws.into_iter().map(|years| years.into_iter().map(one).collect()).collect();
-        Forecast::of(&draws, question, &Showed { slips, path: 0.01, duration: YEAR }, false)
+    fn of(
+        draws: Vec<Vec<Year>>,
+        question: &ForecastQuestion,
+        slips: f64,
+    ) -> Result<Option<Forecast>, ForecastError> {
+        let one = |year: Year| YearAndRecord {
+            year,
+            within: year[ForecastQuantity::Slips as usize],
+        };
+        let draws: Vec<Vec<YearAndRecord>> = draws
+            .into_iter()
+            .map(|years| years.into_iter().map(one).collect())
+            .collect();
+        Forecast::of(
+            &draws,
+            question,
+            &Showed {
+                slips,
+                path: 0.01,
+                duration: YEAR,
+            },
+            false,
+        )
     }
 
     /// The means of draws scatter with sd 1 around 50, and years with sd 3 around each mean. The
@@ -260,14 +362,25 @@ mod tests {
                 let shift = random.normal();
                 let year = |random: &mut Stream| {
                     let gumbel = 10.0 - libm::log(-libm::log(random.uniform())) + 0.5 * shift;
-                    [50.0 + shift + 3.0 * random.normal(), 0.0, 0.0, gumbel, 0.0, 0.0]
+                    [
+                        50.0 + shift + 3.0 * random.normal(),
+                        0.0,
+                        0.0,
+                        gumbel,
+                        0.0,
+                        0.0,
+                    ]
                 };
                 (0..QUESTION.years).map(|_| year(&mut random)).collect()
             });
             let years = std::iter::once(vec![[50.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
-            let forecast = of(years.collect(), &QUESTION, 0.0).expect("as the record").expect("enough");
+            let forecast = of(years.collect(), &QUESTION, 0.0)
+                .expect("as the record")
+                .expect("enough");
             assert_eq!(forecast.level(ForecastQuantity::Force), None);
-            let level = forecast.level(ForecastQuantity::SlidingPath).expect("known");
+            let level = forecast
+                .level(ForecastQuantity::SlidingPath)
+                .expect("known");
             let half = |interval: [f64; 2]| 0.5 * (interval[1] - interval[0]) / f64::from(times);
             expected += half(level.expected_interval);
             year += half(level.year_interval);
@@ -281,10 +394,16 @@ mod tests {
         assert!((year / (1.645 * 10f64.sqrt()) - 1.0).abs() < 0.06, "{year}");
         // Since the parameters scatter by 0.5, the quantiles of all years are a little higher than
         // 12.25 and 13.90.
-        assert!((levels[0] - 12.4).abs() < 0.15 && (levels[1] - 14.05).abs() < 0.25, "{levels:?}");
+        assert!(
+            (levels[0] - 12.4).abs() < 0.15 && (levels[1] - 14.05).abs() < 0.25,
+            "{levels:?}"
+        );
         // The expected width is 1.68 * 0.5. It is smaller for the longer return period, because the
         // part that is subtracted for the few years of a draw sometimes exceeds the whole variance.
-        assert!(widths.iter().all(|width| (0.7..0.98).contains(width)), "{widths:?}");
+        assert!(
+            widths.iter().all(|width| (0.7..0.98).contains(width)),
+            "{widths:?}"
+        );
     }
     /// The largest value of a year has a Gumbel distribution, of which the location or the scale
     /// differs from draw to draw, with a standard deviation of 0.2 or of 0.1. The value that is
@@ -300,18 +419,26 @@ mod tests {
     /// 14 % too wide.
     #[test]
     fn a_return_level_is_as_uncertain_as_the_location_and_the_scale_make_it() {
-        let question = ForecastQuestion { draws: 4000, years: 400, ..QUESTION };
+        let question = ForecastQuestion {
+            draws: 4000,
+            years: 400,
+            ..QUESTION
+        };
         let mut random = Stream::new(5, 0);
         let y = [2.250_367, 3.901_939];
         for (of_location, of_scale) in [(0.2, 0.0), (0.0, 0.1)] {
             let mut halves = [0.0; 2];
             for _ in 0..10 {
                 let mut draw = || {
-                    let [location, scale] = [of_location * random.normal(), 1.0 + of_scale * random.normal()];
+                    let [location, scale] = [
+                        of_location * random.normal(),
+                        1.0 + of_scale * random.normal(),
+                    ];
                     let mut year = || {
                         let mut year = [0.0; ForecastQuantity::ALL.len()];
                         let gumbel = -libm::log(-libm::log(random.uniform()));
-                        year[ForecastQuantity::Greatest as usize] = 10.0 + location + scale * gumbel;
+                        year[ForecastQuantity::Greatest as usize] =
+                            10.0 + location + scale * gumbel;
                         year
                     };
                     (0..question.years).map(|_| year()).collect::<Vec<Year>>()
@@ -325,7 +452,10 @@ mod tests {
             for (half, y) in halves.iter().zip(y) {
                 let expected = 1.6449 * f64::hypot(of_location, y * of_scale);
                 println!("{of_location} {of_scale}: {half:.4}, expected {expected:.4}");
-                assert!((half / expected - 1.0).abs() < 0.05, "{half}, expected {expected}");
+                assert!(
+                    (half / expected - 1.0).abs() < 0.05,
+                    "{half}, expected {expected}"
+                );
             }
         }
     }
@@ -334,9 +464,19 @@ mod tests {
     /// two draws has no result.
     #[test]
     fn a_draw_without_some_of_its_years_is_left_out() {
-        let question = ForecastQuestion { draws: 3, years: 2, ..QUESTION };
-        let of =
-            |years: &[usize]| of(years.iter().map(|n| vec![[1.0; 6]; *n]).collect(), &question, 1.0).expect("sound");
+        let question = ForecastQuestion {
+            draws: 3,
+            years: 2,
+            ..QUESTION
+        };
+        let of = |years: &[usize]| {
+            of(
+                years.iter().map(|n| vec![[1.0; 6]; *n]).collect(),
+                &question,
+                1.0,
+            )
+            .expect("sound")
+        };
         assert_eq!(of(&[20, 2, 2, 1]).expect("two draws").years.len(), 2);
         assert_eq!((of(&[]), of(&[20, 2, 1])), (None, None));
     }
@@ -345,14 +485,25 @@ mod tests {
     /// said, and with 40 or 12 there is no forecast, only what the record showed.
     #[test]
     fn a_record_unlike_its_forecast_is_said_or_refused() {
-        let draw = || (0..40).map(|i| [0.0, 20.0 + f64::from(i % 10), 0.0, 0.0, 0.0, 0.0]).collect::<Vec<Year>>();
+        let draw = || {
+            (0..40)
+                .map(|i| [0.0, 20.0 + f64::from(i % 10), 0.0, 0.0, 0.0, 0.0])
+                .collect::<Vec<Year>>()
+        };
         let draws: Vec<Vec<Year>> = (0..51).map(|_| draw()).collect();
-        let said = |slips: f64| of(draws.clone(), &QUESTION, slips).map(|found| found.expect("whole").warnings().len());
-        assert_eq!([20.0, 29.0, 32.0, 17.0].map(said), [Ok(0), Ok(0), Ok(1), Ok(1)]);
+        let said = |slips: f64| {
+            of(draws.clone(), &QUESTION, slips).map(|found| found.expect("whole").warnings().len())
+        };
+        assert_eq!(
+            [20.0, 29.0, 32.0, 17.0].map(said),
+            [Ok(0), Ok(0), Ok(1), Ok(1)]
+        );
         for slips in [40.0, 12.0] {
             let error = said(slips).expect_err("another record").to_string();
             assert!(
-                error.starts_with(&format!("the record shows {slips} slips in 365 days, a sliding path of 10.0 mm")),
+                error.starts_with(&format!(
+                    "the record shows {slips} slips in 365 days, a sliding path of 10.0 mm"
+                )),
                 "{error}"
             );
         }

@@ -103,10 +103,24 @@ impl SteelOfAYear {
     pub fn of(drawn: &DrawnSteel) -> Self {
         let DrawnSteel { weather, lag } = drawn;
         let followers = [weather.smoothing, *lag];
-        let slow = followers.iter().filter(|tau| **tau > 0.0).copied().reduce(f64::min);
-        let fast = || weather.processes.iter().map(|(rate, _)| 1.0 / rate).fold(f64::INFINITY, f64::min);
+        let slow = followers
+            .iter()
+            .filter(|tau| **tau > 0.0)
+            .copied()
+            .reduce(f64::min);
+        let fast = || {
+            weather
+                .processes
+                .iter()
+                .map(|(rate, _)| 1.0 / rate)
+                .fold(f64::INFINITY, f64::min)
+        };
         let step = (SHARE * slow.unwrap_or_else(fast)).clamp(SHORTEST, LONGEST);
-        let rough: f64 = weather.processes.iter().map(|(rate, variance)| 2.0 * rate * variance).sum();
+        let rough: f64 = weather
+            .processes
+            .iter()
+            .map(|(rate, variance)| 2.0 * rate * variance)
+            .sum();
         let system = System::new(&weather.processes, &followers, 0.0);
         let passage = system.passage(step);
         let times = (0..((BURN_IN + YEAR) / step) as usize).map(|i| i as f64 * step - BURN_IN);
@@ -140,21 +154,42 @@ pub struct YearAndRecord {
 
 /// Simulate a year of a bearing. The time with |F| above this `share` of f_s is counted, and so are
 /// the slips until `end`.
-pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
+pub fn year(
+    bearing: &DrawnBearing,
+    steel: &SteelOfAYear,
+    share: f64,
+    end: f64,
+    random: &mut Stream,
+) -> YearAndRecord {
     let Response { mut motion, sensor } = bearing.response;
     let Motion { reach, jump, .. } = motion;
     let normals = |random: &mut Stream| -> States {
-        std::array::from_fn(|i| if i < steel.states { random.normal() } else { 0.0 })
+        std::array::from_fn(|i| {
+            if i < steel.states {
+                random.normal()
+            } else {
+                0.0
+            }
+        })
     };
     let burnt_in = (BURN_IN / steel.step) as usize;
     let ends = ((BURN_IN + end) / steel.step) as usize;
     let mut state = times(&steel.factors[0], &normals(random));
     let mut before = steel.mean[0] + dot(&state, &steel.seen);
     motion.start = before;
-    let [mut slips, mut within, mut sliding, mut farthest_off, mut loaded] = [0.0; 5];
+    let [
+        mut slips,
+        mut within,
+        mut sliding,
+        mut farthest_off,
+        mut loaded,
+    ] = [0.0; 5];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, mean) in steel.mean.iter().enumerate() {
-        let (carried, gained) = (times(&steel.passage.carry, &state), times(&steel.factors[1], &normals(random)));
+        let (carried, gained) = (
+            times(&steel.passage.carry, &state),
+            times(&steel.factors[1], &normals(random)),
+        );
         state = std::array::from_fn(|k| carried[k] + gained[k]);
         let temperature = mean + dot(&state, &steel.seen);
         let reached = match steel.gain {
@@ -181,13 +216,22 @@ pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, 
             (low, high) = (low.min(z), high.max(z));
             farthest_off = farthest_off.max((temperature - xi).abs());
         }
-        loaded += f64::from(u8::from(is_counting && (temperature - motion.start).abs() > share * reach));
+        loaded += f64::from(u8::from(
+            is_counting && (temperature - motion.start).abs() > share * reach,
+        ));
     }
     let slope = bearing.stiffness * sensor.dilatation();
     let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
     let greatest = high.abs().max(low.abs());
     YearAndRecord {
-        year: [sliding * sensor.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
+        year: [
+            sliding * sensor.dilatation(),
+            slips,
+            high - low,
+            greatest,
+            loaded,
+            slope * farthest_off,
+        ],
         within,
     }
 }

@@ -73,22 +73,33 @@ pub fn fit(
     Unsound::constant("temperature", temperatures)?;
     told(times, periods)?;
     let samples = [times, temperatures];
-    let search = |processes: usize, smooths: bool| ProcessSearch::new(samples, periods, processes, smooths, window);
+    let search = |processes: usize, smooths: bool| {
+        ProcessSearch::new(samples, periods, processes, smooths, window)
+    };
     // The time constant is one number more, for which twice the logarithm of the likelihood has to
     // gain log n (Schwarz, Annals of Statistics 6, 1978).
     let price = libm::log(n as f64);
     let deviance = |smooths: bool| {
-        let lowest = |n: usize| search(n, smooths).rough(None).map_or(f64::INFINITY, |found| found.deviance);
+        let lowest = |n: usize| {
+            search(n, smooths)
+                .rough(None)
+                .map_or(f64::INFINITY, |found| found.deviance)
+        };
         (1..=processes).map(lowest).fold(f64::INFINITY, f64::min)
     };
     let may_be_smoothed = deviance(true) < deviance(false) - price;
     let plain = most_likely(search, processes, false);
-    let least = plain.as_ref().map_or(f64::INFINITY, |(_, peak, _)| peak.deviance);
-    let smoothed = may_be_smoothed.then(|| most_likely(search, processes, true)).flatten();
+    let least = plain
+        .as_ref()
+        .map_or(f64::INFINITY, |(_, peak, _)| peak.deviance);
+    let smoothed = may_be_smoothed
+        .then(|| most_likely(search, processes, true))
+        .flatten();
     let smoothed = smoothed.filter(|(_, peak, _)| peak.deviance < least - price);
     let (search, peak, fit) = smoothed.or(plain).ok_or(WeatherError::NoProcess)?;
     let of = |every: usize| {
-        let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
+        let [times, temperatures] =
+            samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
         // Samples that are farther apart than the memory do not tell it.
         let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
         if times.len() < LEAST || told(&times, periods).is_err() || !is_dense {
@@ -97,7 +108,10 @@ pub fn fit(
         let thinned = search.of([&times, &temperatures]);
         Some((every, thinned.weather(&thinned.near(&peak)?)?))
     };
-    Ok(WeatherFit { thinned: THINNED.into_iter().filter_map(of).collect(), ..fit })
+    Ok(WeatherFit {
+        thinned: THINNED.into_iter().filter_map(of).collect(),
+        ..fit
+    })
 }
 
 /// One process or two, as far as the samples tell them.
@@ -111,7 +125,9 @@ fn most_likely<'a>(
     if processes > 1 {
         let two = search(2, smooths);
         if let Some(found) = two.best() {
-            let is_told = best_of_one.as_ref().is_none_or(|one| one.deviance - found.deviance > TOLD);
+            let is_told = best_of_one
+                .as_ref()
+                .is_none_or(|one| one.deviance - found.deviance > TOLD);
             if is_told && let Some(fit) = two.weather(&found) {
                 return Some((two, found, fit));
             }
@@ -119,7 +135,14 @@ fn most_likely<'a>(
     }
     let found = best_of_one?;
     let fit = one.weather(&found)?;
-    Some((one, found, WeatherFit { is_one_of_two: processes > 1, ..fit }))
+    Some((
+        one,
+        found,
+        WeatherFit {
+            is_one_of_two: processes > 1,
+            ..fit
+        },
+    ))
 }
 
 #[cfg(test)]
@@ -153,7 +176,11 @@ mod tests {
             phase,
         };
         Temperature {
-            harmonics: vec![harmonic(12.0, 0.0, 0.0), harmonic(8.0, PERIODS[0], 0.4), harmonic(4.0, PERIODS[1], -2.0)],
+            harmonics: vec![
+                harmonic(12.0, 0.0, 0.0),
+                harmonic(8.0, PERIODS[0], 0.4),
+                harmonic(4.0, PERIODS[1], -2.0),
+            ],
             noises: vec![noise(0.7, 7200.0), noise(3.5, 3.0 * DAY)],
             ..Temperature::default()
         }
@@ -175,7 +202,8 @@ mod tests {
             let fit = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit");
             let (mean, cycles, processes) = (fit.mean(), fit.cycles(), fit.processes());
             let [fast, slow] = [processes[0], processes[1]];
-            let relative = |value: f64, expected: f64, error: f64| libm::log(value / expected) / error;
+            let relative =
+                |value: f64, expected: f64, error: f64| libm::log(value / expected) / error;
             let z = [
                 (mean.0 - expected[0]) / mean.1,
                 (cycles[0].amplitude - expected[1]) / cycles[0].error,
@@ -185,12 +213,22 @@ mod tests {
                 relative(fast.relaxation_rate, expected[5], fast.rate_error),
                 relative(slow.relaxation_rate, expected[6], slow.rate_error),
             ];
-            squares.iter_mut().zip(z).for_each(|(sum, z)| *sum += z * z / records as f64);
-            assert!(fit.white < 0.25, "{} K of white noise where there is none", fit.white);
+            squares
+                .iter_mut()
+                .zip(z)
+                .for_each(|(sum, z)| *sum += z * z / records as f64);
+            assert!(
+                fit.white < 0.25,
+                "{} K of white noise where there is none",
+                fit.white
+            );
             assert_eq!(fit.warnings(), [""; 0], "{seed}: {processes:?}");
         }
         println!("mean squares of mean, year, day, sd, sd, theta, theta: {squares:.2?}");
-        assert!(squares.iter().all(|mean| (0.35..1.9).contains(mean)), "{squares:?}");
+        assert!(
+            squares.iter().all(|mean| (0.35..1.9).contains(mean)),
+            "{squares:?}"
+        );
     }
 
     /// A thermometer that shows multiples of half a degree adds 0.144 K to every sample. Without a
@@ -203,13 +241,23 @@ mod tests {
         truth.harmonics.remove(1);
         for seed in 100..104 {
             let [times, temperatures] = Air::drawn(&truth, 20_000, 600.0, seed).samples();
-            let shown: Vec<f64> = temperatures.iter().map(|t| 2.0 * t).map(|t| t.round() / 2.0).collect();
+            let shown: Vec<f64> = temperatures
+                .iter()
+                .map(|t| 2.0 * t)
+                .map(|t| t.round() / 2.0)
+                .collect();
             let fit = fit(&times, &shown, &[DAY], 2, 0.0).expect("a fit");
             let fast = fit.processes()[0];
             println!("white {:.3}, fast {fast:?}", fit.white);
-            assert!((fit.white / (0.5 / 12f64.sqrt()) - 1.0).abs() < 0.1, "{}", fit.white);
-            let z =
-                [libm::log(fast.relaxation_rate * 7200.0) / fast.rate_error, libm::log(fast.sd / 0.7) / fast.sd_error];
+            assert!(
+                (fit.white / (0.5 / 12f64.sqrt()) - 1.0).abs() < 0.1,
+                "{}",
+                fit.white
+            );
+            let z = [
+                libm::log(fast.relaxation_rate * 7200.0) / fast.rate_error,
+                libm::log(fast.sd / 0.7) / fast.sd_error,
+            ];
             assert!(z.iter().all(|z| z.abs() < 4.0), "{z:?} {fast:?}");
         }
     }
@@ -226,8 +274,12 @@ mod tests {
         for seed in 200..200 + records {
             let [times, mut temperatures] = Air::drawn(&truth(), 7200, 3600.0, seed).samples();
             let mut random = Stream::new(seed, 5);
-            temperatures.iter_mut().for_each(|t| *t += 0.1 * random.normal());
-            let fast = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit").processes()[0];
+            temperatures
+                .iter_mut()
+                .for_each(|t| *t += 0.1 * random.normal());
+            let fast = fit(&times, &temperatures, &PERIODS, 2, 0.0)
+                .expect("a fit")
+                .processes()[0];
             let off = libm::log(fast.relaxation_rate * 7200.0);
             held += u32::from(off.abs() < 1.645 * fast.rate_error);
             sum += off;
@@ -236,7 +288,10 @@ mod tests {
         let n = records as f64;
         let (mean, error) = (sum / n, (square / n).sqrt() / n.sqrt());
         println!("{held} of {records} hold, off by {mean:.3} +- {error:.3}");
-        assert!(held >= 30 && mean.abs() < 4.0 * error, "{held}, {mean} +- {error}");
+        assert!(
+            held >= 30 && mean.abs() < 4.0 * error,
+            "{held}, {mean} +- {error}"
+        );
     }
 
     /// A month does not tell a memory of weeks, such as that of the season, which is part of these
@@ -250,10 +305,16 @@ mod tests {
             let [times, temperatures] = Air::drawn(&truth(), 720, 3600.0, seed).samples();
             let fit = fit(&times, &temperatures, &[DAY], 2, 0.0).expect("a fit");
             for process in fit.processes() {
-                assert!(process.sd < 12.0 && process.relaxation_rate * fit.duration > 9.99, "{seed}: {process:?}");
+                assert!(
+                    process.sd < 12.0 && process.relaxation_rate * fit.duration > 9.99,
+                    "{seed}: {process:?}"
+                );
                 assert!(process.sd_error < 0.7, "{seed}: {process:?}");
             }
-            assert_eq!(fit.held_memory.is_some() || fit.is_one_of_two, !fit.warnings().is_empty());
+            assert_eq!(
+                fit.held_memory.is_some() || fit.is_one_of_two,
+                !fit.warnings().is_empty()
+            );
             said += u32::from(!fit.warnings().is_empty());
         }
         println!("{said} of 30 say what was held or left out");
@@ -271,13 +332,26 @@ mod tests {
         let spread = |of: &dyn Fn(&Weather) -> f64| {
             let values: Vec<f64> = draws.iter().map(of).collect();
             let mean = values.iter().sum::<f64>() / 4000.0;
-            (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 4000.0).sqrt())
+            (
+                mean,
+                (values
+                    .iter()
+                    .map(|value| (value - mean).powi(2))
+                    .sum::<f64>()
+                    / 4000.0)
+                    .sqrt(),
+            )
         };
         let mean = spread(&|t| t.harmonics[0].amplitude);
         let fitted = fit.mean();
-        assert!((mean.1 / fitted.1 - 1.0).abs() < 0.045 && (mean.0 - fitted.0).abs() < 0.07 * fitted.1);
+        assert!(
+            (mean.1 / fitted.1 - 1.0).abs() < 0.045 && (mean.0 - fitted.0).abs() < 0.07 * fitted.1
+        );
         let rate = spread(&|t| libm::log(t.processes[1].0));
         let slow = fit.processes()[1];
-        assert!((rate.1 / slow.rate_error - 1.0).abs() < 0.045, "{rate:?} {slow:?}");
+        assert!(
+            (rate.1 / slow.rate_error - 1.0).abs() < 0.045,
+            "{rate:?} {slow:?}"
+        );
     }
 }

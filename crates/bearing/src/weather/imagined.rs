@@ -49,26 +49,48 @@ const PARTS: f64 = 12.0;
 /// Imagine the temperature of these samples, given as times and values, each a mean over `window`
 /// seconds around its time, at the times `wanted` as well; if the samples do not tell it by themselves, as a
 /// diffusion that is sampled at these times without noise.
-pub fn imagined([times, temperatures]: [&[f64]; 2], wanted: &[f64], interval: f64, window: f64) -> Option<Imagined> {
+pub fn imagined(
+    [times, temperatures]: [&[f64]; 2],
+    wanted: &[f64],
+    interval: f64,
+    window: f64,
+) -> Option<Imagined> {
     let periods = usual(times).0;
     let pieces = times.len().div_ceil(PIECE);
     let every = times.len().div_ceil(MOST);
-    let taken =
-        |values: &[f64]| -> Vec<f64> { values.chunks(PIECE).take(pieces).step_by(every).flatten().copied().collect() };
+    let taken = |values: &[f64]| -> Vec<f64> {
+        values
+            .chunks(PIECE)
+            .take(pieces)
+            .step_by(every)
+            .flatten()
+            .copied()
+            .collect()
+    };
     let (some, values) = (taken(times), taken(temperatures));
     let periods_of_some = usual(&some).0;
     let search = ProcessSearch::new([&some, &values], &periods_of_some, 2, false, window);
-    let Shape { processes, white, .. } = search.scaled(&search.rough(None)?)?;
-    let roughness: f64 = processes.iter().map(|(rate, variance)| 2.0 * rate * variance).sum();
+    let Shape {
+        processes, white, ..
+    } = search.scaled(&search.rough(None)?)?;
+    let roughness: f64 = processes
+        .iter()
+        .map(|(rate, variance)| 2.0 * rate * variance)
+        .sum();
     // A process that has forgotten itself from one sample to the next is noise.
-    let rates = processes.iter().filter(|(_, variance)| *variance > 1e-6).map(|(rate, _)| *rate);
+    let rates = processes
+        .iter()
+        .filter(|(_, variance)| *variance > 1e-6)
+        .map(|(rate, _)| *rate);
     let fastest = rates.fold(0.0, f64::max);
     let is_noisy = white > NOISY * NOISY * roughness * interval;
     if !(window > 0.0 || is_noisy || fastest * interval > SHARE || wanted != times) {
         return None;
     }
     let whole = ProcessSearch::new([times, temperatures], &periods, 2, false, window);
-    let step = (SHARE / fastest).min(if window > 0.0 { 0.5 * window } else { interval }).max(interval / PARTS);
+    let step = (SHARE / fastest)
+        .min(if window > 0.0 { 0.5 * window } else { interval })
+        .max(interval / PARTS);
     let half = 0.5 * window;
     let mut nodes: Vec<WeatherNode> = Vec::new();
     let mut wanted = wanted.iter().copied().peekable();
@@ -77,17 +99,28 @@ pub fn imagined([times, temperatures]: [&[f64]; 2], wanted: &[f64], interval: f6
         match nodes.last_mut() {
             Some(last) if window > 0.0 && begin - last.time < 1.0 => last.opens = true,
             None if window == 0.0 => (),
-            _ if window > 0.0 => nodes.push(WeatherNode { time: begin, sample: None, opens: true }),
+            _ if window > 0.0 => nodes.push(WeatherNode {
+                time: begin,
+                sample: None,
+                opens: true,
+            }),
             _ => (),
         }
         let last = nodes.last().map(|node| node.time);
         let mut until = |to: f64, sample: Option<f64>| {
             let from = nodes.last().map_or(to, |node| node.time);
             let parts = ((to - from) / step - 1e-6).ceil().clamp(1.0, 4.0 * PARTS);
-            let part =
-                |k: u32| WeatherNode { time: from + f64::from(k) * (to - from) / parts, sample: None, opens: false };
+            let part = |k: u32| WeatherNode {
+                time: from + f64::from(k) * (to - from) / parts,
+                sample: None,
+                opens: false,
+            };
             nodes.extend((1..parts as u32).map(part));
-            nodes.push(WeatherNode { time: to, sample, opens: false });
+            nodes.push(WeatherNode {
+                time: to,
+                sample,
+                opens: false,
+            });
         };
         while let Some(time) = wanted.next_if(|time| *time < end + SAME) {
             if last.is_some_and(|last| time > last + SAME) && time < end - SAME {
@@ -96,10 +129,20 @@ pub fn imagined([times, temperatures]: [&[f64]; 2], wanted: &[f64], interval: f6
         }
         until(end, Some(*left));
     }
-    let shape = Shape { processes, smoothing: 0.0, window, white };
+    let shape = Shape {
+        processes,
+        smoothing: 0.0,
+        window,
+        white,
+    };
     let smoother = Smoother::new(&shape, &nodes);
     let waves: Vec<f64> = nodes.iter().map(|node| whole.wave(node.time)).collect();
-    let whole = |left: Vec<f64>| left.iter().zip(&waves).map(|(left, wave)| left + wave).collect::<Vec<f64>>();
+    let whole = |left: Vec<f64>| {
+        left.iter()
+            .zip(&waves)
+            .map(|(left, wave)| left + wave)
+            .collect::<Vec<f64>>()
+    };
     let draw = |number: u64| whole(smoother.drawn(&nodes, &mut Stream::new(SEED, number)));
     Some(Imagined {
         times: nodes.iter().map(|node| node.time).collect(),

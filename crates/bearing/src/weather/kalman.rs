@@ -74,7 +74,10 @@ impl Filter {
             covariance: system.stationary(),
             white: shape.white,
             interval: 0.0,
-            passage: Passage { carry: [[0.0; STATES]; STATES], gained: [[0.0; STATES]; STATES] },
+            passage: Passage {
+                carry: [[0.0; STATES]; STATES],
+                gained: [[0.0; STATES]; STATES],
+            },
             known: HashMap::new(),
             variance: 0.0,
             log_variance: 0.0,
@@ -92,12 +95,18 @@ impl Filter {
         // differ slightly.
         if (h - self.interval).abs() > 1e-9 * h {
             (self.interval, self.has_converged) = (h, false);
-            self.passage = *self.known.entry((1e6 * h) as i64).or_insert_with(|| self.system.passage(h));
+            self.passage = *self
+                .known
+                .entry((1e6 * h) as i64)
+                .or_insert_with(|| self.system.passage(h));
         }
         if self.has_converged {
             return;
         }
-        self.covariance = add(&carried(&self.passage.carry, &self.covariance), &self.passage.gained);
+        self.covariance = add(
+            &carried(&self.passage.carry, &self.covariance),
+            &self.passage.gained,
+        );
         let before = self.variance;
         self.update();
         self.has_converged = (self.variance - before).abs() <= CONVERGED * before;
@@ -128,7 +137,11 @@ pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<
     }
 }
 
-fn filtered<const N: usize>(mut filter: Filter, times: &[f64], columns: &[Vec<f64>]) -> Option<Likelihood> {
+fn filtered<const N: usize>(
+    mut filter: Filter,
+    times: &[f64],
+    columns: &[Vec<f64>],
+) -> Option<Likelihood> {
     // The estimates of the states and the innovation, for each column.
     let mut tracks = vec![([0.0; N], 0.0); columns.len()];
     let mut gram = vec![vec![0.0; columns.len()]; columns.len()];
@@ -140,16 +153,24 @@ fn filtered<const N: usize>(mut filter: Filter, times: &[f64], columns: &[Vec<f6
         if !(filter.variance > 0.0 && filter.variance.is_finite()) {
             return None;
         }
-        let Filter { passage: Passage { carry, .. }, system: System { seen, .. }, gain, .. } = &filter;
+        let Filter {
+            passage: Passage { carry, .. },
+            system: System { seen, .. },
+            gain,
+            ..
+        } = &filter;
         for ((state, innovation), column) in tracks.iter_mut().zip(columns) {
-            let expected: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| carry[i][j] * state[j]).sum());
+            let expected: [f64; N] =
+                std::array::from_fn(|i| (0..N).map(|j| carry[i][j] * state[j]).sum());
             *innovation = column[k] - (0..N).map(|i| seen[i] * expected[i]).sum::<f64>();
             *state = std::array::from_fn(|i| expected[i] + gain[i] * *innovation);
         }
         let weight = 1.0 / filter.variance;
         for (i, row) in gram.iter_mut().enumerate() {
             let weighted = weight * tracks[i].1;
-            row.iter_mut().zip(&tracks[..=i]).for_each(|(sum, (_, innovation))| *sum += weighted * innovation);
+            row.iter_mut()
+                .zip(&tracks[..=i])
+                .for_each(|(sum, (_, innovation))| *sum += weighted * innovation);
         }
         log_variances += filter.log_variance;
     }
@@ -162,16 +183,32 @@ fn regression(gram: &Matrix, n: f64, log_variances: f64) -> Option<Likelihood> {
     let (square, right) = y.split_last()?;
     let factor = cholesky(products)?;
     let coefficients = solve(&factor, right);
-    let explained: f64 = coefficients.iter().zip(right).map(|(b, product)| b * product).sum();
+    let explained: f64 = coefficients
+        .iter()
+        .zip(right)
+        .map(|(b, product)| b * product)
+        .sum();
     let free = n - coefficients.len() as f64;
     let scale = (square - explained) / free;
     if scale.is_nan() || scale <= 0.0 {
         return None;
     }
-    let covariance = inverse(&factor).iter().map(|row| row.iter().map(|x| scale * x).collect()).collect();
-    let determinant: f64 = factor.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum();
+    let covariance = inverse(&factor)
+        .iter()
+        .map(|row| row.iter().map(|x| scale * x).collect())
+        .collect();
+    let determinant: f64 = factor
+        .iter()
+        .enumerate()
+        .map(|(i, row)| 2.0 * libm::log(row[i]))
+        .sum();
     let deviance = log_variances + determinant + free * (libm::log(TAU * scale) + 1.0);
-    Some(Likelihood { deviance, coefficients, covariance, scale })
+    Some(Likelihood {
+        deviance,
+        coefficients,
+        covariance,
+        scale,
+    })
 }
 
 #[cfg(test)]
@@ -186,7 +223,9 @@ mod tests {
             let decay = |rate: f64| libm::exp(-rate * x.abs());
             match smoothing {
                 0.0 => decay(theta),
-                tau => (decay(theta) - theta * tau * decay(1.0 / tau)) / (1.0 - (theta * tau).powi(2)),
+                tau => {
+                    (decay(theta) - theta * tau * decay(1.0 / tau)) / (1.0 - (theta * tau).powi(2))
+                }
             }
         };
         // The mean of a function of the difference of two times that are uniform in two windows.
@@ -195,7 +234,11 @@ mod tests {
             let x = (f64::from(i) + 0.5) / f64::from(parts) - 1.0;
             (1.0 - x.abs()) * point(apart + window * x) / f64::from(parts)
         };
-        if parts == 0 { point(apart) } else { (0..2 * parts).map(triangle).sum() }
+        if parts == 0 {
+            point(apart)
+        } else {
+            (0..2 * parts).map(triangle).sum()
+        }
     }
 
     /// The same likelihood from the full covariance matrix. The samples are at uneven times first
@@ -208,20 +251,37 @@ mod tests {
         for k in 1..90 {
             times.push(times[k - 1] + if k < 40 { 0.05 + random.uniform() } else { 0.4 });
         }
-        let column = |f: &mut dyn FnMut(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<_>>();
-        let columns =
-            [column(&mut |_| 1.0), column(&mut |t| 0.1 * t), column(&mut |t| 2.0 + 0.3 * t + random.normal())];
-        let plain = [(0.0, 0.2), (3.0, 0.0), (0.4, 0.05)].map(|(second, white)| (second, white, 0.0, 0.0));
-        let other = [(0.4, 0.05, 0.7, 0.0), (0.4, 0.05, 0.0, 0.05), (0.4, 0.05, 0.7, 0.05)];
+        let column =
+            |f: &mut dyn FnMut(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<_>>();
+        let columns = [
+            column(&mut |_| 1.0),
+            column(&mut |t| 0.1 * t),
+            column(&mut |t| 2.0 + 0.3 * t + random.normal()),
+        ];
+        let plain =
+            [(0.0, 0.2), (3.0, 0.0), (0.4, 0.05)].map(|(second, white)| (second, white, 0.0, 0.0));
+        let other = [
+            (0.4, 0.05, 0.7, 0.0),
+            (0.4, 0.05, 0.0, 0.05),
+            (0.4, 0.05, 0.7, 0.05),
+        ];
         for (second, white, smoothing, window) in plain.into_iter().chain(other) {
-            let shape = Shape { processes: vec![(5.0, 1.0), (0.02, second)], white, smoothing, window };
+            let shape = Shape {
+                processes: vec![(5.0, 1.0), (0.02, second)],
+                white,
+                smoothing,
+                window,
+            };
             let found = likelihood(&times, &columns, &shape).expect("a likelihood");
             let covariance: Matrix = times
                 .iter()
                 .map(|t| {
                     let between = |s: &f64| {
-                        let of = |(theta, v): &(f64, f64)| v * correlated(*theta, smoothing, window, (t - s).abs());
-                        shape.processes.iter().map(of).sum::<f64>() + if s == t { white } else { 0.0 }
+                        let of = |(theta, v): &(f64, f64)| {
+                            v * correlated(*theta, smoothing, window, (t - s).abs())
+                        };
+                        shape.processes.iter().map(of).sum::<f64>()
+                            + if s == t { white } else { 0.0 }
                     };
                     times.iter().map(between).collect()
                 })
@@ -229,17 +289,31 @@ mod tests {
             let factor = cholesky(&covariance).expect("positive");
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let solved = columns.each_ref().map(|column| solve(&factor, column));
-            let normal: Matrix = (0..2).map(|i| (0..2).map(|j| dot(&columns[i], &solved[j])).collect()).collect();
+            let normal: Matrix = (0..2)
+                .map(|i| (0..2).map(|j| dot(&columns[i], &solved[j])).collect())
+                .collect();
             let root = cholesky(&normal).expect("positive");
-            let b = solve(&root, &[dot(&columns[0], &solved[2]), dot(&columns[1], &solved[2])]);
-            let left: Vec<f64> = (0..90).map(|k| columns[2][k] - b[0] * columns[0][k] - b[1] * columns[1][k]).collect();
+            let b = solve(
+                &root,
+                &[dot(&columns[0], &solved[2]), dot(&columns[1], &solved[2])],
+            );
+            let left: Vec<f64> = (0..90)
+                .map(|k| columns[2][k] - b[0] * columns[0][k] - b[1] * columns[1][k])
+                .collect();
             let scale = dot(&left, &solve(&factor, &left)) / 88.0;
             let determinant = 2.0 * (0..90).map(|i| libm::log(factor[i][i])).sum::<f64>();
             let fitted = 2.0 * (0..2).map(|i| libm::log(root[i][i])).sum::<f64>();
             let deviance = determinant + fitted + 88.0 * (libm::log(TAU * scale) + 1.0);
-            let near = |a: f64, b: f64| (a - b).abs() <= if window > 0.0 { 1e-5 } else { 1e-9 } * b.abs();
-            assert!(near(found.deviance, deviance) && near(found.scale, scale), "{found:?} {deviance} {scale}");
-            assert!(found.coefficients.iter().zip(&b).all(|(a, b)| near(*a, *b)), "{found:?} {b:?}");
+            let near =
+                |a: f64, b: f64| (a - b).abs() <= if window > 0.0 { 1e-5 } else { 1e-9 } * b.abs();
+            assert!(
+                near(found.deviance, deviance) && near(found.scale, scale),
+                "{found:?} {deviance} {scale}"
+            );
+            assert!(
+                found.coefficients.iter().zip(&b).all(|(a, b)| near(*a, *b)),
+                "{found:?} {b:?}"
+            );
             let errors = inverse(&root);
             let agrees = |i: usize, j: usize| near(found.covariance[i][j], scale * errors[i][j]);
             assert!((0..2).all(|i| (0..2).all(|j| agrees(i, j))), "{found:?}");

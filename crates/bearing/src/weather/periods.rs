@@ -55,7 +55,12 @@ const OWN_SHARE: f64 = 1e-3;
 /// harmonic may also have the same values at the samples as the mean and the others together.
 pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     let duration = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
-    let interval = median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>());
+    let interval = median(
+        &mut times
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect::<Vec<f64>>(),
+    );
     for (i, period) in periods.iter().enumerate() {
         if periods[..i].contains(period) {
             return Err(NotTold::Twice(*period));
@@ -64,7 +69,10 @@ pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
             return Err(NotTold::Short(*period));
         }
         if 2.0 * interval >= *period || !is_own(times, &periods[..=i]) {
-            return Err(NotTold::Sparse { interval, period: *period });
+            return Err(NotTold::Sparse {
+                interval,
+                period: *period,
+            });
         }
     }
     Ok(())
@@ -78,7 +86,10 @@ pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
         let more = [&found[..], &[period]].concat();
         match told(times, &more) {
             Ok(()) => found = more,
-            Err(error) => remarks.push(format!("no harmonic of {} is fitted: {error}", words(period))),
+            Err(error) => remarks.push(format!(
+                "no harmonic of {} is fitted: {error}",
+                words(period)
+            )),
         }
     }
     (found, remarks)
@@ -91,12 +102,16 @@ fn is_own(times: &[f64], periods: &[f64]) -> bool {
     let mut normal = Normal::of(columns);
     for time in times {
         let phase = |period: &f64| TAU / period * (time - times[0]);
-        let waves = periods.iter().flat_map(|period| [libm::cos(phase(period)), libm::sin(phase(period))]);
+        let waves = periods
+            .iter()
+            .flat_map(|period| [libm::cos(phase(period)), libm::sin(phase(period))]);
         let row: Vec<f64> = std::iter::once(1.0).chain(waves).collect();
         normal.add(&row, 0.0, 1.0);
     }
     let n = times.len() as f64;
-    let Some(factor) = cholesky(&normal.matrix) else { return false };
+    let Some(factor) = cholesky(&normal.matrix) else {
+        return false;
+    };
     // A cosine or a sine has half of n as its sum of squares.
     (columns - 2..columns).all(|i| factor[i][i] * factor[i][i] > OWN_SHARE * 0.5 * n)
 }
@@ -110,12 +125,20 @@ mod tests {
 
     /// Times of a record of this many days, each `hours` after the one before.
     fn every(hours: f64, days: f64) -> Vec<f64> {
-        (0..(24.0 * days / hours) as usize).map(|i| 3600.0 * hours * i as f64).collect()
+        (0..(24.0 * days / hours) as usize)
+            .map(|i| 3600.0 * hours * i as f64)
+            .collect()
     }
 
     /// Readings at these hours of each day.
     fn at(hours: &[f64], days: usize) -> Vec<f64> {
-        (0..days).flat_map(|day| hours.iter().map(move |hour| DAY * day as f64 + 3600.0 * hour)).collect()
+        (0..days)
+            .flat_map(|day| {
+                hours
+                    .iter()
+                    .map(move |hour| DAY * day as f64 + 3600.0 * hour)
+            })
+            .collect()
     }
 
     #[test]
@@ -128,16 +151,33 @@ mod tests {
             ("twice a day", every(12.0, 731.0), vec![YEAR]),
             ("every 18 hours", every(18.0, 731.0), vec![YEAR]),
             ("every 8 hours", every(8.0, 731.0), vec![YEAR, DAY]),
-            ("at 7, 14 and 21 o'clock", at(&[7.0, 14.0, 21.0], 731), vec![YEAR, DAY]),
+            (
+                "at 7, 14 and 21 o'clock",
+                at(&[7.0, 14.0, 21.0], 731),
+                vec![YEAR, DAY],
+            ),
             ("at 6 and 15 o'clock", at(&[6.0, 15.0], 731), vec![YEAR]),
             ("weekly", every(168.0, 1500.0), vec![YEAR]),
         ] {
             assert_eq!(usual(&times).0, expected, "{name}");
         }
-        let error = |hours, period| told(&every(hours, 100.0), &[period]).unwrap_err().to_string();
-        assert_eq!(error(12.0, DAY), "samples are 12 h apart and cannot tell a harmonic of 1 d");
-        assert_eq!(error(24.0, DAY), "samples are 1 d apart and cannot tell a harmonic of 1 d");
-        assert_eq!(error(1.0, 7200.0), "samples are 1 h apart and cannot tell a harmonic of 2 h");
+        let error = |hours, period| {
+            told(&every(hours, 100.0), &[period])
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(
+            error(12.0, DAY),
+            "samples are 12 h apart and cannot tell a harmonic of 1 d"
+        );
+        assert_eq!(
+            error(24.0, DAY),
+            "samples are 1 d apart and cannot tell a harmonic of 1 d"
+        );
+        assert_eq!(
+            error(1.0, 7200.0),
+            "samples are 1 h apart and cannot tell a harmonic of 2 h"
+        );
         // Two periods that a hundred days do not tell apart.
         assert!(told(&every(1.0, 100.0), &[DAY, 1.00001 * DAY]).is_err());
         assert!(told(&every(1.0, 100.0), &[DAY, 0.5 * DAY, 7.0 * DAY]).is_ok());

@@ -82,7 +82,11 @@ pub(super) struct Estimates {
 
 impl Estimates {
     fn covariance(&self, i: usize, j: usize) -> f64 {
-        self.factor[i].iter().zip(&self.factor[j]).map(|(a, b)| a * b).sum()
+        self.factor[i]
+            .iter()
+            .zip(&self.factor[j])
+            .map(|(a, b)| a * b)
+            .sum()
     }
 
     fn error(&self, i: usize) -> f64 {
@@ -91,7 +95,11 @@ impl Estimates {
 
     fn drawn(&self, random: &mut Stream) -> Vec<f64> {
         let normals: Vec<f64> = self.values.iter().map(|_| random.normal()).collect();
-        self.values.iter().zip(product(&self.factor, &normals)).map(|(value, error)| value + error).collect()
+        self.values
+            .iter()
+            .zip(product(&self.factor, &normals))
+            .map(|(value, error)| value + error)
+            .collect()
     }
 }
 
@@ -101,9 +109,10 @@ const MOVED: f64 = 3.0;
 impl WeatherFit {
     /// What is to be known of the fit, in sentences.
     pub fn warnings(&self) -> Vec<String> {
-        let one = self
-            .is_one_of_two
-            .then(|| "one process was fitted, because the samples do not tell a second one from it".to_string());
+        let one = self.is_one_of_two.then(|| {
+            "one process was fitted, because the samples do not tell a second one from it"
+                .to_string()
+        });
         let held = self.held_memory.map(|memory| {
             format!(
                 "the slow weather has a memory that is not short against the record, so it is held at {:.3} h, a tenth of the record, \
@@ -131,13 +140,22 @@ impl WeatherFit {
                 )
             })
         });
-        one.into_iter().chain(held).chain(smoothed).chain(moved.take(1)).collect()
+        one.into_iter()
+            .chain(held)
+            .chain(smoothed)
+            .chain(moved.take(1))
+            .collect()
     }
 
     /// The time constant of what smooths the weather, and the standard error of its logarithm.
     pub fn smoothing(&self) -> Option<(f64, f64)> {
         let last = self.logarithms.values.len() - 1;
-        self.is_smoothed.then(|| (libm::exp(self.logarithms.values[last]), self.logarithms.error(last)))
+        self.is_smoothed.then(|| {
+            (
+                libm::exp(self.logarithms.values[last]),
+                self.logarithms.error(last),
+            )
+        })
     }
 
     /// The mean of the temperature, and its standard error.
@@ -153,9 +171,15 @@ impl WeatherFit {
             let amplitude = b[cos].hypot(b[sin]);
             let [along, across] = [b[cos] / amplitude, b[sin] / amplitude];
             let v = |i: usize, j: usize| self.coefficients.covariance(i, j);
-            let variance =
-                along * along * v(cos, cos) + 2.0 * along * across * v(sin, cos) + across * across * v(sin, sin);
-            Cycle { period: *period, amplitude, phase: libm::atan2(-b[sin], b[cos]), error: variance.sqrt() }
+            let variance = along * along * v(cos, cos)
+                + 2.0 * along * across * v(sin, cos)
+                + across * across * v(sin, sin);
+            Cycle {
+                period: *period,
+                amplitude,
+                phase: libm::atan2(-b[sin], b[cos]),
+                error: variance.sqrt(),
+            }
         };
         self.periods.iter().enumerate().map(cycle).collect()
     }
@@ -168,19 +192,37 @@ impl WeatherFit {
             rate_error: self.logarithms.error(2 * j),
             sd_error: self.logarithms.error(2 * j + 1),
         };
-        self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
+        self.logarithms
+            .values
+            .chunks_exact(2)
+            .enumerate()
+            .map(of)
+            .collect()
     }
 
     /// The most likely temperature in the form of a scenario, without what smooths it. Its noise is
     /// stationary from t = 0 on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
-        let Weather { harmonics, processes, .. } = self.likeliest();
+        let Weather {
+            harmonics,
+            processes,
+            ..
+        } = self.likeliest();
         let noises = processes.into_iter().map(|(rate, variance)| {
             // v has the standard deviation 1, so rho is the standard deviation of the temperature.
             let (intensity, diffusion) = (variance.sqrt(), (2.0 * rate).sqrt());
-            Noise { intensity, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
+            Noise {
+                intensity,
+                relaxation_rate: rate,
+                diffusion,
+                initial: InitialNoise::Stationary,
+            }
         });
-        Temperature { harmonics, noises: noises.collect(), ..Temperature::default() }
+        Temperature {
+            harmonics,
+            noises: noises.collect(),
+            ..Temperature::default()
+        }
     }
 
     /// The most likely weather.
@@ -196,7 +238,11 @@ impl WeatherFit {
     }
 
     fn of(&self, coefficients: &[f64], logarithms: &[f64]) -> Weather {
-        let mut harmonics = vec![Harmonic { amplitude: coefficients[0], angular_frequency: 0.0, phase: 0.0 }];
+        let mut harmonics = vec![Harmonic {
+            amplitude: coefficients[0],
+            angular_frequency: 0.0,
+            phase: 0.0,
+        }];
         for (period, pair) in self.periods.iter().zip(coefficients[1..].chunks_exact(2)) {
             harmonics.push(Harmonic {
                 amplitude: pair[0].hypot(pair[1]),
@@ -204,8 +250,16 @@ impl WeatherFit {
                 phase: libm::atan2(-pair[1], pair[0]),
             });
         }
-        let (pairs, followers) = logarithms.split_at(logarithms.len() - usize::from(self.is_smoothed));
-        let processes = pairs.chunks_exact(2).map(|pair| (libm::exp(pair[0]), libm::exp(2.0 * pair[1]))).collect();
-        Weather { harmonics, processes, smoothing: followers.first().map_or(0.0, |x| libm::exp(*x)) }
+        let (pairs, followers) =
+            logarithms.split_at(logarithms.len() - usize::from(self.is_smoothed));
+        let processes = pairs
+            .chunks_exact(2)
+            .map(|pair| (libm::exp(pair[0]), libm::exp(2.0 * pair[1])))
+            .collect();
+        Weather {
+            harmonics,
+            processes,
+            smoothing: followers.first().map_or(0.0, |x| libm::exp(*x)),
+        }
     }
 }

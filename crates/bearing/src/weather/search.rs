@@ -84,9 +84,18 @@ impl<'a> ProcessSearch<'a> {
         let mut columns = vec![vec![1.0; times.len()]];
         for period in periods {
             let half = 0.5 * TAU / period * window;
-            let left = if half > 0.0 { libm::sin(half) / half } else { 1.0 };
+            let left = if half > 0.0 {
+                libm::sin(half) / half
+            } else {
+                1.0
+            };
             for function in [libm::cos, libm::sin] {
-                columns.push(times.iter().map(|t| left * function(TAU / period * (t - times[0]))).collect());
+                columns.push(
+                    times
+                        .iter()
+                        .map(|t| left * function(TAU / period * (t - times[0])))
+                        .collect(),
+                );
             }
         }
         columns.push(temperatures.to_vec());
@@ -102,12 +111,29 @@ impl<'a> ProcessSearch<'a> {
             window,
             duration,
         };
-        let forgetful =
-            Shape { processes: vec![(1e3 / search.interval(), 1.0)], smoothing: 0.0, window: 0.0, white: 0.0 };
-        search.waves = likelihood(times, &search.columns, &forgetful).map_or_else(Vec::new, |found| found.coefficients);
-        let wave =
-            |k: usize| search.columns.iter().zip(&search.waves).map(|(column, wave)| wave * column[k]).sum::<f64>();
-        search.left = vec![temperatures.iter().enumerate().map(|(k, temperature)| temperature - wave(k)).collect()];
+        let forgetful = Shape {
+            processes: vec![(1e3 / search.interval(), 1.0)],
+            smoothing: 0.0,
+            window: 0.0,
+            white: 0.0,
+        };
+        search.waves = likelihood(times, &search.columns, &forgetful)
+            .map_or_else(Vec::new, |found| found.coefficients);
+        let wave = |k: usize| {
+            search
+                .columns
+                .iter()
+                .zip(&search.waves)
+                .map(|(column, wave)| wave * column[k])
+                .sum::<f64>()
+        };
+        search.left = vec![
+            temperatures
+                .iter()
+                .enumerate()
+                .map(|(k, temperature)| temperature - wave(k))
+                .collect(),
+        ];
         search
     }
 
@@ -116,16 +142,29 @@ impl<'a> ProcessSearch<'a> {
     where
         'a: 'b,
     {
-        ProcessSearch::new(samples, self.periods, self.processes, self.smooths, self.window)
+        ProcessSearch::new(
+            samples,
+            self.periods,
+            self.processes,
+            self.smooths,
+            self.window,
+        )
     }
 
     /// The regression at any time.
     pub fn wave(&self, time: f64) -> f64 {
         let phase = |period: &f64| TAU / period * (time - self.times[0]);
-        let pair =
-            |(period, pair): (&f64, &[f64])| pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period));
+        let pair = |(period, pair): (&f64, &[f64])| {
+            pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period))
+        };
         let (mean, pairs) = self.waves.split_at(1);
-        mean[0] + self.periods.iter().zip(pairs.chunks_exact(2)).map(pair).sum::<f64>()
+        mean[0]
+            + self
+                .periods
+                .iter()
+                .zip(pairs.chunks_exact(2))
+                .map(pair)
+                .sum::<f64>()
     }
 
     /// What it leaves of each sample.
@@ -138,7 +177,10 @@ impl<'a> ProcessSearch<'a> {
     pub fn scaled(&self, found: &Peak) -> Option<Shape> {
         let mut shape = self.shape(&found.point);
         let scale = likelihood(self.times, &self.left, &shape)?.scale;
-        shape.processes.iter_mut().for_each(|(_, variance)| *variance *= scale);
+        shape
+            .processes
+            .iter_mut()
+            .for_each(|(_, variance)| *variance *= scale);
         shape.white *= scale;
         Some(shape)
     }
@@ -159,7 +201,9 @@ impl<'a> ProcessSearch<'a> {
         if is_short && self.is_known(&free) {
             return Some(free);
         }
-        let longest = self.rough(Some(held)).and_then(|rough| self.polished(&rough, FROM_ROUGH));
+        let longest = self
+            .rough(Some(held))
+            .and_then(|rough| self.polished(&rough, FROM_ROUGH));
         let is_refused = |longest: &Peak| is_short && longest.deviance > free.deviance + REFUSED;
         match longest {
             Some(longest) if !is_refused(&longest) => Some(longest),
@@ -175,17 +219,24 @@ impl<'a> ProcessSearch<'a> {
     /// Whether the standard deviation of the slowest process is known.
     fn is_known(&self, found: &Peak) -> bool {
         let slow = 2 * self.slowest() + 1;
-        found.errors.as_ref().is_some_and(|errors| errors[slow][slow].sqrt() < KNOWN)
+        found
+            .errors
+            .as_ref()
+            .is_some_and(|errors| errors[slow][slow].sqrt() < KNOWN)
     }
 
     /// The most likely point from this one on, with its errors.
     fn polished(&self, from: &Peak, step: f64) -> Option<Peak> {
-        let found = self.fastest_first(self.lowest(&from.point, from.is_held, &self.columns, step)?);
+        let found =
+            self.fastest_first(self.lowest(&from.point, from.is_held, &self.columns, step)?);
         // The process that is held has to be the slowest.
         if self.processes > 1 && found.point[0] <= found.point[1] {
             return None;
         }
-        Some(Peak { errors: self.errors(&found), ..found })
+        Some(Peak {
+            errors: self.errors(&found),
+            ..found
+        })
     }
 
     /// The index of log theta of the slowest process, which comes last.
@@ -199,9 +250,16 @@ impl<'a> ProcessSearch<'a> {
         let interval = self.interval();
         // The search starts from a correlation time of half a day, or from three hours and four
         // days.
-        let starts: &[f64] = if self.processes == 1 { &[0.5] } else { &[0.125, 4.0] };
+        let starts: &[f64] = if self.processes == 1 {
+            &[0.5]
+        } else {
+            &[0.125, 4.0]
+        };
         let day = 86_400f64.min(self.duration / 20.0).max(4.0 * interval);
-        let mut start: Vec<f64> = starts.iter().map(|days| libm::log(1.0 / (days * day))).collect();
+        let mut start: Vec<f64> = starts
+            .iter()
+            .map(|days| libm::log(1.0 / (days * day)))
+            .collect();
         if self.processes > 1 {
             start.push(0.0);
         }
@@ -218,31 +276,61 @@ impl<'a> ProcessSearch<'a> {
         // because its error then is part of the errors of all other numbers.
         let with_noise = |point: &[f64], share: f64| {
             let white = 2.0 * share * libm::exp(point[0]) * interval;
-            self.lowest(&[point, &[white]].concat(), held.is_some(), &self.left, AFAR)
+            self.lowest(
+                &[point, &[white]].concat(),
+                held.is_some(),
+                &self.left,
+                AFAR,
+            )
         };
         let noisy = [with_noise(&exact.point, 0.01), with_noise(&start, 0.5)];
-        let noisy = noisy.into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
-        let is_told =
-            |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
+        let noisy = noisy
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        let is_told = |noisy: &Peak| {
+            noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE
+        };
         Some(noisy.filter(is_told).unwrap_or(exact))
     }
 
     /// The lowest deviance for these columns, searched from this point.
-    fn lowest(&self, start: &[f64], is_held: bool, columns: &[Vec<f64>], step: f64) -> Option<Peak> {
+    fn lowest(
+        &self,
+        start: &[f64],
+        is_held: bool,
+        columns: &[Vec<f64>],
+        step: f64,
+    ) -> Option<Peak> {
         let free = self.free(start.len(), is_held);
         let is_white = |i: &usize| *i == self.without_white();
         let at = |x: &[f64]| {
             let mut point = start.to_vec();
-            free.iter().zip(x).for_each(|(i, x)| point[*i] = if is_white(i) { libm::exp(*x) } else { *x });
+            free.iter()
+                .zip(x)
+                .for_each(|(i, x)| point[*i] = if is_white(i) { libm::exp(*x) } else { *x });
             point
         };
-        let from: Vec<f64> =
-            free.iter().map(|i| if is_white(i) { libm::log(start[*i].max(LEAST_WHITE)) } else { start[*i] }).collect();
+        let from: Vec<f64> = free
+            .iter()
+            .map(|i| {
+                if is_white(i) {
+                    libm::log(start[*i].max(LEAST_WHITE))
+                } else {
+                    start[*i]
+                }
+            })
+            .collect();
         let (x, deviance) = match from.is_empty() {
             true => (from, self.deviance(columns, start)),
             false => simplex::lowest(&from, step, ENOUGH, |x| self.deviance(columns, &at(x))),
         };
-        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held, errors: None })
+        deviance.is_finite().then(|| Peak {
+            point: at(&x),
+            deviance,
+            is_held,
+            errors: None,
+        })
     }
 
     /// The length of a point without white noise.
@@ -252,7 +340,9 @@ impl<'a> ProcessSearch<'a> {
 
     /// The numbers of a point that are searched.
     fn free(&self, length: usize, is_held: bool) -> Vec<usize> {
-        (0..length).filter(|i| !(is_held && *i == self.slowest())).collect()
+        (0..length)
+            .filter(|i| !(is_held && *i == self.slowest()))
+            .collect()
     }
 
     /// The same with the faster process first. A process that is held stays where it is.
@@ -263,7 +353,12 @@ impl<'a> ProcessSearch<'a> {
         }
         let mut point = vec![p[1], p[0], -p[2]];
         let (followers, white) = p[3..].split_at(usize::from(self.smooths));
-        point.extend(followers.iter().copied().chain(white.iter().map(|white| white * libm::exp(-p[2]))));
+        point.extend(
+            followers
+                .iter()
+                .copied()
+                .chain(white.iter().map(|white| white * libm::exp(-p[2]))),
+        );
         Peak { point, ..found }
     }
 
@@ -275,7 +370,12 @@ impl<'a> ProcessSearch<'a> {
             processes.push((libm::exp(*rate), libm::exp(*ratio)));
         }
         let smoothing = smoothing.first().map_or(0.0, |tau| libm::exp(*tau));
-        Shape { processes, smoothing, window: self.window, white: white.first().copied().unwrap_or(0.0) }
+        Shape {
+            processes,
+            smoothing,
+            window: self.window,
+            white: white.first().copied().unwrap_or(0.0),
+        }
     }
 
     fn likelihood(&self, point: &[f64]) -> Option<Likelihood> {
@@ -283,7 +383,8 @@ impl<'a> ProcessSearch<'a> {
     }
 
     fn deviance(&self, columns: &[Vec<f64>], point: &[f64]) -> f64 {
-        likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
+        likelihood(self.times, columns, &self.shape(point))
+            .map_or(f64::INFINITY, |found| found.deviance)
     }
 
     /// The result at a point; `None` if the samples do not determine it.
@@ -292,7 +393,9 @@ impl<'a> ProcessSearch<'a> {
         let shape = self.shape(&found.point);
         let errors = found.errors.clone()?;
         // A time constant below that of the samples is not seen in them.
-        if (self.processes > 1 && !self.is_known(found)) || (self.smooths && shape.smoothing < 0.5 * self.interval()) {
+        if (self.processes > 1 && !self.is_known(found))
+            || (self.smooths && shape.smoothing < 0.5 * self.interval())
+        {
             return None;
         }
         let logarithms = shape.processes.iter().flat_map(|(theta, variance)| {
@@ -305,13 +408,21 @@ impl<'a> ProcessSearch<'a> {
             duration: self.duration,
             white: (best.scale * shape.white).sqrt(),
             is_one_of_two: false,
-            held_memory: found.is_held.then(|| libm::exp(-found.point[self.slowest()])),
+            held_memory: found
+                .is_held
+                .then(|| libm::exp(-found.point[self.slowest()])),
             log_likelihood: -0.5 * best.deviance,
             periods: self.periods.to_vec(),
             is_smoothed: self.smooths,
             thinned: Vec::new(),
-            coefficients: Estimates { factor: cholesky(&best.covariance)?, values: best.coefficients },
-            logarithms: Estimates { values: logarithms.collect(), factor: cholesky(&errors)? },
+            coefficients: Estimates {
+                factor: cholesky(&best.covariance)?,
+                values: best.coefficients,
+            },
+            logarithms: Estimates {
+                values: logarithms.collect(),
+                factor: cholesky(&errors)?,
+            },
         })
     }
 
@@ -345,13 +456,19 @@ impl<'a> ProcessSearch<'a> {
         let steps: Vec<f64> = free.iter().map(|i| self.step(point, *i, lowest)).collect();
         let mut bends = vec![vec![0.0; free.len()]; free.len()];
         for a in 0..free.len() {
-            let moved = |sign: f64| self.deviance(&self.columns, &with(point, &[(free[a], sign * steps[a])]));
+            let moved = |sign: f64| {
+                self.deviance(&self.columns, &with(point, &[(free[a], sign * steps[a])]))
+            };
             bends[a][a] = (moved(1.0) + moved(-1.0) - 2.0 * lowest) / (steps[a] * steps[a]);
             for b in 0..a {
                 let moved = |x: f64, y: f64| {
-                    self.deviance(&self.columns, &with(point, &[(free[a], x * steps[a]), (free[b], y * steps[b])]))
+                    self.deviance(
+                        &self.columns,
+                        &with(point, &[(free[a], x * steps[a]), (free[b], y * steps[b])]),
+                    )
                 };
-                let mixed = moved(1.0, 1.0) + moved(-1.0, -1.0) - moved(1.0, -1.0) - moved(-1.0, 1.0);
+                let mixed =
+                    moved(1.0, 1.0) + moved(-1.0, -1.0) - moved(1.0, -1.0) - moved(-1.0, 1.0);
                 bends[a][b] = mixed / (4.0 * steps[a] * steps[b]);
             }
         }
@@ -367,13 +484,23 @@ impl<'a> ProcessSearch<'a> {
         let slope: Vec<f64> = (0..free.len()).map(slope).collect();
         // Each row holds the derivatives of one of log theta_1, log sd_1, ... with respect to the
         // numbers that were searched, and that with respect to log s^2.
-        let unit =
-            |i: usize, value: f64| -> Vec<f64> { free.iter().map(|j| if i == *j { value } else { 0.0 }).collect() };
+        let unit = |i: usize, value: f64| -> Vec<f64> {
+            free.iter()
+                .map(|j| if i == *j { value } else { 0.0 })
+                .collect()
+        };
         let mut rows = Vec::new();
         for j in 0..self.processes {
             rows.push((unit(j, 1.0), 0.0));
-            let ratio = if j == 0 { vec![0.0; free.len()] } else { unit(self.processes, 0.5) };
-            rows.push((ratio.iter().zip(&slope).map(|(a, b)| a + 0.5 * b).collect(), 0.5));
+            let ratio = if j == 0 {
+                vec![0.0; free.len()]
+            } else {
+                unit(self.processes, 0.5)
+            };
+            rows.push((
+                ratio.iter().zip(&slope).map(|(a, b)| a + 0.5 * b).collect(),
+                0.5,
+            ));
         }
         if self.smooths {
             rows.push((unit(2 * self.processes - 1, 1.0), 0.0));
@@ -385,9 +512,16 @@ impl<'a> ProcessSearch<'a> {
                 .sum();
             shapes + s * t * 2.0 / n
         };
-        let mut errors: Matrix = rows.iter().map(|a| rows.iter().map(|b| between(a, b)).collect()).collect();
+        let mut errors: Matrix = rows
+            .iter()
+            .map(|a| rows.iter().map(|b| between(a, b)).collect())
+            .collect();
         if found.is_held {
-            let (rate, sd, variance) = (2 * self.slowest(), 2 * self.slowest() + 1, HELD_ERROR * HELD_ERROR);
+            let (rate, sd, variance) = (
+                2 * self.slowest(),
+                2 * self.slowest() + 1,
+                HELD_ERROR * HELD_ERROR,
+            );
             errors[rate][rate] += variance;
             errors[rate][sd] -= 0.5 * variance;
             errors[sd][rate] -= 0.5 * variance;

@@ -5,9 +5,18 @@
 /// The lowest point found, and its value. The search begins at `start` with steps of length `step`,
 /// and ends when the values of the simplex agree within `enough`. Where the function is not a
 /// number it counts as infinite, and where its lowest value is infinite the search ends as well.
-pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -> f64) -> (Vec<f64>, f64) {
+pub fn lowest(
+    start: &[f64],
+    step: f64,
+    enough: f64,
+    mut f: impl FnMut(&[f64]) -> f64,
+) -> (Vec<f64>, f64) {
     let n = start.len();
-    let mut f = |x: &[f64]| Some(f(x)).filter(|value| !value.is_nan()).unwrap_or(f64::INFINITY);
+    let mut f = |x: &[f64]| {
+        Some(f(x))
+            .filter(|value| !value.is_nan())
+            .unwrap_or(f64::INFINITY)
+    };
     let mut all: Vec<(Vec<f64>, f64)> = (0..=n)
         .map(|i| {
             let mut x = start.to_vec();
@@ -24,16 +33,26 @@ pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -
         if !best.is_finite() || worst - best <= enough {
             break;
         }
-        let centre: Vec<f64> = (0..n).map(|k| all[..n].iter().map(|(x, _)| x[k]).sum::<f64>() / n as f64).collect();
+        let centre: Vec<f64> = (0..n)
+            .map(|k| all[..n].iter().map(|(x, _)| x[k]).sum::<f64>() / n as f64)
+            .collect();
         let mut at = |share: f64| {
-            let x: Vec<f64> = centre.iter().zip(&all[n].0).map(|(c, w)| c + share * (w - c)).collect();
+            let x: Vec<f64> = centre
+                .iter()
+                .zip(&all[n].0)
+                .map(|(c, w)| c + share * (w - c))
+                .collect();
             let value = f(&x);
             (x, value)
         };
         let reflected = at(-1.0);
         let next = if reflected.1 < best {
             let expanded = at(-2.0);
-            Some(if expanded.1 < reflected.1 { expanded } else { reflected })
+            Some(if expanded.1 < reflected.1 {
+                expanded
+            } else {
+                reflected
+            })
         } else if reflected.1 < all[n - 1].1 {
             Some(reflected)
         } else {
@@ -45,7 +64,9 @@ pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -
             None => {
                 let kept = all[0].0.clone();
                 for (x, value) in &mut all[1..] {
-                    x.iter_mut().zip(&kept).for_each(|(x, best)| *x = 0.5 * (*x + best));
+                    x.iter_mut()
+                        .zip(&kept)
+                        .for_each(|(x, best)| *x = 0.5 * (*x + best));
                     *value = f(x);
                 }
             }
@@ -72,9 +93,18 @@ mod tests {
                 calls += 1;
                 nowhere
             });
-            assert!(!value.is_finite() && calls == 4, "{nowhere}: {value} after {calls} calls");
+            assert!(
+                !value.is_finite() && calls == 4,
+                "{nowhere}: {value} after {calls} calls"
+            );
         }
-        let beside = |x: &[f64]| if x[0] < 0.5 { f64::NAN } else { (x[0] - 2.0).powi(2) };
+        let beside = |x: &[f64]| {
+            if x[0] < 0.5 {
+                f64::NAN
+            } else {
+                (x[0] - 2.0).powi(2)
+            }
+        };
         let (x, value) = lowest(&[0.0], 1.0, 1e-12, beside);
         assert!((x[0] - 2.0).abs() < 1e-5 && value < 1e-10, "{x:?}");
     }
@@ -85,10 +115,15 @@ mod tests {
     fn the_end_of_a_curved_valley_is_found() {
         for n in [2, 4] {
             let valley = |x: &[f64]| {
-                x.windows(2).map(|x| 100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)).sum::<f64>()
+                x.windows(2)
+                    .map(|x| 100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2))
+                    .sum::<f64>()
             };
             let (x, value) = lowest(&vec![-0.5; n], 0.5, 1e-14, valley);
-            assert!(value < 1e-10 && x.iter().all(|x| (x - 1.0).abs() < 1e-4), "{x:?}");
+            assert!(
+                value < 1e-10 && x.iter().all(|x| (x - 1.0).abs() < 1e-4),
+                "{x:?}"
+            );
         }
     }
 }

@@ -5,7 +5,9 @@
 //! difference of the samples (Durbin and Koopman, Biometrika 89, 2002).
 
 use super::kalman::Shape;
-use super::system::{Passage, STATES, Square, States, System, add, carried, dot, root, times, told};
+use super::system::{
+    Passage, STATES, Square, States, System, add, carried, dot, root, times, told,
+};
 use std::collections::HashMap;
 use stickslip::noise::Stream;
 
@@ -47,20 +49,28 @@ impl Smoother {
         let system = System::new(&shape.processes, &followers, shape.window);
         let mut known: HashMap<(i64, bool), (Passage, Square)> = HashMap::new();
         let mut covariance = system.settled();
-        let begin = Passage { carry: [[0.0; STATES]; STATES], gained: covariance };
+        let begin = Passage {
+            carry: [[0.0; STATES]; STATES],
+            gained: covariance,
+        };
         let mut steps: Vec<Step> = Vec::with_capacity(nodes.len());
         for (k, node) in nodes.iter().enumerate() {
             let (passage, factor) = match k.checked_sub(1).map(|before| nodes[before]) {
                 None => (begin, root(&covariance)),
                 Some(before) => {
                     let h = node.time - before.time;
-                    *known.entry(((1e6 * h) as i64, before.opens)).or_insert_with(|| {
-                        let mut passage = system.flow(h);
-                        if before.opens && shape.window > 0.0 {
-                            passage.carry.iter_mut().for_each(|row| row[system.states - 1] = 0.0);
-                        }
-                        (passage, root(&passage.gained))
-                    })
+                    *known
+                        .entry(((1e6 * h) as i64, before.opens))
+                        .or_insert_with(|| {
+                            let mut passage = system.flow(h);
+                            if before.opens && shape.window > 0.0 {
+                                passage
+                                    .carry
+                                    .iter_mut()
+                                    .for_each(|row| row[system.states - 1] = 0.0);
+                            }
+                            (passage, root(&passage.gained))
+                        })
                 }
             };
             if k > 0 {
@@ -71,11 +81,22 @@ impl Smoother {
             let is_told = node.sample.is_some() && variance > 0.0;
             let weight = if is_told { 1.0 / variance } else { 0.0 };
             let gain = known.map(|known| weight * known);
-            steps.push(Step { carry: passage.carry, factor, covariance, gain, weight });
+            steps.push(Step {
+                carry: passage.carry,
+                factor,
+                covariance,
+                gain,
+                weight,
+            });
             covariance = told(&covariance, &gain, &known);
         }
         let instant = System::new(&shape.processes, &followers, 0.0).seen;
-        Smoother { steps, seen: system.seen, instant, noise: shape.white.sqrt() }
+        Smoother {
+            steps,
+            seen: system.seen,
+            instant,
+            noise: shape.white.sqrt(),
+        }
     }
 
     /// The mean of the temperature at each node, given the samples.
@@ -86,16 +107,25 @@ impl Smoother {
     /// A temperature at each node, drawn from its law given the samples.
     pub fn drawn(&self, nodes: &[WeatherNode], random: &mut Stream) -> Vec<f64> {
         let mut state = [0.0; STATES];
-        let (mut made, mut left) = (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
+        let (mut made, mut left) = (
+            Vec::with_capacity(nodes.len()),
+            Vec::with_capacity(nodes.len()),
+        );
         for (step, node) in self.steps.iter().zip(nodes) {
             let normals: States = std::array::from_fn(|_| random.normal());
-            state = std::array::from_fn(|i| dot(&step.carry[i], &state) + dot(&step.factor[i], &normals));
+            state = std::array::from_fn(|i| {
+                dot(&step.carry[i], &state) + dot(&step.factor[i], &normals)
+            });
             made.push(dot(&self.instant, &state));
-            left.push(
-                node.sample.map_or(0.0, |sample| sample - dot(&self.seen, &state) - self.noise * random.normal()),
-            );
+            left.push(node.sample.map_or(0.0, |sample| {
+                sample - dot(&self.seen, &state) - self.noise * random.normal()
+            }));
         }
-        self.smoothed(left.into_iter()).iter().zip(made).map(|(a, b)| a + b).collect()
+        self.smoothed(left.into_iter())
+            .iter()
+            .zip(made)
+            .map(|(a, b)| a + b)
+            .collect()
     }
 
     fn smoothed(&self, samples: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -112,8 +142,11 @@ impl Smoother {
         for (k, (step, (expected, innovation))) in self.steps.iter().zip(tracks).enumerate().rev() {
             let brought = step.weight * innovation - dot(&step.gain, &after);
             let adjoint: States = std::array::from_fn(|i| after[i] + self.seen[i] * brought);
-            all[k] = (0..STATES).map(|i| self.instant[i] * (expected[i] + dot(&step.covariance[i], &adjoint))).sum();
-            after = std::array::from_fn(|j| (0..STATES).map(|i| step.carry[i][j] * adjoint[i]).sum());
+            all[k] = (0..STATES)
+                .map(|i| self.instant[i] * (expected[i] + dot(&step.covariance[i], &adjoint)))
+                .sum();
+            after =
+                std::array::from_fn(|j| (0..STATES).map(|i| step.carry[i][j] * adjoint[i]).sum());
         }
         all
     }

@@ -62,7 +62,13 @@ impl System {
             seen = unit(states);
             states += 1;
         }
-        System { drift, noise, states, seen, window }
+        System {
+            drift,
+            noise,
+            states,
+            seen,
+            window,
+        }
     }
 
     /// The covariance of the states at a sample before which nothing is known.
@@ -77,14 +83,19 @@ impl System {
 
     /// The same without the mean.
     pub fn settled(&self) -> Square {
-        let mut passing = System { window: 0.0, ..self.clone() };
+        let mut passing = System {
+            window: 0.0,
+            ..self.clone()
+        };
         if self.window > 0.0 {
             passing.drift[self.states - 1] = [0.0; STATES];
         }
         let mut passage = passing.short(1.0 / 16.0 / passing.size());
         for _ in 0..MOST_DOUBLINGS {
             passage = passage.then(&passage);
-            if (0..STATES).all(|i| passing.drift[i][i] == 0.0 || passage.carry[i].iter().all(|x| x.abs() < 1e-17)) {
+            if (0..STATES).all(|i| {
+                passing.drift[i][i] == 0.0 || passage.carry[i].iter().all(|x| x.abs() < 1e-17)
+            }) {
                 break;
             }
         }
@@ -106,14 +117,18 @@ impl System {
 
     /// Over a time h without a sample.
     pub fn flow(&self, h: f64) -> Passage {
-        let doublings = libm::ceil(libm::log2(16.0 * h * self.size())).clamp(0.0, f64::from(MOST_DOUBLINGS));
+        let doublings =
+            libm::ceil(libm::log2(16.0 * h * self.size())).clamp(0.0, f64::from(MOST_DOUBLINGS));
         let short = self.short(h / libm::exp2(doublings));
         (0..doublings as u32).fold(short, |passage, _| passage.then(&passage))
     }
 
     /// The largest sum of a row of the drift.
     fn size(&self) -> f64 {
-        self.drift.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(f64::MIN_POSITIVE, f64::max)
+        self.drift
+            .iter()
+            .map(|row| row.iter().map(|x| x.abs()).sum())
+            .fold(f64::MIN_POSITIVE, f64::max)
     }
 
     /// The flow over a time that is short against all rates.
@@ -142,7 +157,10 @@ impl Passage {
     /// This one, and the other after it.
     fn then(&self, other: &Passage) -> Passage {
         let carry = product(&other.carry, &self.carry);
-        Passage { carry, gained: add(&carried(&other.carry, &self.gained), &other.gained) }
+        Passage {
+            carry,
+            gained: add(&carried(&other.carry, &self.gained), &other.gained),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The accuracy of estimates, and how often their intervals hold the truth.
 
 use crate::bridge::{
-    BRIDGE, Between, Campaign, RED_CAMPAIGN, ask, bias, by_slips, covered, question, record, rmse, twin_of,
+    BRIDGE, Between, Campaign, RED_CAMPAIGN, ask, bias, by_slips, covered, question, record, rmse,
+    twin_of,
 };
 use stickslip_bearing::calibration::{
     Calibration, CalibrationMethod, FitObjective, MeasuredRecord, Motion, Quantity, Values, values,
@@ -30,7 +31,13 @@ fn slips_tell_the_parameters_of_straight_twins() {
 }
 
 fn slips_tell_the_parameters(between: Between) {
-    let all = by_slips(&Campaign { between, ..RED_CAMPAIGN }, 100..124);
+    let all = by_slips(
+        &Campaign {
+            between,
+            ..RED_CAMPAIGN
+        },
+        100..124,
+    );
     for quantity in PARAMETERS {
         println!(
             "{:22} rmse {:.2} %, held {} of 24",
@@ -46,9 +53,18 @@ fn slips_tell_the_parameters(between: Between) {
     for quantity in PARAMETERS {
         assert!(covered(&all, *quantity) >= 17, "{quantity:?}");
     }
-    let moves = |fit: &Calibration| if fit.roughness > 0.0 { Between::Weather } else { Between::Lines };
+    let moves = |fit: &Calibration| {
+        if fit.roughness > 0.0 {
+            Between::Weather
+        } else {
+            Between::Lines
+        }
+    };
     assert!(all.iter().all(|(fit, _)| moves(fit) == between));
-    let held: usize = PARAMETERS.iter().map(|quantity| covered(&all, *quantity)).sum();
+    let held: usize = PARAMETERS
+        .iter()
+        .map(|quantity| covered(&all, *quantity))
+        .sum();
     assert!(held >= 24 * 7 * 80 / 100, "{held} of {}", 24 * 7);
 }
 
@@ -58,16 +74,34 @@ fn slips_tell_the_parameters(between: Between) {
 #[ignore = "a minute"]
 fn intervals_hold_what_they_promise() {
     for between in [Between::Weather, Between::Lines] {
-        let all = by_slips(&Campaign { between, ..RED_CAMPAIGN }, 1000..1200);
-        let moved = all.iter().filter(|(fit, _)| !fit.zero.steps.is_empty() || fit.zero.drift != 0.0).count();
+        let all = by_slips(
+            &Campaign {
+                between,
+                ..RED_CAMPAIGN
+            },
+            1000..1200,
+        );
+        let moved = all
+            .iter()
+            .filter(|(fit, _)| !fit.zero.steps.is_empty() || fit.zero.drift != 0.0)
+            .count();
         println!("{between:?}, {moved} zeros seem to move");
         assert!(moved <= 4, "{moved}");
         for quantity in Quantity::ALL {
-            let [off, share] = [100.0 * bias(&all, quantity), 0.5 * covered(&all, quantity) as f64];
-            println!("{:22} {share:.1} % of 200, {off:.2} % too high", quantity.key());
+            let [off, share] = [
+                100.0 * bias(&all, quantity),
+                0.5 * covered(&all, quantity) as f64,
+            ];
+            println!(
+                "{:22} {share:.1} % of 200, {off:.2} % too high",
+                quantity.key()
+            );
         }
         for quantity in PARAMETERS {
-            assert!((170..=190).contains(&covered(&all, *quantity)), "{quantity:?}");
+            assert!(
+                (170..=190).contains(&covered(&all, *quantity)),
+                "{quantity:?}"
+            );
         }
     }
 }
@@ -78,12 +112,19 @@ fn intervals_hold_what_they_promise() {
 #[ignore = "two minutes; prints what `report::WIDENING` is to be multiplied with"]
 fn widening() {
     let mut all = by_slips(&RED_CAMPAIGN, 20_000..20_200);
-    all.extend(by_slips(&Campaign { between: Between::Lines, ..RED_CAMPAIGN }, 20_200..20_400));
+    all.extend(by_slips(
+        &Campaign {
+            between: Between::Lines,
+            ..RED_CAMPAIGN
+        },
+        20_200..20_400,
+    ));
     for quantity in Quantity::ALL {
         let mut off: Vec<f64> = (all.iter())
             .map(|(fit, truth)| {
                 let estimate = fit.estimate(quantity);
-                2.0 * (estimate.estimate - truth[quantity as usize]).abs() / (estimate.high - estimate.low)
+                2.0 * (estimate.estimate - truth[quantity as usize]).abs()
+                    / (estimate.high - estimate.low)
             })
             .collect();
         off.sort_by(f64::total_cmp);
@@ -98,12 +139,27 @@ fn widening() {
 #[test]
 fn starts_of_the_least_squares_agree() {
     for seed in 300..303 {
-        let (twin, truth) = twin_of(&BRIDGE, &Campaign { between: Between::Lines, ..RED_CAMPAIGN }, seed);
+        let (twin, truth) = twin_of(
+            &BRIDGE,
+            &Campaign {
+                between: Between::Lines,
+                ..RED_CAMPAIGN
+            },
+            seed,
+        );
         let fit = ask(&record(&twin), &question(CalibrationMethod::Both));
         assert_eq!(fit.starts.len(), 10);
-        let best = fit.starts.iter().map(|start| start.err).fold(f64::INFINITY, f64::min);
+        let best = fit
+            .starts
+            .iter()
+            .map(|start| start.err)
+            .fold(f64::INFINITY, f64::min);
         for start in &fit.starts {
-            assert!(start.err < 1.001 * best, "seed {seed}: {} and {best}", start.err);
+            assert!(
+                start.err < 1.001 * best,
+                "seed {seed}: {} and {best}",
+                start.err
+            );
             let found = values(&start.response, Some(2.0e9));
             for quantity in [Quantity::Reach, Quantity::Jump] {
                 let off = found[quantity as usize] / truth[quantity as usize] - 1.0;
@@ -116,7 +172,10 @@ fn starts_of_the_least_squares_agree() {
             jump: truth[Quantity::Jump as usize],
             start: truth[Quantity::Displacement as usize] / BRIDGE.dilatation,
         };
-        assert!(best <= misfit.of(&motion).0 / misfit.duration() * 1.0001, "seed {seed}");
+        assert!(
+            best <= misfit.of(&motion).0 / misfit.duration() * 1.0001,
+            "seed {seed}"
+        );
     }
 }
 
@@ -135,17 +194,41 @@ fn times() {
     let start = truth[Quantity::Displacement as usize] / BRIDGE.dilatation;
     let seconds = |reach: f64, jump: f64| {
         let begin = cpu();
-        let sum: f64 = (0..300).map(|i| misfit.of(&Motion { reach, jump, start: start + 1e-4 * f64::from(i) }).0).sum();
+        let sum: f64 = (0..300)
+            .map(|i| {
+                misfit
+                    .of(&Motion {
+                        reach,
+                        jump,
+                        start: start + 1e-4 * f64::from(i),
+                    })
+                    .0
+            })
+            .sum();
         assert!(sum > 0.0);
         (cpu() - begin) / 300.0
     };
-    for (reach, jump) in [(8.11, 1.63), (4.0, 0.4), (2.0, 0.1), (0.5, 0.01), (8.11, 0.0)] {
-        println!("A {reach}, G {jump}: {:.1} us for {} samples", 1e6 * seconds(reach, jump), twin.times.len());
+    for (reach, jump) in [
+        (8.11, 1.63),
+        (4.0, 0.4),
+        (2.0, 0.1),
+        (0.5, 0.01),
+        (8.11, 0.0),
+    ] {
+        println!(
+            "A {reach}, G {jump}: {:.1} us for {} samples",
+            1e6 * seconds(reach, jump),
+            twin.times.len()
+        );
     }
     for method in [CalibrationMethod::Slips, CalibrationMethod::Both] {
         let begin = cpu();
         let fit = ask(&record(&twin), &question(method));
-        println!("{method:?}, {} starts: {:.2} s", fit.starts.len(), cpu() - begin);
+        println!(
+            "{method:?}, {} starts: {:.2} s",
+            fit.starts.len(),
+            cpu() - begin
+        );
     }
 }
 
@@ -155,36 +238,81 @@ fn times() {
 /// intervals hold by chance for one in 40 such measurements; this one is fixed, and six hold.
 #[test]
 fn the_twin_of_another_program_is_fitted() {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv"))
-        .expect("the example");
-    let cell = |line: &str, column: usize| line.split(',').nth(column).and_then(|cell| cell.parse::<f64>().ok());
+    let text = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/bridge/twin.csv"
+    ))
+    .expect("the example");
+    let cell = |line: &str, column: usize| {
+        line.split(',')
+            .nth(column)
+            .and_then(|cell| cell.parse::<f64>().ok())
+    };
     let lines: Vec<&str> = text.lines().skip(1).collect();
     let record = MeasuredRecord {
         times: (0..lines.len()).map(|i| 600.0 * i as f64).collect(),
-        temperatures: lines.iter().map(|line| cell(line, 1).expect("a number")).collect(),
-        readings: lines.iter().map(|line| 1e-3 * cell(line, 2).expect("a number")).collect(),
+        temperatures: lines
+            .iter()
+            .map(|line| cell(line, 1).expect("a number"))
+            .collect(),
+        readings: lines
+            .iter()
+            .map(|line| 1e-3 * cell(line, 2).expect("a number"))
+            .collect(),
         ..MeasuredRecord::default()
     };
     let fit = ask(&record, &question(CalibrationMethod::Both));
-    let truth = [1.89e8, 3.06e-4, 4.69e5, 4.22e5, 4.70e4, -9.67e-3, 3.821_051_6e-3];
+    let truth = [
+        1.89e8,
+        3.06e-4,
+        4.69e5,
+        4.22e5,
+        4.70e4,
+        -9.67e-3,
+        3.821_051_6e-3,
+    ];
     let mut held = 0;
     for (quantity, truth) in PARAMETERS.iter().zip(truth) {
         let estimate = fit.estimate(*quantity);
-        println!("{:22} {truth:.4e} in {:.4e} to {:.4e}", quantity.key(), estimate.low, estimate.high);
+        println!(
+            "{:22} {truth:.4e} in {:.4e} to {:.4e}",
+            quantity.key(),
+            estimate.low,
+            estimate.high
+        );
         held += usize::from(estimate.holds(truth));
         let off = (estimate.estimate - truth).abs();
-        assert!(off < estimate.high - estimate.low, "{quantity:?}: {truth} far from {estimate:?}");
+        assert!(
+            off < estimate.high - estimate.low,
+            "{quantity:?}: {truth} far from {estimate:?}"
+        );
     }
     assert!(held >= 5, "{held} of 7");
-    assert!((110..=112).contains(&fit.slips.len()), "{}", fit.slips.len());
+    assert!(
+        (110..=112).contains(&fit.slips.len()),
+        "{}",
+        fit.slips.len()
+    );
 }
 
 /// A record of 18 days has some 14 slips, and one of 90 days more than 20.
 #[test]
 fn few_slips_are_said() {
     for (days, is_said) in [(18.0, true), (90.0, false)] {
-        let (fit, _) = &by_slips(&Campaign { days, ..RED_CAMPAIGN }, 3120..3121)[0];
-        assert_eq!(crate::bridge::warns(fit, "few_slips"), is_said, "{}: {:?}", fit.slips.len(), fit.warnings);
+        let (fit, _) = &by_slips(
+            &Campaign {
+                days,
+                ..RED_CAMPAIGN
+            },
+            3120..3121,
+        )[0];
+        assert_eq!(
+            crate::bridge::warns(fit, "few_slips"),
+            is_said,
+            "{}: {:?}",
+            fit.slips.len(),
+            fit.warnings
+        );
     }
 }
 
@@ -193,10 +321,25 @@ fn few_slips_are_said() {
 #[test]
 #[ignore = "a minute and a half; prints a table"]
 fn few_slips() {
-    let mut all = by_slips(&Campaign { days: 40.0, ..RED_CAMPAIGN }, 3000..3120);
-    all.extend(by_slips(&Campaign { days: 90.0, ..RED_CAMPAIGN }, 3120..3240));
+    let mut all = by_slips(
+        &Campaign {
+            days: 40.0,
+            ..RED_CAMPAIGN
+        },
+        3000..3120,
+    );
+    all.extend(by_slips(
+        &Campaign {
+            days: 90.0,
+            ..RED_CAMPAIGN
+        },
+        3120..3240,
+    ));
     for range in [6..10, 10..14, 14..18, 18..24, 24..40] {
-        let some: Vec<_> = all.iter().filter(|(fit, _)| range.contains(&fit.slips.len())).collect();
+        let some: Vec<_> = all
+            .iter()
+            .filter(|(fit, _)| range.contains(&fit.slips.len()))
+            .collect();
         let held = |quantity: Quantity| {
             let holds = |(fit, truth): &&&(Calibration, Values)| {
                 let estimate = fit.estimate(quantity);
@@ -205,6 +348,9 @@ fn few_slips() {
             some.iter().filter(holds).count()
         };
         let [f_s, f_d, gap] = [Quantity::Static, Quantity::Dynamic, Quantity::Gap].map(held);
-        println!("{range:?} slips: of {} intervals {f_s}, {f_d} and {gap} hold", some.len());
+        println!(
+            "{range:?} slips: of {} intervals {f_s}, {f_d} and {gap} hold",
+            some.len()
+        );
     }
 }

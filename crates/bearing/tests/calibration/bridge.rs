@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 use stickslip::noise::{Stream, Transition};
 use stickslip_bearing::calibration::{
-    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity, Response,
-    Sensor, Twin, Values, calibrate, twin, values,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion,
+    Quantity, Response, Sensor, Twin, Values, calibrate, twin, values,
 };
 use stickslip_data::{ColumnQuantity, Layout, arrays};
 
@@ -36,9 +36,20 @@ impl Bearing {
         let slope = self.stiffness * self.dilatation;
         let kappa = self.stiffness / self.shear_stiffness;
         let jump = 2.0 * (self.f_s - self.f_d) / slope;
-        let motion = Motion { reach: self.f_s / slope, jump, start: self.displacement / self.dilatation };
+        let motion = Motion {
+            reach: self.f_s / slope,
+            jump,
+            start: self.displacement / self.dilatation,
+        };
         let (moving, still) = ((1.0 - kappa) * self.dilatation, kappa * self.dilatation);
-        Response { motion, sensor: Sensor { offset: self.offset, moving, still } }
+        Response {
+            motion,
+            sensor: Sensor {
+                offset: self.offset,
+                moving,
+                still,
+            },
+        }
     }
 }
 
@@ -54,7 +65,12 @@ pub const BRIDGE: Bearing = Bearing {
 };
 
 /// 30 um of white noise, and 150 um of red noise with a correlation time of a day.
-pub const RED: Flaws = Flaws { white: 30e-6, red: 150e-6, memory: DAY, ..Flaws::NONE };
+pub const RED: Flaws = Flaws {
+    white: 30e-6,
+    red: 150e-6,
+    memory: DAY,
+    ..Flaws::NONE
+};
 
 /// How a synthetic measurement is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +96,12 @@ pub enum Between {
 
 /// 300 days with a sample every ten minutes, with red noise, under a temperature that moves between
 /// samples as the weather does.
-pub const RED_CAMPAIGN: Campaign = Campaign { days: 300.0, interval: 600.0, flaws: RED, between: Between::Weather };
+pub const RED_CAMPAIGN: Campaign = Campaign {
+    days: 300.0,
+    interval: 600.0,
+    flaws: RED,
+    between: Between::Weather,
+};
 
 /// The standard deviation and the memory in days of the two processes of the weather.
 pub const WEATHER: [[f64; 2]; 2] = [[1.8, 1.0 / 3.0], [2.5, 3.0]];
@@ -89,7 +110,9 @@ pub const WEATHER: [[f64; 2]; 2] = [[1.8, 1.0 / 3.0], [2.5, 3.0]];
 /// temperatures in degrees.
 pub fn weather(seed: u64, campaign: &Campaign, processes: [[f64; 2]; 2]) -> Air {
     let mut random = Stream::new(seed, 9);
-    let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), campaign.interval);
+    let process = |sd: f64, memory: f64| {
+        Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), campaign.interval)
+    };
     let [fast, slow] = processes.map(|[sd, days]| process(sd, days * DAY));
     let [mut a, mut b] = processes.map(|[sd, _]| sd * random.normal());
     let count = (campaign.days * DAY / campaign.interval) as usize;
@@ -101,10 +124,16 @@ pub fn weather(seed: u64, campaign: &Campaign, processes: [[f64; 2]; 2]) -> Air 
     };
     let temperatures = times.iter().map(temperature).collect();
     let roughness = match campaign.between {
-        Between::Weather => processes.map(|[sd, days]| 2.0 * sd * sd / (days * DAY)).iter().sum(),
+        Between::Weather => processes
+            .map(|[sd, days]| 2.0 * sd * sd / (days * DAY))
+            .iter()
+            .sum(),
         Between::Lines => 0.0,
     };
-    Air { roughness, ..Air::straight(times, temperatures) }
+    Air {
+        roughness,
+        ..Air::straight(times, temperatures)
+    }
 }
 
 /// Synthetic measurements of a bearing that starts at rest at a random place, and the true
@@ -114,7 +143,12 @@ pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Valu
 }
 
 /// The same under weather of other processes.
-pub fn twin_under(bearing: &Bearing, campaign: &Campaign, processes: [[f64; 2]; 2], seed: u64) -> (Twin, Values) {
+pub fn twin_under(
+    bearing: &Bearing,
+    campaign: &Campaign,
+    processes: [[f64; 2]; 2],
+    seed: u64,
+) -> (Twin, Values) {
     let air = weather(seed, campaign, processes);
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
@@ -135,9 +169,20 @@ pub fn record(twin: &Twin) -> MeasuredRecord {
 
 /// The same, read with `--outliers 8`.
 pub fn without_outliers(twin: &Twin) -> MeasuredRecord {
-    let Twin { times, temperatures, readings, .. } = twin;
-    let layout = Layout { outliers: Some(8), ..Layout::default() };
-    let both = [(ColumnQuantity::Temperature, temperatures), (ColumnQuantity::Displacement, readings)];
+    let Twin {
+        times,
+        temperatures,
+        readings,
+        ..
+    } = twin;
+    let layout = Layout {
+        outliers: Some(8),
+        ..Layout::default()
+    };
+    let both = [
+        (ColumnQuantity::Temperature, temperatures),
+        (ColumnQuantity::Displacement, readings),
+    ];
     let both = both.map(|(quantity, values)| (quantity, &times[..], &values[..]));
     let (columns, _) = arrays(&both, &layout).expect("sound samples");
     let [air, sensor] = [0, 1].map(|i| [&columns[i].times[..], &columns[i].values[..]]);
@@ -147,7 +192,11 @@ pub fn without_outliers(twin: &Twin) -> MeasuredRecord {
 /// The question that `mc calibrate` asks without options, for a bearing with a shear stiffness of
 /// 2.0e9 N/m.
 pub fn question(method: CalibrationMethod) -> CalibrationQuestion {
-    let guess = Motion { reach: 9.0, jump: 1.2, start: 15.0 };
+    let guess = Motion {
+        reach: 9.0,
+        jump: 1.2,
+        start: 15.0,
+    };
     CalibrationQuestion {
         method,
         shear_stiffness: Some(2.0e9),
@@ -175,7 +224,11 @@ pub fn ask(record: &MeasuredRecord, question: &CalibrationQuestion) -> Calibrati
 pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
     let one = |seed| {
         let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
-        let record = if campaign.flaws.spikes > 0.0 { without_outliers(&twin) } else { record(&twin) };
+        let record = if campaign.flaws.spikes > 0.0 {
+            without_outliers(&twin)
+        } else {
+            record(&twin)
+        };
         (ask(&record, &question(CalibrationMethod::Slips)), truth)
     };
     seeds.map(one).collect()
@@ -183,17 +236,23 @@ pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibr
 
 /// The root mean square error of a quantity, relative to its truth.
 pub fn rmse(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
-    let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
+    let error = |(fit, truth): &(Calibration, Values)| {
+        fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0
+    };
     (all.iter().map(|one| error(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
 }
 
 /// The mean relative error of a quantity.
 pub fn bias(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
-    let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
+    let error = |(fit, truth): &(Calibration, Values)| {
+        fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0
+    };
     all.iter().map(error).sum::<f64>() / all.len() as f64
 }
 
 /// The number of calibrations whose interval holds the truth.
 pub fn covered(all: &[(Calibration, Values)], quantity: Quantity) -> usize {
-    all.iter().filter(|(fit, truth)| fit.estimate(quantity).holds(truth[quantity as usize])).count()
+    all.iter()
+        .filter(|(fit, truth)| fit.estimate(quantity).holds(truth[quantity as usize]))
+        .count()
 }

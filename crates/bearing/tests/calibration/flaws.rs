@@ -6,7 +6,8 @@
 //! of seeds.
 
 use crate::bridge::{
-    BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns,
+    BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of,
+    warns,
 };
 use stickslip_bearing::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Quantity,
@@ -20,14 +21,26 @@ const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::
 /// mean, and the fit reports that another lag is more likely.
 #[test]
 fn a_lag_is_found_and_allowed_for() {
-    let lagging = Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN };
+    let lagging = Campaign {
+        flaws: Flaws { lag: 900.0, ..RED },
+        ..RED_CAMPAIGN
+    };
     let mut unaware = 0.0;
     for seed in 500..503 {
         let (twin, truth) = twin_of(&BRIDGE, &lagging, seed);
-        let with = |lag: Lag| ask(&record(&twin), &CalibrationQuestion { lag, ..question(CalibrationMethod::Slips) });
+        let with = |lag: Lag| {
+            ask(
+                &record(&twin),
+                &CalibrationQuestion {
+                    lag,
+                    ..question(CalibrationMethod::Slips)
+                },
+            )
+        };
         let [given, auto, none] = [Lag::Known(900.0), Lag::Auto, Lag::Known(0.0)].map(with);
-        let off =
-            |fit: &Calibration| fit.estimate(Quantity::Stiffness).estimate / truth[Quantity::Stiffness as usize] - 1.0;
+        let off = |fit: &Calibration| {
+            fit.estimate(Quantity::Stiffness).estimate / truth[Quantity::Stiffness as usize] - 1.0
+        };
         assert!(off(&given).abs() < 0.05);
         assert!(off(&auto).abs() < 0.06);
         assert!((auto.lag.estimate - 900.0).abs() < 180.0, "{:?}", auto.lag);
@@ -44,11 +57,24 @@ fn a_lag_is_found_and_allowed_for() {
 /// hold with a probability of 0.4 %. If the lag were taken for certain, none would hold it.
 #[test]
 fn the_lag_that_was_found_has_an_interval() {
-    let all = by_slips(&Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN }, 520..532);
+    let all = by_slips(
+        &Campaign {
+            flaws: Flaws { lag: 900.0, ..RED },
+            ..RED_CAMPAIGN
+        },
+        520..532,
+    );
     let held = all.iter().filter(|(fit, _)| fit.lag.holds(900.0)).count();
-    println!("{held} of 12: {:?}", all.iter().map(|(fit, _)| fit.lag).collect::<Vec<_>>());
+    println!(
+        "{held} of 12: {:?}",
+        all.iter().map(|(fit, _)| fit.lag).collect::<Vec<_>>()
+    );
     assert!(held >= 8, "{held} of 12");
-    assert!(covered(&all, Quantity::Stiffness) >= 8, "{}", covered(&all, Quantity::Stiffness));
+    assert!(
+        covered(&all, Quantity::Stiffness) >= 8,
+        "{}",
+        covered(&all, Quantity::Stiffness)
+    );
 }
 
 /// Without a lag none is found, in six synthetic measurements with thermometers of no, 0.5 K and
@@ -57,7 +83,10 @@ fn the_lag_that_was_found_has_an_interval() {
 #[test]
 fn no_lag_is_made_up() {
     for resolution in [0.0, 0.5, 1.0] {
-        let campaign = Campaign { flaws: Flaws { resolution, ..RED }, ..RED_CAMPAIGN };
+        let campaign = Campaign {
+            flaws: Flaws { resolution, ..RED },
+            ..RED_CAMPAIGN
+        };
         for (fit, _) in by_slips(&campaign, 600..602) {
             assert_eq!(fit.lag.estimate, 0.0, "{resolution}: {:?}", fit.lag_profile);
         }
@@ -69,13 +98,33 @@ fn no_lag_is_made_up() {
 /// four of five are left out where outliers are asked to be.
 #[test]
 fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
-    let flaws = Flaws { gaps: 20, spikes: 0.01, resolution: 0.5, ..RED };
-    let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 700..704);
+    let flaws = Flaws {
+        gaps: 20,
+        spikes: 0.01,
+        resolution: 0.5,
+        ..RED
+    };
+    let all = by_slips(
+        &Campaign {
+            flaws,
+            ..RED_CAMPAIGN
+        },
+        700..704,
+    );
     for quantity in FORCES {
-        assert!(rmse(&all, quantity) < 0.05, "{quantity:?}: {}", rmse(&all, quantity));
+        assert!(
+            rmse(&all, quantity) < 0.05,
+            "{quantity:?}: {}",
+            rmse(&all, quantity)
+        );
     }
     for (fit, _) in &all {
-        let left_out = fit.record.readings.iter().filter(|reading| reading.is_nan()).count() as f64;
+        let left_out = fit
+            .record
+            .readings
+            .iter()
+            .filter(|reading| reading.is_nan())
+            .count() as f64;
         let share = left_out / fit.record.times.len() as f64;
         assert!((0.007..0.0105).contains(&share), "{share}");
     }
@@ -85,15 +134,38 @@ fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
 #[test]
 fn other_sampling_and_other_noise_are_borne() {
     let campaigns = [
-        Campaign { interval: 120.0, days: 150.0, ..RED_CAMPAIGN },
-        Campaign { interval: 3600.0, ..RED_CAMPAIGN },
-        Campaign { flaws: Flaws { white: 60e-6, ..RED }, ..RED_CAMPAIGN },
-        Campaign { flaws: Flaws { white: 90e-6, ..RED }, ..RED_CAMPAIGN },
+        Campaign {
+            interval: 120.0,
+            days: 150.0,
+            ..RED_CAMPAIGN
+        },
+        Campaign {
+            interval: 3600.0,
+            ..RED_CAMPAIGN
+        },
+        Campaign {
+            flaws: Flaws {
+                white: 60e-6,
+                ..RED
+            },
+            ..RED_CAMPAIGN
+        },
+        Campaign {
+            flaws: Flaws {
+                white: 90e-6,
+                ..RED
+            },
+            ..RED_CAMPAIGN
+        },
     ];
     for campaign in campaigns {
         let all = by_slips(&campaign, 800..804);
         for quantity in FORCES {
-            assert!(rmse(&all, quantity) < 0.05, "{campaign:?}, {quantity:?}: {}", rmse(&all, quantity));
+            assert!(
+                rmse(&all, quantity) < 0.05,
+                "{campaign:?}, {quantity:?}: {}",
+                rmse(&all, quantity)
+            );
         }
     }
 }
@@ -103,22 +175,41 @@ fn other_sampling_and_other_noise_are_borne() {
 /// f_s.
 #[test]
 fn friction_that_scatters_is_noticed() {
-    let scattering = Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN };
+    let scattering = Campaign {
+        flaws: Flaws {
+            scatter: 0.05,
+            ..RED
+        },
+        ..RED_CAMPAIGN
+    };
     let all = by_slips(&scattering, 900..904);
     let says_so = |(fit, _): &(_, _)| warns(fit, "scatter");
     assert!(all.iter().all(says_so));
     assert!(!by_slips(&RED_CAMPAIGN, 900..904).iter().any(says_so));
     for quantity in FORCES {
-        assert!(rmse(&all, quantity) < 0.05, "{quantity:?}: {}", rmse(&all, quantity));
+        assert!(
+            rmse(&all, quantity) < 0.05,
+            "{quantity:?}: {}",
+            rmse(&all, quantity)
+        );
     }
 }
 
 /// A sensor whose zero was set in the middle of the record, by 1 mm and by 0.4 mm, a little less than
 /// a slip, and one that drifts by 0.5 and by 2 mm a year.
 pub const MOVING_ZEROS: [Flaws; 4] = [
-    Flaws { zero_set: Some((150.0 * 86_400.0, 1e-3)), ..RED },
-    Flaws { zero_set: Some((150.0 * 86_400.0, 0.4e-3)), ..RED },
-    Flaws { drift: 0.5e-3, ..RED },
+    Flaws {
+        zero_set: Some((150.0 * 86_400.0, 1e-3)),
+        ..RED
+    },
+    Flaws {
+        zero_set: Some((150.0 * 86_400.0, 0.4e-3)),
+        ..RED
+    },
+    Flaws {
+        drift: 0.5e-3,
+        ..RED
+    },
     Flaws { drift: 2e-3, ..RED },
 ];
 
@@ -133,8 +224,17 @@ pub const MOVING_ZEROS: [Flaws; 4] = [
 fn a_zero_that_moves_is_found_and_does_no_harm() {
     let mut held = [0; 2];
     for flaws in MOVING_ZEROS {
-        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 1100..1104);
-        for (sum, quantity) in held.iter_mut().zip([Quantity::Stiffness, Quantity::Dilatation]) {
+        let all = by_slips(
+            &Campaign {
+                flaws,
+                ..RED_CAMPAIGN
+            },
+            1100..1104,
+        );
+        for (sum, quantity) in held
+            .iter_mut()
+            .zip([Quantity::Stiffness, Quantity::Dilatation])
+        {
             *sum += covered(&all, quantity);
         }
         for (fit, _) in &all {
@@ -149,7 +249,11 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
                 (_, found) => panic!("{flaws:?}: {found:?}"),
             }
             if flaws.drift > 1e-3 {
-                assert!((fit.zero.drift_per_year() - flaws.drift).abs() < 0.3e-3, "{:?}", fit.zero);
+                assert!(
+                    (fit.zero.drift_per_year() - flaws.drift).abs() < 0.3e-3,
+                    "{:?}",
+                    fit.zero
+                );
                 assert!(warns(fit, "zero_drift"));
             }
         }
@@ -165,14 +269,29 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
 fn a_clock_that_is_an_hour_off_is_asked_for() {
     for seed in 1200..1202 {
         let upright = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0);
-        assert!(!warns(&ask(&upright, &question(CalibrationMethod::Slips)), "clocks"));
+        assert!(!warns(
+            &ask(&upright, &question(CalibrationMethod::Slips)),
+            "clocks"
+        ));
         for hours in [1.0, -1.0] {
-            let fit = ask(&upright.shifted(-3600.0 * hours), &question(CalibrationMethod::Slips));
+            let fit = ask(
+                &upright.shifted(-3600.0 * hours),
+                &question(CalibrationMethod::Slips),
+            );
             assert!(warns(&fit, "clocks"), "{hours}");
-            assert_eq!(fit.lag_profile.and_then(|profile| profile.clock), Some(3600.0 * hours));
+            assert_eq!(
+                fit.lag_profile.and_then(|profile| profile.clock),
+                Some(3600.0 * hours)
+            );
         }
-        let lagging = Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN };
-        let fit = ask(&record(&twin_of(&BRIDGE, &lagging, seed).0), &question(CalibrationMethod::Slips));
+        let lagging = Campaign {
+            flaws: Flaws { lag: 900.0, ..RED },
+            ..RED_CAMPAIGN
+        };
+        let fit = ask(
+            &record(&twin_of(&BRIDGE, &lagging, seed).0),
+            &question(CalibrationMethod::Slips),
+        );
         assert!(!warns(&fit, "clocks"));
     }
 }
@@ -183,12 +302,26 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
 #[ignore = "a minute; prints a table"]
 fn zeros() {
     for flaws in [RED].into_iter().chain(MOVING_ZEROS) {
-        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 2100..2124);
+        let all = by_slips(
+            &Campaign {
+                flaws,
+                ..RED_CAMPAIGN
+            },
+            2100..2124,
+        );
         let cells: Vec<String> = (Quantity::ALL[..Quantity::PARAMETERS].iter())
             .map(|quantity| format!("{}", covered(&all, *quantity)))
             .collect();
-        let found = all.iter().filter(|(fit, _)| fit.zero.drift != 0.0 || !fit.zero.steps.is_empty()).count();
-        println!("| {:?}, {} | {found} | {} |", flaws.zero_set, flaws.drift, cells.join(" | "));
+        let found = all
+            .iter()
+            .filter(|(fit, _)| fit.zero.drift != 0.0 || !fit.zero.steps.is_empty())
+            .count();
+        println!(
+            "| {:?}, {} | {found} | {} |",
+            flaws.zero_set,
+            flaws.drift,
+            cells.join(" | ")
+        );
     }
 }
 
@@ -199,14 +332,78 @@ fn zeros() {
 fn table() {
     let kinds: [(&str, Campaign); 9] = [
         ("red noise", RED_CAMPAIGN),
-        ("white noise of 100 um", Campaign { flaws: Flaws { white: 100e-6, ..RED }, ..RED_CAMPAIGN }),
-        ("f_s scatters by 5 %", Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN }),
-        ("steel 15 minutes behind", Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN }),
-        ("thermometer of 0.5 K", Campaign { flaws: Flaws { resolution: 0.5, ..RED }, ..RED_CAMPAIGN }),
-        ("thermometer of 1 K", Campaign { flaws: Flaws { resolution: 1.0, ..RED }, ..RED_CAMPAIGN }),
-        ("20 gaps, 1 % spikes", Campaign { flaws: Flaws { gaps: 20, spikes: 0.01, ..RED }, ..RED_CAMPAIGN }),
-        ("a sample an hour", Campaign { interval: 3600.0, ..RED_CAMPAIGN }),
-        ("100 days", Campaign { days: 100.0, ..RED_CAMPAIGN }),
+        (
+            "white noise of 100 um",
+            Campaign {
+                flaws: Flaws {
+                    white: 100e-6,
+                    ..RED
+                },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "f_s scatters by 5 %",
+            Campaign {
+                flaws: Flaws {
+                    scatter: 0.05,
+                    ..RED
+                },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "steel 15 minutes behind",
+            Campaign {
+                flaws: Flaws { lag: 900.0, ..RED },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "thermometer of 0.5 K",
+            Campaign {
+                flaws: Flaws {
+                    resolution: 0.5,
+                    ..RED
+                },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "thermometer of 1 K",
+            Campaign {
+                flaws: Flaws {
+                    resolution: 1.0,
+                    ..RED
+                },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "20 gaps, 1 % spikes",
+            Campaign {
+                flaws: Flaws {
+                    gaps: 20,
+                    spikes: 0.01,
+                    ..RED
+                },
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "a sample an hour",
+            Campaign {
+                interval: 3600.0,
+                ..RED_CAMPAIGN
+            },
+        ),
+        (
+            "100 days",
+            Campaign {
+                days: 100.0,
+                ..RED_CAMPAIGN
+            },
+        ),
     ];
     let columns = [
         Quantity::Stiffness,
@@ -218,8 +415,10 @@ fn table() {
     ];
     for (name, campaign) in kinds {
         let all = by_slips(&campaign, 2000..2024);
-        let cells: Vec<String> =
-            columns.iter().map(|quantity| format!("{:.1} %", 100.0 * rmse(&all, *quantity))).collect();
+        let cells: Vec<String> = columns
+            .iter()
+            .map(|quantity| format!("{:.1} %", 100.0 * rmse(&all, *quantity)))
+            .collect();
         println!("| {name} | {} |", cells.join(" | "));
     }
 }
@@ -230,9 +429,14 @@ fn table() {
 fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {
     let (twin, _) = twin_of(&BRIDGE, &RED_CAMPAIGN, 77);
     let upright = record(&twin);
-    let mirrored = MeasuredRecord { readings: upright.readings.iter().map(|z| -z).collect(), ..upright.clone() };
-    let (a, b) =
-        (ask(&upright, &question(CalibrationMethod::Slips)), ask(&mirrored, &question(CalibrationMethod::Slips)));
+    let mirrored = MeasuredRecord {
+        readings: upright.readings.iter().map(|z| -z).collect(),
+        ..upright.clone()
+    };
+    let (a, b) = (
+        ask(&upright, &question(CalibrationMethod::Slips)),
+        ask(&mirrored, &question(CalibrationMethod::Slips)),
+    );
     assert_eq!(a.estimates, b.estimates);
     assert!(warns(&b, "mirrored") && !warns(&a, "mirrored"));
     let mut holes = upright;

@@ -11,7 +11,13 @@ use stickslip_bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, 
 use stickslip_bearing::weather::fit;
 
 const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
-const ASKED: ForecastQuestion = ForecastQuestion { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };
+const ASKED: ForecastQuestion = ForecastQuestion {
+    draws: 20,
+    years: 10,
+    seed: 3,
+    level: 0.9,
+    share: 0.9,
+};
 
 /// Slips in a year of the true bearing under the true weather, by a loop that shares no code with
 /// the forecast. It is the recursion, sampled each half minute, with A reduced by 0.5826 s
@@ -20,11 +26,19 @@ const ASKED: ForecastQuestion = ForecastQuestion { draws: 20, years: 10, seed: 3
 /// standard error over these years.
 fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
     let step = 30.0;
-    let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), step);
+    let process =
+        |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), step);
     let [fast, slow] = processes.map(|[sd, days]| process(sd, days * DAY));
-    let overlooked = if lag > 0.0 { 0.0 } else { 0.5826 * fast.increment_sd.hypot(slow.increment_sd) };
+    let overlooked = if lag > 0.0 {
+        0.0
+    } else {
+        0.5826 * fast.increment_sd.hypot(slow.increment_sd)
+    };
     let motion = BRIDGE.response().motion;
-    let sampled = Motion { reach: motion.reach - overlooked, ..motion };
+    let sampled = Motion {
+        reach: motion.reach - overlooked,
+        ..motion
+    };
     let mut random = Stream::new(77, 0);
     let [mut a, mut b] = processes.map(|[sd, _]| sd * random.normal());
     let mut xi = 12.4 + 9.0;
@@ -36,7 +50,8 @@ fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
         for i in 0..per_year {
             let day = (year * per_year + i) as f64 * step / DAY;
             (a, b) = (fast.next(a, random.normal()), slow.next(b, random.normal()));
-            let t = 12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b;
+            let t =
+                12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b;
             steel += (t - steel) / (lag / step + 0.5).max(1.0);
             let next = sampled.next(xi, steel);
             slips += ((next - xi) / motion.jump).abs().round();
@@ -47,7 +62,8 @@ fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
     // The first year depends on the initial state, so it is left out.
     let counts = &counts[1..];
     let mean = counts.iter().sum::<f64>() / counts.len() as f64;
-    let variance = counts.iter().map(|n| (n - mean).powi(2)).sum::<f64>() / (counts.len() as f64 - 1.0);
+    let variance =
+        counts.iter().map(|n| (n - mean).powi(2)).sum::<f64>() / (counts.len() as f64 - 1.0);
     (mean, (variance / counts.len() as f64).sqrt())
 }
 
@@ -56,12 +72,31 @@ fn forecast_from(record: &MeasuredRecord, processes: usize, seed: u64) -> Option
     let stop = AtomicBool::new(false);
     let found = calibrate(record, &question(CalibrationMethod::Slips), 1, &stop).ok()?;
     let [times, temperatures] = found.record.thermometer();
-    let weather = fit(&times, &temperatures, &PERIODS, processes, record.averaged[0]).ok()?;
-    forecast(&found, &weather, &ForecastQuestion { seed, ..ASKED }, 2, &stop).ok()?
+    let weather = fit(
+        &times,
+        &temperatures,
+        &PERIODS,
+        processes,
+        record.averaged[0],
+    )
+    .ok()?;
+    forecast(
+        &found,
+        &weather,
+        &ForecastQuestion { seed, ..ASKED },
+        2,
+        &stop,
+    )
+    .ok()?
 }
 
 fn forecast_of(seed: u64, processes: usize) -> Forecast {
-    forecast_from(&record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0), processes, 3).expect("a forecast")
+    forecast_from(
+        &record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0),
+        processes,
+        3,
+    )
+    .expect("a forecast")
 }
 
 /// Every draw of the parameters sees weather of its own, as the interval for a single year assumes.
@@ -74,13 +109,22 @@ fn forecast_of(seed: u64, processes: usize) -> Forecast {
 fn no_two_draws_see_the_same_weather() {
     let forecast = forecast_of(300, 2);
     let (draws, years) = (20.0, 10.0);
-    let slips = |draw: usize, year: usize| forecast.years[draw][year][ForecastQuantity::Slips as usize];
+    let slips =
+        |draw: usize, year: usize| forecast.years[draw][year][ForecastQuantity::Slips as usize];
     let of_draw = |draw: usize| (0..10).map(|year| slips(draw, year)).sum::<f64>() / years;
     let of_year = |year: usize| (0..20).map(|draw| slips(draw, year)).sum::<f64>() / draws;
     let all = (0..10).map(of_year).sum::<f64>() / years;
-    let between = draws * (0..10).map(|year| (of_year(year) - all).powi(2)).sum::<f64>() / (years - 1.0);
-    let left = |draw: usize, year: usize| (slips(draw, year) - of_draw(draw) - of_year(year) + all).powi(2);
-    let within = (0..20).flat_map(|draw| (0..10).map(move |year| left(draw, year))).sum::<f64>();
+    let between = draws
+        * (0..10)
+            .map(|year| (of_year(year) - all).powi(2))
+            .sum::<f64>()
+        / (years - 1.0);
+    let left = |draw: usize, year: usize| {
+        (slips(draw, year) - of_draw(draw) - of_year(year) + all).powi(2)
+    };
+    let within = (0..20)
+        .flat_map(|draw| (0..10).map(move |year| left(draw, year)))
+        .sum::<f64>();
     let ratio = between / (within / ((draws - 1.0) * (years - 1.0)));
     println!("{ratio:.2}");
     assert!(ratio < 4.5, "{ratio}");
@@ -99,16 +143,24 @@ fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
     let (truth, error) = true_slips(WEATHER, 0.0, 60);
     let [mut sum, mut held, mut of_one] = [0.0; 3];
     for seed in 300..312 {
-        let two = *forecast_of(seed, 2).level(ForecastQuantity::Slips).expect("slips");
+        let two = *forecast_of(seed, 2)
+            .level(ForecastQuantity::Slips)
+            .expect("slips");
         sum += two.expected / 12.0;
         let [low, high] = two.expected_interval;
         held += f64::from(u8::from((low..=high).contains(&truth)));
         if seed < 304 {
-            of_one += forecast_of(seed, 1).level(ForecastQuantity::Slips).expect("slips").expected / 4.0;
+            of_one += forecast_of(seed, 1)
+                .level(ForecastQuantity::Slips)
+                .expect("slips")
+                .expected
+                / 4.0;
         }
         println!("{seed}: {:.0} [{low:.0}, {high:.0}]", two.expected);
     }
-    println!("truth {truth:.1} +- {error:.1}; two processes {sum:.1}, held {held} of 12; one process {of_one:.1}");
+    println!(
+        "truth {truth:.1} +- {error:.1}; two processes {sum:.1}, held {held} of 12; one process {of_one:.1}"
+    );
     assert!((sum / truth - 1.0).abs() < 0.08, "{sum} for {truth}");
     assert!(held >= 8.0, "{held} of 12");
     assert!(of_one > 1.15 * truth, "one process {of_one}");
@@ -119,15 +171,43 @@ fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
 #[test]
 #[ignore = "minutes; prints a table"]
 fn table() {
-    let lagging = Logger { lag: 120.0, ..PLAIN };
+    let lagging = Logger {
+        lag: 120.0,
+        ..PLAIN
+    };
     for (name, logger) in [
         ("every 10 minutes", PLAIN),
-        ("displacement twice as often", Logger { every: [20, 10], ..PLAIN }),
-        ("every hour", Logger { every: [60; 2], ..PLAIN }),
-        ("every hour, weather of 2 h", Logger { every: [60; 2], memory: 2.0, ..PLAIN }),
+        (
+            "displacement twice as often",
+            Logger {
+                every: [20, 10],
+                ..PLAIN
+            },
+        ),
+        (
+            "every hour",
+            Logger {
+                every: [60; 2],
+                ..PLAIN
+            },
+        ),
+        (
+            "every hour, weather of 2 h",
+            Logger {
+                every: [60; 2],
+                memory: 2.0,
+                ..PLAIN
+            },
+        ),
         ("steel 30 minutes behind", Logger { lag: 30.0, ..PLAIN }),
         ("steel 2 hours behind", lagging),
-        ("the same, thermometer on the steel", Logger { is_on_steel: true, ..lagging }),
+        (
+            "the same, thermometer on the steel",
+            Logger {
+                is_on_steel: true,
+                ..lagging
+            },
+        ),
     ] {
         let (slips, error) = true_slips(logger.processes(), 60.0 * logger.lag, 200);
         let motion = BRIDGE.response().motion;
@@ -142,7 +222,10 @@ fn table() {
                 continue;
             };
             count += 1.0;
-            for (i, quantity) in [ForecastQuantity::Slips, ForecastQuantity::SlidingPath].into_iter().enumerate() {
+            for (i, quantity) in [ForecastQuantity::Slips, ForecastQuantity::SlidingPath]
+                .into_iter()
+                .enumerate()
+            {
                 let level = forecast.level(quantity).expect("slips");
                 let [low, high] = level.expected_interval;
                 off[i] += level.expected / truth[i] - 1.0;

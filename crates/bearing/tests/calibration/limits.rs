@@ -1,6 +1,8 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
-use crate::bridge::{BRIDGE, Bearing, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns};
+use crate::bridge::{
+    BRIDGE, Bearing, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns,
+};
 use stickslip_bearing::Unsound;
 use stickslip_bearing::calibration::{
     CalibrationError, CalibrationMethod, CalibrationQuestion, MeasuredRecord, Quantity, calibrate,
@@ -13,16 +15,32 @@ use stickslip_bearing::weather;
 #[test]
 fn without_the_shear_stiffness_there_are_no_forces() {
     for shear_stiffness in [f64::INFINITY, 2.0e9] {
-        let bearing = Bearing { shear_stiffness, ..BRIDGE };
+        let bearing = Bearing {
+            shear_stiffness,
+            ..BRIDGE
+        };
         let (twin, truth) = twin_of(&bearing, &RED_CAMPAIGN, 42);
-        let fit =
-            ask(&record(&twin), &CalibrationQuestion { shear_stiffness: None, ..question(CalibrationMethod::Slips) });
+        let fit = ask(
+            &record(&twin),
+            &CalibrationQuestion {
+                shear_stiffness: None,
+                ..question(CalibrationMethod::Slips)
+            },
+        );
         assert!(warns(&fit, "no_shear_stiffness"));
         for quantity in Quantity::ALL {
             let estimate = fit.estimate(quantity);
-            assert_eq!(estimate.estimate.is_nan(), quantity.needs_shear_stiffness(), "{quantity:?}");
+            assert_eq!(
+                estimate.estimate.is_nan(),
+                quantity.needs_shear_stiffness(),
+                "{quantity:?}"
+            );
         }
-        for quantity in [Quantity::Dilatation, Quantity::StaticWay, Quantity::DynamicWay] {
+        for quantity in [
+            Quantity::Dilatation,
+            Quantity::StaticWay,
+            Quantity::DynamicWay,
+        ] {
             let off = fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
             assert!(off.abs() < 0.04, "{quantity:?}: {off}");
         }
@@ -37,11 +55,16 @@ fn sliding_without_slips_is_said() {
     let said = |bearing: &Bearing| {
         let (twin, truth) = twin_of(bearing, &RED_CAMPAIGN, 43);
         let fit = ask(&record(&twin), &question(CalibrationMethod::Slips));
-        let off = fit.estimate(Quantity::DynamicWay).estimate / truth[Quantity::DynamicWay as usize] - 1.0;
+        let off = fit.estimate(Quantity::DynamicWay).estimate
+            / truth[Quantity::DynamicWay as usize]
+            - 1.0;
         assert!(off.abs() < 0.05, "{off}");
         warns(&fit, "gap_not_identified")
     };
-    assert!(said(&Bearing { f_d: BRIDGE.f_s, ..BRIDGE }));
+    assert!(said(&Bearing {
+        f_d: BRIDGE.f_s,
+        ..BRIDGE
+    }));
     assert!(!said(&BRIDGE));
 }
 
@@ -54,17 +77,49 @@ fn no_record_is_refused() {
         ..MeasuredRecord::default()
     };
     let ask = |record: MeasuredRecord| {
-        calibrate(&record, &question(CalibrationMethod::Both), 1, &Default::default()).map(|_| ())
+        calibrate(
+            &record,
+            &question(CalibrationMethod::Both),
+            1,
+            &Default::default(),
+        )
+        .map(|_| ())
     };
     let wave = |i: usize| (0.1 * i as f64).sin();
-    assert_eq!(ask(flat(20, wave, wave)).unwrap_err(), CalibrationError::TooShort(20));
-    assert_eq!(ask(flat(0, wave, wave)).unwrap_err(), CalibrationError::TooShort(0));
-    assert_eq!(ask(flat(2000, wave, |_| 20.0)).unwrap_err(), CalibrationError::from(Unsound::Constant("temperature")));
-    assert_eq!(ask(flat(2000, |_| 0.0, wave)).unwrap_err(), CalibrationError::from(Unsound::Constant("displacement")));
+    assert_eq!(
+        ask(flat(20, wave, wave)).unwrap_err(),
+        CalibrationError::TooShort(20)
+    );
+    assert_eq!(
+        ask(flat(0, wave, wave)).unwrap_err(),
+        CalibrationError::TooShort(0)
+    );
+    assert_eq!(
+        ask(flat(2000, wave, |_| 20.0)).unwrap_err(),
+        CalibrationError::from(Unsound::Constant("temperature"))
+    );
+    assert_eq!(
+        ask(flat(2000, |_| 0.0, wave)).unwrap_err(),
+        CalibrationError::from(Unsound::Constant("displacement"))
+    );
     // If the body never slips, z follows T, and nothing else can be determined.
-    let still = CalibrationQuestion { starts: 1, ..question(CalibrationMethod::Both) };
-    let none = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default()).map(|_| ()).unwrap_err();
-    assert!(matches!(none, CalibrationError::NoBearing { quantity: Quantity::Shear, .. }), "{none:?}");
+    let still = CalibrationQuestion {
+        starts: 1,
+        ..question(CalibrationMethod::Both)
+    };
+    let none = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default())
+        .map(|_| ())
+        .unwrap_err();
+    assert!(
+        matches!(
+            none,
+            CalibrationError::NoBearing {
+                quantity: Quantity::Shear,
+                ..
+            }
+        ),
+        "{none:?}"
+    );
 }
 
 /// A joint that opens by 0.2 mm at four o'clock and closes at sixteen, hour after hour, under a
@@ -88,8 +143,12 @@ fn joint(hours: usize, opens: f64) -> MeasuredRecord {
             _ => (),
         }
         record.times.push(3600.0 * at);
-        record.temperatures.push((100.0 * temperature).round() / 100.0);
-        record.readings.push(1e-3 * (0.01 * temperature + width + 0.002 * uniform()));
+        record
+            .temperatures
+            .push((100.0 * temperature).round() / 100.0);
+        record
+            .readings
+            .push(1e-3 * (0.01 * temperature + width + 0.002 * uniform()));
     }
     record
 }
@@ -99,12 +158,28 @@ fn joint(hours: usize, opens: f64) -> MeasuredRecord {
 #[test]
 fn jumps_that_are_no_slips_are_refused() {
     for hours in [480, 4800] {
-        for method in [CalibrationMethod::Slips, CalibrationMethod::Err, CalibrationMethod::Both] {
+        for method in [
+            CalibrationMethod::Slips,
+            CalibrationMethod::Err,
+            CalibrationMethod::Both,
+        ] {
             let begin = std::time::Instant::now();
-            let refused = calibrate(&joint(hours, 0.2), &question(method), 1, &Default::default()).map(|_| ());
+            let refused = calibrate(
+                &joint(hours, 0.2),
+                &question(method),
+                1,
+                &Default::default(),
+            )
+            .map(|_| ());
             let error = refused.expect_err("no bearing");
-            assert!(matches!(error, CalibrationError::NotSlips { jumps: 38.., .. }), "{error:?}");
-            assert!(error.to_string().contains("a bearing has A > 0.05 K"), "{error}");
+            assert!(
+                matches!(error, CalibrationError::NotSlips { jumps: 38.., .. }),
+                "{error:?}"
+            );
+            assert!(
+                error.to_string().contains("a bearing has A > 0.05 K"),
+                "{error}"
+            );
             assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
         }
     }
@@ -115,15 +190,33 @@ fn jumps_that_are_no_slips_are_refused() {
 /// little is known, that is said.
 #[test]
 fn a_dozen_slips_make_a_wide_forecast_or_none() {
-    let asked = ForecastQuestion { draws: 10, years: 2, seed: 1, level: 0.9, share: 0.9 };
+    let asked = ForecastQuestion {
+        draws: 10,
+        years: 2,
+        seed: 1,
+        level: 0.9,
+        share: 0.9,
+    };
     let stop = Default::default();
     let (mut found, mut refused) = (0, 0);
     for seed in 0..12 {
-        let record = record(&twin_of(&BRIDGE, &Campaign { days: 25.0, ..RED_CAMPAIGN }, 40 + seed).0);
+        let record = record(
+            &twin_of(
+                &BRIDGE,
+                &Campaign {
+                    days: 25.0,
+                    ..RED_CAMPAIGN
+                },
+                40 + seed,
+            )
+            .0,
+        );
         let calibration = match calibrate(&record, &question(CalibrationMethod::Slips), 2, &stop) {
             Ok(calibration) => calibration,
             Err(
-                CalibrationError::NotSlips { .. } | CalibrationError::Undetermined { .. } | CalibrationError::NoSlips,
+                CalibrationError::NotSlips { .. }
+                | CalibrationError::Undetermined { .. }
+                | CalibrationError::NoSlips,
             ) => {
                 refused += 1;
                 continue;
@@ -131,14 +224,22 @@ fn a_dozen_slips_make_a_wide_forecast_or_none() {
             Err(error) => panic!("seed {seed}: {error}"),
         };
         assert_eq!(calibration.response.impossible(Some(2.0e9)), None);
-        let weather = weather::fit(&record.times, &record.temperatures, &[86_400.0], 1, 0.0).expect("weather");
+        let weather = weather::fit(&record.times, &record.temperatures, &[86_400.0], 1, 0.0)
+            .expect("weather");
         match forecast(&calibration, &weather, &asked, 2, &stop) {
             Ok(forecast) => {
                 let forecast = forecast.expect("not stopped");
                 for level in forecast.levels {
                     let ends = [level.expected_interval, level.year_interval].concat();
-                    assert!(ends.iter().all(|end| *end >= 0.0), "seed {seed}, {:?}: {ends:?}", level.quantity);
-                    assert!(level.quantity != ForecastQuantity::Loaded || ends.iter().all(|end| *end <= 1.0));
+                    assert!(
+                        ends.iter().all(|end| *end >= 0.0),
+                        "seed {seed}, {:?}: {ends:?}",
+                        level.quantity
+                    );
+                    assert!(
+                        level.quantity != ForecastQuantity::Loaded
+                            || ends.iter().all(|end| *end <= 1.0)
+                    );
                 }
                 found += 1;
             }

@@ -2,7 +2,8 @@
 //! lags. They are made on a grid of a minute by a loop that knows nothing of the calibration.
 
 use crate::bridge::{
-    BRIDGE, Bearing, Campaign, DAY, RED, RED_CAMPAIGN, WEATHER, ask, question, record, twin_of, warns, weather,
+    BRIDGE, Bearing, Campaign, DAY, RED, RED_CAMPAIGN, WEATHER, ask, question, record, twin_of,
+    warns, weather,
 };
 use stickslip::noise::{Stream, Transition};
 use stickslip_bearing::calibration::{
@@ -53,8 +54,21 @@ impl Logger {
 
 /// What the logger keeps, and the truth.
 pub fn kept(logger: &Logger, seed: u64) -> (MeasuredRecord, Values) {
-    let Logger { every, after, means, noise, behind, lag, is_on_steel, .. } = *logger;
-    let campaign = Campaign { interval: 60.0, flaws: Flaws::NONE, ..RED_CAMPAIGN };
+    let Logger {
+        every,
+        after,
+        means,
+        noise,
+        behind,
+        lag,
+        is_on_steel,
+        ..
+    } = *logger;
+    let campaign = Campaign {
+        interval: 60.0,
+        flaws: Flaws::NONE,
+        ..RED_CAMPAIGN
+    };
     let air = weather(seed, &campaign, logger.processes());
     let mut steel = air.clone();
     if lag > 0.0 {
@@ -62,7 +76,11 @@ pub fn kept(logger: &Logger, seed: u64) -> (MeasuredRecord, Values) {
             *warm += (t - *warm) / (lag + 0.5);
             Some(*warm)
         };
-        let temperatures = air.temperatures.iter().scan(air.temperatures[0], follows).collect();
+        let temperatures = air
+            .temperatures
+            .iter()
+            .scan(air.temperatures[0], follows)
+            .collect();
         steel = Air::straight(air.times.clone(), temperatures);
     }
     let mut response = BRIDGE.response();
@@ -72,19 +90,28 @@ pub fn kept(logger: &Logger, seed: u64) -> (MeasuredRecord, Values) {
     let shown = if is_on_steel { &steel } else { &air };
 
     let mut random = Stream::new(seed, 55);
-    let value = |all: &[f64], end: usize, over: usize| all[end + 1 - over..=end].iter().sum::<f64>() / over as f64;
+    let value = |all: &[f64], end: usize, over: usize| {
+        all[end + 1 - over..=end].iter().sum::<f64>() / over as f64
+    };
     let over = [0, 1].map(|i| if means[i] { every[i] } else { 1 });
     let middle = |over: usize| 30.0 * (over - 1) as f64;
-    let ends = |every: usize, after: usize| (every + after..twin.times.len() - behind).step_by(every);
+    let ends =
+        |every: usize, after: usize| (every + after..twin.times.len() - behind).step_by(every);
     let thermometer: [Vec<f64>; 2] = [
-        ends(every[0], after).map(|end| twin.times[end] - middle(over[0])).collect(),
-        ends(every[0], after).map(|end| value(&shown.temperatures, end, over[0]) + noise * random.normal()).collect(),
+        ends(every[0], after)
+            .map(|end| twin.times[end] - middle(over[0]))
+            .collect(),
+        ends(every[0], after)
+            .map(|end| value(&shown.temperatures, end, over[0]) + noise * random.normal())
+            .collect(),
     ];
     let interval = 60.0 * every[1] as f64;
     let red = Transition::new(1.0 / DAY, logger.red * (2.0 / DAY).sqrt(), interval);
     let mut drift = logger.red * random.normal();
     let sensor: [Vec<f64>; 2] = [
-        ends(every[1], 0).map(|end| twin.times[end] - middle(over[1])).collect(),
+        ends(every[1], 0)
+            .map(|end| twin.times[end] - middle(over[1]))
+            .collect(),
         ends(every[1], 0)
             .map(|end| {
                 drift = red.next(drift, random.normal());
@@ -92,9 +119,18 @@ pub fn kept(logger: &Logger, seed: u64) -> (MeasuredRecord, Values) {
             })
             .collect(),
     ];
-    let averaged = [0, 1].map(|i| if means[i] { 60.0 * every[i] as f64 } else { 0.0 });
+    let averaged = [0, 1].map(|i| {
+        if means[i] {
+            60.0 * every[i] as f64
+        } else {
+            0.0
+        }
+    });
     let both = MeasuredRecord::of([&thermometer[0], &thermometer[1]], [&sensor[0], &sensor[1]]);
-    (MeasuredRecord { averaged, ..both }, values(&response, Some(BRIDGE.shear_stiffness)))
+    (
+        MeasuredRecord { averaged, ..both },
+        values(&response, Some(BRIDGE.shear_stiffness)),
+    )
 }
 
 /// The calibration of what the logger keeps, and the truth.
@@ -109,10 +145,16 @@ fn calibrated(logger: &Logger, seed: u64) -> (Calibration, Values) {
 /// found in each of three records, and in none of three whose clocks agree.
 #[test]
 fn means_and_clocks_are_known_for_what_they_are() {
-    let means = Logger { means: [true; 2], ..PLAIN };
+    let means = Logger {
+        means: [true; 2],
+        ..PLAIN
+    };
     let off = |seed| {
         let (fit, truth) = calibrated(&means, seed);
-        let [gap, true_gap] = [fit.estimate(Quantity::Gap).estimate, truth[Quantity::Gap as usize]];
+        let [gap, true_gap] = [
+            fit.estimate(Quantity::Gap).estimate,
+            truth[Quantity::Gap as usize],
+        ];
         gap / true_gap - 1.0
     };
     let mean = (900..906).map(off).sum::<f64>() / 6.0;
@@ -133,15 +175,31 @@ fn means_and_clocks_are_known_for_what_they_are() {
 #[test]
 fn loggers_of_two_rates_and_clocks_find_the_same_a() {
     for logger in [
-        Logger { every: [60, 10], red: 0.0, ..PLAIN },
-        Logger { after: 1, red: 0.0, ..PLAIN },
-        Logger { behind: 5, red: 0.0, ..PLAIN },
+        Logger {
+            every: [60, 10],
+            red: 0.0,
+            ..PLAIN
+        },
+        Logger {
+            after: 1,
+            red: 0.0,
+            ..PLAIN
+        },
+        Logger {
+            behind: 5,
+            red: 0.0,
+            ..PLAIN
+        },
     ] {
-        let all: Vec<(Calibration, Values)> = (900..903).map(|seed| calibrated(&logger, seed)).collect();
+        let all: Vec<(Calibration, Values)> =
+            (900..903).map(|seed| calibrated(&logger, seed)).collect();
         let off = crate::bridge::bias(&all, Quantity::Reach);
         println!("{logger:?}: A is off by {:.2} %", 100.0 * off);
         assert!(off.abs() < 0.015, "{off}");
-        assert!(all.iter().all(|(fit, _)| fit.roughness > 0.0), "straight lines");
+        assert!(
+            all.iter().all(|(fit, _)| fit.roughness > 0.0),
+            "straight lines"
+        );
     }
 }
 
@@ -149,12 +207,32 @@ fn loggers_of_two_rates_and_clocks_find_the_same_a() {
 /// [`table`].
 #[test]
 fn samples_that_are_too_sparse_are_said() {
-    let noisy = Logger { noise: 0.3, ..PLAIN };
-    let sparse = Logger { every: [60; 2], memory: 2.0, ..PLAIN };
-    let hourly = Logger { every: [60; 2], ..PLAIN };
-    for (logger, is_sparse) in [(PLAIN, false), (hourly, false), (noisy, false), (sparse, true)] {
+    let noisy = Logger {
+        noise: 0.3,
+        ..PLAIN
+    };
+    let sparse = Logger {
+        every: [60; 2],
+        memory: 2.0,
+        ..PLAIN
+    };
+    let hourly = Logger {
+        every: [60; 2],
+        ..PLAIN
+    };
+    for (logger, is_sparse) in [
+        (PLAIN, false),
+        (hourly, false),
+        (noisy, false),
+        (sparse, true),
+    ] {
         let (fit, _) = calibrated(&logger, 904);
-        assert_eq!(warns(&fit, "sparse_samples"), is_sparse, "{logger:?}: {:?}", fit.warnings);
+        assert_eq!(
+            warns(&fit, "sparse_samples"),
+            is_sparse,
+            "{logger:?}: {:?}",
+            fit.warnings
+        );
     }
 }
 
@@ -167,50 +245,172 @@ fn table() {
     let both = [true; 2];
     for (name, logger) in [
         ("every 10 minutes", PLAIN),
-        ("thermometer noise of 0.1 K", Logger { noise: 0.1, ..PLAIN }),
-        ("thermometer noise of 0.3 K", Logger { noise: 0.3, ..PLAIN }),
+        (
+            "thermometer noise of 0.1 K",
+            Logger {
+                noise: 0.1,
+                ..PLAIN
+            },
+        ),
+        (
+            "thermometer noise of 0.3 K",
+            Logger {
+                noise: 0.3,
+                ..PLAIN
+            },
+        ),
         ("30 um of white noise alone", Logger { red: 0.0, ..PLAIN }),
-        ("thermometer every hour", Logger { every: [60, 10], ..PLAIN }),
-        ("thermometer a minute after the sensor", Logger { after: 1, ..PLAIN }),
-        ("thermometer a minute before the sensor", Logger { after: 9, ..PLAIN }),
-        ("every hour", Logger { every: [60; 2], ..PLAIN }),
-        ("every hour, weather of 2 h", Logger { every: [60; 2], memory: 2.0, ..PLAIN }),
-        ("means of 10 minutes", Logger { means: both, ..PLAIN }),
-        ("means of 10 minutes of the temperature alone", Logger { means: [true, false], ..PLAIN }),
-        ("means of 10 minutes of the displacement alone", Logger { means: [false, true], ..PLAIN }),
-        ("means of an hour", Logger { every: [60; 2], means: both, ..PLAIN }),
+        (
+            "thermometer every hour",
+            Logger {
+                every: [60, 10],
+                ..PLAIN
+            },
+        ),
+        (
+            "thermometer a minute after the sensor",
+            Logger { after: 1, ..PLAIN },
+        ),
+        (
+            "thermometer a minute before the sensor",
+            Logger { after: 9, ..PLAIN },
+        ),
+        (
+            "every hour",
+            Logger {
+                every: [60; 2],
+                ..PLAIN
+            },
+        ),
+        (
+            "every hour, weather of 2 h",
+            Logger {
+                every: [60; 2],
+                memory: 2.0,
+                ..PLAIN
+            },
+        ),
+        (
+            "means of 10 minutes",
+            Logger {
+                means: both,
+                ..PLAIN
+            },
+        ),
+        (
+            "means of 10 minutes of the temperature alone",
+            Logger {
+                means: [true, false],
+                ..PLAIN
+            },
+        ),
+        (
+            "means of 10 minutes of the displacement alone",
+            Logger {
+                means: [false, true],
+                ..PLAIN
+            },
+        ),
+        (
+            "means of an hour",
+            Logger {
+                every: [60; 2],
+                means: both,
+                ..PLAIN
+            },
+        ),
         ("steel 30 minutes behind", Logger { lag: 30.0, ..PLAIN }),
-        ("steel 6 hours behind", Logger { lag: 360.0, ..PLAIN }),
+        (
+            "steel 6 hours behind",
+            Logger {
+                lag: 360.0,
+                ..PLAIN
+            },
+        ),
         ("clocks 5 minutes apart", Logger { behind: 5, ..PLAIN }),
-        ("clocks 30 minutes apart", Logger { behind: 30, ..PLAIN }),
+        (
+            "clocks 30 minutes apart",
+            Logger {
+                behind: 30,
+                ..PLAIN
+            },
+        ),
     ] {
-        let all: Vec<(Calibration, Values)> = (950..950 + seeds).map(|seed| calibrated(&logger, seed)).collect();
+        let all: Vec<(Calibration, Values)> = (950..950 + seeds)
+            .map(|seed| calibrated(&logger, seed))
+            .collect();
         let of = |quantity| {
             let off = crate::bridge::bias(&all, quantity);
-            let error = (crate::bridge::rmse(&all, quantity).powi(2) - off * off).sqrt() / (seeds as f64).sqrt();
-            format!("{:+.1} +- {:.1} % | {}", 100.0 * off, 100.0 * error, crate::bridge::covered(&all, quantity))
+            let error = (crate::bridge::rmse(&all, quantity).powi(2) - off * off).sqrt()
+                / (seeds as f64).sqrt();
+            format!(
+                "{:+.1} +- {:.1} % | {}",
+                100.0 * off,
+                100.0 * error,
+                crate::bridge::covered(&all, quantity)
+            )
         };
-        let mut said: Vec<&str> = all.iter().flat_map(|(fit, _)| fit.warnings.iter().map(|w| w.name())).collect();
+        let mut said: Vec<&str> = all
+            .iter()
+            .flat_map(|(fit, _)| fit.warnings.iter().map(|w| w.name()))
+            .collect();
         said.sort_unstable();
-        let said: Vec<String> =
-            said.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0])).collect();
-        println!("| {name} | {} | {} | {} |", of(Quantity::Static), of(Quantity::Reach), said.join(", "));
+        let said: Vec<String> = said
+            .chunk_by(|a, b| a == b)
+            .map(|same| format!("{} {}", same.len(), same[0]))
+            .collect();
+        println!(
+            "| {name} | {} | {} | {} |",
+            of(Quantity::Static),
+            of(Quantity::Reach),
+            said.join(", ")
+        );
     }
 }
 /// Two bearings of 469 and 300 kN seen as one are no bearing; each alone, and with red noise of the
 /// sensor nearly as large as a slip, is one.
 #[test]
 fn two_bearings_as_one_are_a_misfit() {
-    let weak = Bearing { f_s: 3.0e5, f_d: 2.7e5, ..BRIDGE };
-    let red = Campaign { flaws: Flaws { red: 400e-6, ..RED }, ..RED_CAMPAIGN };
+    let weak = Bearing {
+        f_s: 3.0e5,
+        f_d: 2.7e5,
+        ..BRIDGE
+    };
+    let red = Campaign {
+        flaws: Flaws { red: 400e-6, ..RED },
+        ..RED_CAMPAIGN
+    };
     let of = |bearing: &Bearing, campaign: &Campaign| record(&twin_of(bearing, campaign, 950).0);
-    let is_misfit = |record: &MeasuredRecord| warns(&ask(record, &question(CalibrationMethod::Slips)), "misfit");
+    let is_misfit = |record: &MeasuredRecord| {
+        warns(&ask(record, &question(CalibrationMethod::Slips)), "misfit")
+    };
     let [strong, weak] = [&BRIDGE, &weak].map(|bearing| of(bearing, &RED_CAMPAIGN));
-    let readings = strong.readings.iter().zip(&weak.readings).map(|(a, b)| 0.5 * (a + b)).collect();
-    let both = MeasuredRecord { readings, ..strong.clone() };
-    assert_eq!([&strong, &weak, &of(&BRIDGE, &red), &both].map(is_misfit), [false, false, false, true]);
+    let readings = strong
+        .readings
+        .iter()
+        .zip(&weak.readings)
+        .map(|(a, b)| 0.5 * (a + b))
+        .collect();
+    let both = MeasuredRecord {
+        readings,
+        ..strong.clone()
+    };
+    assert_eq!(
+        [&strong, &weak, &of(&BRIDGE, &red), &both].map(is_misfit),
+        [false, false, false, true]
+    );
     // Millimetres that are called metres.
     let readings = strong.readings.iter().map(|z| 1e3 * z).collect();
-    let metres = ask(&MeasuredRecord { readings, ..strong.clone() }, &question(CalibrationMethod::Slips));
-    assert!(warns(&metres, "large_dilatation") && !warns(&metres, "misfit"), "{:?}", metres.warnings);
+    let metres = ask(
+        &MeasuredRecord {
+            readings,
+            ..strong.clone()
+        },
+        &question(CalibrationMethod::Slips),
+    );
+    assert!(
+        warns(&metres, "large_dilatation") && !warns(&metres, "misfit"),
+        "{:?}",
+        metres.warnings
+    );
 }

@@ -26,8 +26,14 @@ mod tests {
 
     #[test]
     fn nothing_in_a_text_ends_an_attribute_an_element_or_a_line() {
-        assert_eq!(escaped("' onmouseover='alert(1)"), "&#39; onmouseover=&#39;alert(1)");
+        assert_eq!(
+            escaped("' onmouseover='alert(1)"),
+            "&#39; onmouseover=&#39;alert(1)"
+        );
         assert_eq!(escaped("\"<&>"), "&quot;&lt;&amp;&gt;");
-        assert_eq!(escaped("a\u{0}b\u{7f}\r\n\t\u{ffff}"), "a\u{fffd}b\u{fffd}\u{fffd}\n\t\u{fffd}");
+        assert_eq!(
+            escaped("a\u{0}b\u{7f}\r\n\t\u{ffff}"),
+            "a\u{fffd}b\u{fffd}\u{fffd}\n\t\u{fffd}"
+        );
     }
 }

@@ -59,12 +59,19 @@ impl Face {
 
     /// The glyph of a character; the glyph for missing characters if the typeface does not have it.
     pub fn glyph(self, c: char) -> u32 {
-        self.parsed().font.charmap().map(c).map_or(0, |glyph| glyph.to_u32())
+        self.parsed()
+            .font
+            .charmap()
+            .map(c)
+            .map_or(0, |glyph| glyph.to_u32())
     }
 
     /// The width of a glyph, in units of the size of the letters.
     pub fn advance(self, glyph: u32) -> f64 {
-        let metrics = self.parsed().font.glyph_metrics(Size::unscaled(), LocationRef::default());
+        let metrics = self
+            .parsed()
+            .font
+            .glyph_metrics(Size::unscaled(), LocationRef::default());
         f64::from(metrics.advance_width(GlyphId::new(glyph)).unwrap_or(0.0)) / self.em()
     }
 
@@ -129,7 +136,10 @@ mod tests {
             for c in NEEDED.chars() {
                 let glyph = face.glyph(c);
                 assert!(glyph != 0, "{face:?} lacks {c}");
-                assert!(face.advance(glyph) > 0.1 && face.outline(glyph).len() > 10, "{face:?} {c}");
+                assert!(
+                    face.advance(glyph) > 0.1 && face.outline(glyph).len() > 10,
+                    "{face:?} {c}"
+                );
             }
             assert_eq!(face.glyph('龍'), 0);
         }

@@ -39,10 +39,12 @@ impl<T: AsRef<str>> From<T> for Label {
         // The position of an index or a power above or below which the next one may be placed.
         let mut stack: Option<f64> = None;
         while let Some(c) = rest.chars().next() {
-            let script = [("_{", -DROP), ("^{", RAISE)].into_iter().find_map(|(mark, shift)| {
-                let (inside, after) = rest.strip_prefix(mark)?.split_once('}')?;
-                Some((inside, shift, after))
-            });
+            let script = [("_{", -DROP), ("^{", RAISE)]
+                .into_iter()
+                .find_map(|(mark, shift)| {
+                    let (inside, after) = rest.strip_prefix(mark)?.split_once('}')?;
+                    Some((inside, shift, after))
+                });
             if let Some((inside, shift, after)) = script {
                 let start = stack.take();
                 let width = label.width;
@@ -52,13 +54,23 @@ impl<T: AsRef<str>> From<T> for Label {
                 stack = start.is_none().then_some(from);
                 rest = after;
             } else if let Some(after) = rest.strip_prefix("**") {
-                face = if face == Face::Bold { Face::Regular } else { Face::Bold };
+                face = if face == Face::Bold {
+                    Face::Regular
+                } else {
+                    Face::Bold
+                };
                 rest = after;
             } else if let Some(after) = rest.strip_prefix('*') {
-                face = if face == Face::Italic { Face::Regular } else { Face::Italic };
+                face = if face == Face::Italic {
+                    Face::Regular
+                } else {
+                    Face::Italic
+                };
                 rest = after;
             } else {
-                let end = rest[c.len_utf8()..].find(['*', '_', '^']).map_or(rest.len(), |at| at + c.len_utf8());
+                let end = rest[c.len_utf8()..]
+                    .find(['*', '_', '^'])
+                    .map_or(rest.len(), |at| at + c.len_utf8());
                 label.push(face, 1.0, [label.width, 0.0], &rest[..end]);
                 stack = None;
                 rest = &rest[end..];
@@ -79,7 +91,10 @@ impl Label {
     /// This label with another one behind it.
     pub fn and(mut self, other: impl Into<Label>) -> Self {
         let (shift, other) = (self.width, other.into());
-        self.runs.extend(other.runs.into_iter().map(|run| Letters { at: [run.at[0] + shift, run.at[1]], ..run }));
+        self.runs.extend(other.runs.into_iter().map(|run| Letters {
+            at: [run.at[0] + shift, run.at[1]],
+            ..run
+        }));
         self.width += other.width;
         self
     }
@@ -98,12 +113,18 @@ impl Label {
 
     /// How far the label extends above the base line, in units of its size.
     pub fn rise(&self) -> f64 {
-        self.runs.iter().map(|run| run.at[1].max(0.0) + TALL * run.size).fold(0.0, f64::max)
+        self.runs
+            .iter()
+            .map(|run| run.at[1].max(0.0) + TALL * run.size)
+            .fold(0.0, f64::max)
     }
 
     /// How far the label extends below the base line, in units of its size.
     pub fn fall(&self) -> f64 {
-        self.runs.iter().map(|run| (-run.at[1]).max(0.0) + DEEP * run.size).fold(0.0, f64::max)
+        self.runs
+            .iter()
+            .map(|run| (-run.at[1]).max(0.0) + DEEP * run.size)
+            .fold(0.0, f64::max)
     }
 
     /// The text without the marks, for readers who do not see the picture.
@@ -114,7 +135,12 @@ impl Label {
     fn push(&mut self, face: Face, size: f64, at: [f64; 2], text: &str) {
         if !text.is_empty() {
             self.width = at[0] + size * face.width(text);
-            self.runs.push(Letters { face, size, at, text: text.to_string() });
+            self.runs.push(Letters {
+                face,
+                size,
+                at,
+                text: text.to_string(),
+            });
         }
     }
 }
@@ -126,7 +152,11 @@ mod tests {
     #[test]
     fn marks_become_faces_and_shifts() {
         let label = Label::from("mean *x*_{1+½}^{2} (m)");
-        let parts: Vec<_> = label.runs.iter().map(|run| (run.face, run.text.as_str(), run.at[1])).collect();
+        let parts: Vec<_> = label
+            .runs
+            .iter()
+            .map(|run| (run.face, run.text.as_str(), run.at[1]))
+            .collect();
         assert_eq!(
             parts,
             [
@@ -139,13 +169,19 @@ mod tests {
         );
         // Index and power begin at the same place, and what follows begins behind the wider one.
         assert_eq!(label.runs[2].at[0], label.runs[3].at[0]);
-        assert!((label.runs[4].at[0] - label.runs[2].at[0] - SMALL * Face::Regular.width("1+½")).abs() < 1e-12);
+        assert!(
+            (label.runs[4].at[0] - label.runs[2].at[0] - SMALL * Face::Regular.width("1+½")).abs()
+                < 1e-12
+        );
         assert_eq!(label.words(), "mean x1+½2 (m)");
     }
 
     #[test]
     fn what_a_user_wrote_has_no_marks() {
         assert_eq!(Label::verbatim("a_{b} *c*").words(), "a_{b} *c*");
-        assert_eq!(Label::from("snake_case and 2 ^ 3").words(), "snake_case and 2 ^ 3");
+        assert_eq!(
+            Label::from("snake_case and 2 ^ 3").words(),
+            "snake_case and 2 ^ 3"
+        );
     }
 }

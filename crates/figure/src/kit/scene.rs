@@ -14,7 +14,9 @@ impl Colour {
 
     /// The colour mixed with a share of another one.
     pub fn mixed(self, other: Colour, share: f64) -> Self {
-        let mix = |i: usize| (f64::from(self.0[i]) * (1.0 - share) + f64::from(other.0[i]) * share).round() as u8;
+        let mix = |i: usize| {
+            (f64::from(self.0[i]) * (1.0 - share) + f64::from(other.0[i]) * share).round() as u8
+        };
         Colour([0, 1, 2].map(mix))
     }
 }
@@ -45,7 +47,12 @@ impl Rect {
 
     /// The rectangle, larger by `by` on every side.
     pub fn grown(&self, by: f64) -> Rect {
-        Rect { x: self.x - by, y: self.y - by, width: self.width + 2.0 * by, height: self.height + 2.0 * by }
+        Rect {
+            x: self.x - by,
+            y: self.y - by,
+            width: self.width + 2.0 * by,
+            height: self.height + 2.0 * by,
+        }
     }
 
     /// Whether a point lies in the rectangle.
@@ -55,7 +62,10 @@ impl Rect {
 
     /// Whether the interiors of the two rectangles have a point in common.
     pub fn meets(&self, other: &Rect) -> bool {
-        self.x < other.right() && other.x < self.right() && self.y < other.bottom() && other.y < self.bottom()
+        self.x < other.right()
+            && other.x < self.right()
+            && self.y < other.bottom()
+            && other.y < self.bottom()
     }
 }
 
@@ -79,7 +89,13 @@ pub enum PenMove {
 impl Outline {
     /// Straight lines from point to point.
     pub fn line(points: &[[f64; 2]]) -> Self {
-        let step = |(i, point): (usize, &[f64; 2])| if i == 0 { PenMove::Move(*point) } else { PenMove::Line(*point) };
+        let step = |(i, point): (usize, &[f64; 2])| {
+            if i == 0 {
+                PenMove::Move(*point)
+            } else {
+                PenMove::Line(*point)
+            }
+        };
         Outline(points.iter().enumerate().map(step).collect())
     }
 
@@ -93,7 +109,12 @@ impl Outline {
     /// A rectangle.
     pub fn rect(rect: Rect) -> Self {
         let Rect { x, y, .. } = rect;
-        Outline::polygon(&[[x, y], [rect.right(), y], [rect.right(), rect.bottom()], [x, rect.bottom()]])
+        Outline::polygon(&[
+            [x, y],
+            [rect.right(), y],
+            [rect.right(), rect.bottom()],
+            [x, rect.bottom()],
+        ])
     }
 
     /// A circle.
@@ -125,12 +146,20 @@ pub struct Stroke {
 impl Stroke {
     /// A solid line.
     pub fn solid(colour: Colour, width: f64) -> Self {
-        Stroke { colour, width, dash: Vec::new() }
+        Stroke {
+            colour,
+            width,
+            dash: Vec::new(),
+        }
     }
 
     /// A dashed line.
     pub fn dashed(colour: Colour, width: f64, dash: &[f64]) -> Self {
-        Stroke { colour, width, dash: dash.to_vec() }
+        Stroke {
+            colour,
+            width,
+            dash: dash.to_vec(),
+        }
     }
 }
 
@@ -206,12 +235,20 @@ pub struct Drawing {
 impl Item {
     /// An outline without a filled area.
     pub fn stroked(path: Outline, stroke: Stroke) -> Self {
-        Item::Shape { path, fill: None, stroke: Some(stroke) }
+        Item::Shape {
+            path,
+            fill: None,
+            stroke: Some(stroke),
+        }
     }
 
     /// A filled area without an outline.
     pub fn filled(path: Outline, fill: Colour) -> Self {
-        Item::Shape { path, fill: Some(fill), stroke: None }
+        Item::Shape {
+            path,
+            fill: Some(fill),
+            stroke: None,
+        }
     }
 
     /// Text that runs to the right. `align` says which point of its base line is at the given
@@ -223,12 +260,24 @@ impl Item {
             Align::End => 1.0,
         };
         let x = x - size * label.width() * share;
-        Item::Words { label, at: [x, y], size, colour, upwards: false }
+        Item::Words {
+            label,
+            at: [x, y],
+            size,
+            colour,
+            upwards: false,
+        }
     }
 
     /// Text that runs upwards. The middle of its base line is at the given position.
     pub fn words_upwards(label: Label, [x, y]: [f64; 2], size: f64, colour: Colour) -> Self {
         let y = y + size * label.width() * 0.5;
-        Item::Words { label, at: [x, y], size, colour, upwards: true }
+        Item::Words {
+            label,
+            at: [x, y],
+            size,
+            colour,
+            upwards: true,
+        }
     }
 }

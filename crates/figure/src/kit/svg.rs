@@ -27,16 +27,35 @@ pub fn svg(scene: &Drawing) -> String {
     );
     out.push_str("<defs>\n");
     for (face, glyph) in &writer.glyphs {
-        let _ = writeln!(out, "<path id=\"{}\" d=\"{}\"/>", name(*face, *glyph), face.outline(*glyph));
+        let _ = writeln!(
+            out,
+            "<path id=\"{}\" d=\"{}\"/>",
+            name(*face, *glyph),
+            face.outline(*glyph)
+        );
     }
-    for (i, Rect { x, y, width, height }) in writer.clips.iter().enumerate() {
+    for (
+        i,
+        Rect {
+            x,
+            y,
+            width,
+            height,
+        },
+    ) in writer.clips.iter().enumerate()
+    {
         let [x, y, width, height] = [x, y, width, height].map(|length| number(*length));
         let rect = format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>");
         let _ = writeln!(out, "<clipPath id=\"c{i}\">{rect}</clipPath>");
     }
     out.push_str("</defs>\n");
     let background = hex(scene.background);
-    let _ = writeln!(out, "<rect width=\"{}\" height=\"{}\" fill=\"{background}\"/>", number(width), number(height));
+    let _ = writeln!(
+        out,
+        "<rect width=\"{}\" height=\"{}\" fill=\"{background}\"/>",
+        number(width),
+        number(height)
+    );
     out + &writer.body + "</svg>\n"
 }
 
@@ -55,21 +74,33 @@ impl SvgText {
                     let look = filled(*fill) + &stroke.as_ref().map_or_else(String::new, stroked);
                     let _ = writeln!(self.body, "<path d=\"{}\" {look}/>", data(path));
                 }
-                Item::Words { label, at, size, colour, upwards } => {
+                Item::Words {
+                    label,
+                    at,
+                    size,
+                    colour,
+                    upwards,
+                } => {
                     let turn = if *upwards { " rotate(-90)" } else { "" };
                     let (words, fill) = (one_line(&label.words()), hex(*colour));
                     let look = format!("role=\"img\" aria-label=\"{words}\" fill=\"{fill}\"");
-                    self.group(&format!("{look} transform=\"{}{turn}\"", moved(*at)), |inside| {
-                        inside.words(label, *size)
-                    });
+                    self.group(
+                        &format!("{look} transform=\"{}{turn}\"", moved(*at)),
+                        |inside| inside.words(label, *size),
+                    );
                 }
-                Item::Clipped { inside: clip, items } => {
+                Item::Clipped {
+                    inside: clip,
+                    items,
+                } => {
                     let clip_path = format!("clip-path=\"url(#c{})\"", self.clips.len());
                     self.clips.push(*clip);
                     self.group(&clip_path, |inside| inside.items(items));
                 }
                 Item::Moved { by, items } => {
-                    self.group(&format!("transform=\"{}\"", moved(*by)), |inside| inside.items(items));
+                    self.group(&format!("transform=\"{}\"", moved(*by)), |inside| {
+                        inside.items(items)
+                    });
                 }
             }
         }
@@ -83,7 +114,13 @@ impl SvgText {
     }
 
     fn words(&mut self, label: &Label, size: f64) {
-        for Letters { face, size: share, at, text } in &label.runs {
+        for Letters {
+            face,
+            size: share,
+            at,
+            text,
+        } in &label.runs
+        {
             let scale = format!("{:.5}", share * size / face.em());
             let mut pen = at[0] * size;
             for c in text.chars() {
@@ -91,8 +128,10 @@ impl SvgText {
                 if !c.is_whitespace() {
                     self.glyphs.insert((*face, glyph));
                     let (name, to) = (name(*face, glyph), moved([pen, -at[1] * size]));
-                    let _ =
-                        writeln!(self.body, "<use xlink:href=\"#{name}\" transform=\"{to} scale({scale} -{scale})\"/>");
+                    let _ = writeln!(
+                        self.body,
+                        "<use xlink:href=\"#{name}\" transform=\"{to} scale({scale} -{scale})\"/>"
+                    );
                 }
                 pen += share * size * face.advance(glyph);
             }
@@ -111,7 +150,8 @@ fn filled(fill: Option<Colour>) -> String {
 /// The attributes of an outline, behind those of an area.
 fn stroked(stroke: &Stroke) -> String {
     let (colour, width) = (hex(stroke.colour), number(stroke.width));
-    let mut look = format!(" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
+    let mut look =
+        format!(" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
     if !stroke.dash.is_empty() {
         let dash: Vec<String> = stroke.dash.iter().map(|length| number(*length)).collect();
         let _ = write!(look, " stroke-dasharray=\"{}\"", dash.join(" "));
@@ -143,7 +183,11 @@ fn data(path: &Outline) -> String {
 fn number(x: f64) -> String {
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_string() } else { text.to_string() }
+    if text == "-0" {
+        "0".to_string()
+    } else {
+        text.to_string()
+    }
 }
 
 fn hex(Colour([r, g, b]): Colour) -> String {
@@ -166,13 +210,20 @@ mod tests {
             ["1", "0", "0.13", "-3.46", "100", "1.1"].map(|s| {
                 // 0.125 is halfway between two roundings. Which one the formatter chooses is the
                 // same everywhere.
-                if s == "0.13" { format!("{:.2}", 0.125) } else { s.to_string() }
+                if s == "0.13" {
+                    format!("{:.2}", 0.125)
+                } else {
+                    s.to_string()
+                }
             })
         );
     }
 
     #[test]
     fn texts_are_escaped_and_have_one_line() {
-        assert_eq!(one_line("a<b>'c'\r\u{0}\n"), "a&lt;b&gt;&#39;c&#39; \u{fffd} ");
+        assert_eq!(
+            one_line("a<b>'c'\r\u{0}\n"),
+            "a&lt;b&gt;&#39;c&#39; \u{fffd} "
+        );
     }
 }

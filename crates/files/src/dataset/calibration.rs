@@ -8,8 +8,8 @@ use super::{Dataset, Source, columns_of, counted, read_other_program, texts};
 use stickslip::engine::Program;
 use stickslip::stats::Units;
 use stickslip_bearing::calibration::{
-    Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion, ParameterEstimate, Quantity,
-    SearchStart, SeenSlip, Values, response_of,
+    Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion,
+    ParameterEstimate, Quantity, SearchStart, SeenSlip, Values, response_of,
 };
 use stickslip_data::Start;
 
@@ -36,16 +36,29 @@ impl StoredCalibration {
     /// scenario as it was written.
     pub fn of(title: &str, scenario_text: &str, calibration: Calibration) -> Self {
         let warnings = calibration.warnings.iter();
-        let warnings = warnings.map(|warning| (warning.name().to_string(), warning.to_string())).collect();
+        let warnings = warnings
+            .map(|warning| (warning.name().to_string(), warning.to_string()))
+            .collect();
         let (title, scenario_text) = (title.to_string(), scenario_text.to_string());
-        StoredCalibration { title, scenario_text, calibration, warnings, other_program: None }
+        StoredCalibration {
+            title,
+            scenario_text,
+            calibration,
+            warnings,
+            other_program: None,
+        }
     }
 }
 
 /// Labels of the units of a calibration.
 pub(crate) fn units() -> Units {
     let [time, length, force, temperature] = ["s", "m", "N", "K"].map(String::from);
-    Units { time, length, force, temperature }
+    Units {
+        time,
+        length,
+        force,
+        temperature,
+    }
 }
 
 impl Dataset {
@@ -63,14 +76,20 @@ impl Dataset {
 /// Write name, symbol and unit of each quantity.
 pub(super) fn write_quantities(to: &mut Dataset) {
     to.write(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)));
-    to.write(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)));
+    to.write(
+        &QUANTITY_SYMBOL,
+        &texts(Quantity::ALL.map(Quantity::symbol)),
+    );
     to.write(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)));
 }
 
 /// Read a calibration.
 pub(crate) fn read(from: &dyn Source) -> Result<StoredCalibration, String> {
     let other_program = read_other_program(from)?;
-    let mut stored = StoredCalibration { other_program, ..StoredCalibration::of("", "", Calibration::default()) };
+    let mut stored = StoredCalibration {
+        other_program,
+        ..StoredCalibration::of("", "", Calibration::default())
+    };
     walk(&mut Walk::Reading(from), &mut stored)?;
     Ok(stored)
 }
@@ -87,24 +106,40 @@ fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
 }
 
 fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
-    let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
+    let StoredCalibration {
+        title,
+        scenario_text,
+        calibration,
+        warnings,
+        ..
+    } = stored;
     let Calibration { question, lag, .. } = calibration;
     walk_origin(walk, CALIBRATION_FORMAT, title, &mut Program::mine())?;
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
-    let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
+    let mut choice = if question.lag == Lag::Auto {
+        "auto"
+    } else {
+        "given"
+    }
+    .to_owned();
     let mut start = calibration.record.start.map(|start| start.to_string());
     walk.attribute("record_start", &mut start)?;
     calibration.record.start = start.as_deref().and_then(Start::parse);
     walk.attribute("method", &mut method)?;
-    question.method = CalibrationMethod::from_name(&method).ok_or_else(|| "unknown method".to_string())?;
+    question.method =
+        CalibrationMethod::from_name(&method).ok_or_else(|| "unknown method".to_string())?;
     walk.attribute("lag_choice", &mut choice)?;
     walk.attribute("shear_stiffness", &mut question.shear_stiffness)?;
     walk.attribute("interval", &mut question.level)?;
     walk.attribute("lag", &mut lag.estimate)?;
     walk.attribute("lag_low", &mut lag.low)?;
     walk.attribute("lag_high", &mut lag.high)?;
-    question.lag = if choice == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) };
+    question.lag = if choice == "auto" {
+        Lag::Auto
+    } else {
+        Lag::Known(lag.estimate)
+    };
     walk.attribute("residual_rms", &mut calibration.residuals.rms)?;
     walk.attribute("temperature_resolution", &mut calibration.resolution)?;
     walk.attribute("temperature_roughness", &mut calibration.roughness)?;
@@ -118,7 +153,9 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
         walk.attribute("lag_gain", &mut profile.gain)?;
         walk.attribute("clock_shift", &mut profile.clock)?;
     }
-    for (name, window) in ["temperature_averaged", "displacement_averaged"].iter().zip(&mut calibration.record.averaged)
+    for (name, window) in ["temperature_averaged", "displacement_averaged"]
+        .iter()
+        .zip(&mut calibration.record.averaged)
     {
         let mut seconds = Some(*window).filter(|seconds| *seconds > 0.0);
         walk.attribute(name, &mut seconds)?;
@@ -127,11 +164,21 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     let mut mirrored: u64 = calibration.is_mirrored.into();
     walk.attribute("mirrored", &mut mirrored)?;
     calibration.is_mirrored = mirrored != 0;
-    let lines: Vec<String> = warnings.iter().map(|(name, sentence)| format!("{name}: {sentence}")).collect();
+    let lines: Vec<String> = warnings
+        .iter()
+        .map(|(name, sentence)| format!("{name}: {sentence}"))
+        .collect();
     let mut lines = Some(lines.join("\n")).filter(|lines| !lines.is_empty());
     walk.attribute("warnings", &mut lines)?;
-    let split = |line: &str| line.split_once(": ").map(|(name, text)| (name.to_string(), text.to_string()));
-    *warnings = lines.unwrap_or_default().lines().filter_map(split).collect();
+    let split = |line: &str| {
+        line.split_once(": ")
+            .map(|(name, text)| (name.to_string(), text.to_string()))
+    };
+    *warnings = lines
+        .unwrap_or_default()
+        .lines()
+        .filter_map(split)
+        .collect();
     Ok(())
 }
 
@@ -141,21 +188,40 @@ fn asked(walk: &mut Walk, question: &mut CalibrationQuestion) -> Walked {
     walk.attribute("guess_reach", reach)?;
     walk.attribute("guess_jump", jump)?;
     walk.attribute("guess_start", start)?;
-    let held = |quantity| question.held.iter().find(|held| held.0 == quantity).map_or(f64::NAN, |held| held.1);
-    let bound =
-        |quantity| question.bounds.iter().find(|bound| bound.0 == quantity).map_or([f64::NAN; 2], |bound| bound.1);
+    let held = |quantity| {
+        question
+            .held
+            .iter()
+            .find(|held| held.0 == quantity)
+            .map_or(f64::NAN, |held| held.1)
+    };
+    let bound = |quantity| {
+        question
+            .bounds
+            .iter()
+            .find(|bound| bound.0 == quantity)
+            .map_or([f64::NAN; 2], |bound| bound.1)
+    };
     let mut held = Quantity::ALL.map(held).to_vec();
     let [mut low, mut high] = columns_of(Quantity::ALL.map(bound));
     if let Walk::Writing(to) = walk {
         write_quantities(to);
     }
-    for (variable, values) in [(&HELD, &mut held), (&BOUND_LOW, &mut low), (&BOUND_HIGH, &mut high)] {
+    for (variable, values) in [
+        (&HELD, &mut held),
+        (&BOUND_LOW, &mut low),
+        (&BOUND_HIGH, &mut high),
+    ] {
         walk.sized(variable, values, Quantity::ALL.len())?;
     }
     let known = |quantity: Quantity, value: f64| (!value.is_nan()).then_some((quantity, value));
     let fitted = Quantity::FITTED.into_iter();
-    question.held = fitted.filter_map(|quantity| known(quantity, held[quantity as usize])).collect();
-    let bound = |quantity| known(quantity, low[quantity as usize]).map(|(of, low)| (of, [low, high[of as usize]]));
+    question.held = fitted
+        .filter_map(|quantity| known(quantity, held[quantity as usize]))
+        .collect();
+    let bound = |quantity| {
+        known(quantity, low[quantity as usize]).map(|(of, low)| (of, [low, high[of as usize]]))
+    };
     question.bounds = Quantity::ALL.into_iter().filter_map(bound).collect();
     Ok(())
 }
@@ -163,13 +229,27 @@ fn asked(walk: &mut Walk, question: &mut CalibrationQuestion) -> Walked {
 /// One estimate for each of [`Quantity::ALL`].
 type ParameterEstimates = [ParameterEstimate; Quantity::ALL.len()];
 
-fn estimates(walk: &mut Walk, variables: [&Variable; 3], estimates: &mut ParameterEstimates) -> Walked {
-    let mut columns = columns_of(estimates.map(|ParameterEstimate { estimate, low, high }| [estimate, low, high]));
+fn estimates(
+    walk: &mut Walk,
+    variables: [&Variable; 3],
+    estimates: &mut ParameterEstimates,
+) -> Walked {
+    let mut columns = columns_of(estimates.map(
+        |ParameterEstimate {
+             estimate,
+             low,
+             high,
+         }| [estimate, low, high],
+    ));
     for (variable, values) in variables.into_iter().zip(&mut columns) {
         walk.sized(variable, values, Quantity::ALL.len())?;
     }
     let [estimate, low, high] = columns;
-    *estimates = std::array::from_fn(|i| ParameterEstimate { estimate: estimate[i], low: low[i], high: high[i] });
+    *estimates = std::array::from_fn(|i| ParameterEstimate {
+        estimate: estimate[i],
+        low: low[i],
+        high: high[i],
+    });
     Ok(())
 }
 
@@ -177,7 +257,10 @@ fn estimates(walk: &mut Walk, variables: [&Variable; 3], estimates: &mut Paramet
 fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     let all = Quantity::ALL.len();
     let rows = |values: &[f64]| -> Vec<Values> {
-        values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
+        values
+            .chunks_exact(all)
+            .map(|row| std::array::from_fn(|i| row[i]))
+            .collect()
     };
     estimates(walk, [&ESTIMATE, &LOW, &HIGH], &mut calibration.estimates)?;
     if let Some(others) = walk.present(&ERR_ESTIMATE, &mut calibration.least_squares) {
@@ -191,8 +274,11 @@ fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     calibration.correlations = rows(&correlations);
 
     let slips = &mut calibration.slips;
-    let [mut times, mut temperatures, mut jumps] =
-        columns_of(slips.iter().map(|slip| [slip.time, slip.temperature, slip.jump]));
+    let [mut times, mut temperatures, mut jumps] = columns_of(
+        slips
+            .iter()
+            .map(|slip| [slip.time, slip.temperature, slip.jump]),
+    );
     let mut usual: Vec<i8> = slips.iter().map(|slip| slip.is_usual.into()).collect();
     walk.derived(&SLIP, &counted(0, slips.len()));
     walk.variable(&SLIP_TIME, &mut times)?;
@@ -201,7 +287,12 @@ fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     walk.variable(&SLIP_USUAL, &mut usual)?;
     let slip = |(i, time)| {
         let is_usual = usual.get(i) == Some(&1);
-        SeenSlip { time, temperature: temperatures[i], jump: jumps[i], is_usual }
+        SeenSlip {
+            time,
+            temperature: temperatures[i],
+            jump: jumps[i],
+            is_usual,
+        }
     };
     *slips = times.into_iter().enumerate().map(slip).collect();
 
@@ -211,12 +302,21 @@ fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     walk.variable(&START_ERR, &mut errs)?;
     walk.sized(&START_VALUE, &mut values, errs.len() * all)?;
     let starts = errs.into_iter().zip(rows(&values));
-    calibration.starts = starts.map(|(err, values)| SearchStart { err, response: response_of(&values) }).collect();
+    calibration.starts = starts
+        .map(|(err, values)| SearchStart {
+            err,
+            response: response_of(&values),
+        })
+        .collect();
     pairs(walk, [&ZERO_TIME, &ZERO_STEP], &mut calibration.zero.steps)?;
     if let Some(LagProfile { profile, .. }) = &mut calibration.lag_profile {
         pairs(walk, [&LAG, &LAG_DEVIANCE], profile)?;
     }
-    pairs(walk, [&DELAY, &AUTOCORRELATION], &mut calibration.residuals.autocorrelation)
+    pairs(
+        walk,
+        [&DELAY, &AUTOCORRELATION],
+        &mut calibration.residuals.autocorrelation,
+    )
 }
 
 /// Walk over points: their places, and the values there.
@@ -230,7 +330,12 @@ fn pairs(walk: &mut Walk, [at, of]: [&Variable; 2], pairs: &mut Vec<(f64, f64)>)
 
 /// The measurement, and what the model gives.
 fn measured(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
-    let Calibration { record, steel, modelled, .. } = calibration;
+    let Calibration {
+        record,
+        steel,
+        modelled,
+        ..
+    } = calibration;
     walk.variable(&TIME, &mut record.times)?;
     let n = record.times.len();
     walk.sized(&TEMPERATURE, &mut record.temperatures, n)?;
@@ -246,7 +351,8 @@ fn measured(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
 
 /// A number of each quantity.
 pub(super) const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
-    variable(name, &["quantity"], Unit::None, meaning).with(&[("coordinates", "quantity_symbol quantity_unit")])
+    variable(name, &["quantity"], Unit::None, meaning)
+        .with(&[("coordinates", "quantity_symbol quantity_unit")])
 }
 
 table! {
@@ -304,9 +410,16 @@ mod tests {
         let text = include_str!("../../../../docs/output-format.md");
         for variable in ALL {
             // The page leaves the ends of an interval out.
-            let of = variable.name.strip_suffix("_low").or_else(|| variable.name.strip_suffix("_high"));
+            let of = variable
+                .name
+                .strip_suffix("_low")
+                .or_else(|| variable.name.strip_suffix("_high"));
             let is_there = |name: &str| text.contains(&format!("`{name}`"));
-            assert!(is_there(variable.name) || of.is_some_and(is_there), "{}", variable.name);
+            assert!(
+                is_there(variable.name) || of.is_some_and(is_there),
+                "{}",
+                variable.name
+            );
         }
     }
 }

@@ -28,10 +28,21 @@ impl From<&str> for Attribute {
 
 /// The attributes of a variable, in the order in which they are written.
 pub(crate) fn attributes_of(variable: &Described, units: &Units) -> Vec<(String, Attribute)> {
-    let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
-    let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
-    let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
-    let all = [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others);
+    let flags = (!variable.flags.is_empty())
+        .then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
+    let unit = variable
+        .unit
+        .label(units)
+        .map(|label| ("units", Attribute::Text(label)));
+    let others = variable
+        .attributes
+        .iter()
+        .map(|&(name, value)| (name, Attribute::from(value)));
+    let all = [("long_name", Attribute::from(variable.long_name))]
+        .into_iter()
+        .chain(unit)
+        .chain(flags)
+        .chain(others);
     all.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
@@ -80,7 +91,9 @@ impl<T: AttributeValue> AttributeValue for Option<T> {
     }
 
     fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
-        attribute.map(|attribute| T::of(Some(attribute), name)).transpose()
+        attribute
+            .map(|attribute| T::of(Some(attribute), name))
+            .transpose()
     }
 }
 
@@ -106,9 +119,16 @@ pub(crate) fn counted(first: u32, count: usize) -> Vec<u32> {
 }
 
 /// The columns of a table with these rows.
-pub(crate) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
+pub(crate) fn columns_of<const N: usize>(
+    rows: impl IntoIterator<Item = [f64; N]>,
+) -> [Vec<f64>; N] {
     let mut columns = [const { Vec::new() }; N];
-    rows.into_iter().for_each(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value)));
+    rows.into_iter().for_each(|row| {
+        columns
+            .iter_mut()
+            .zip(row)
+            .for_each(|(column, value)| column.push(value))
+    });
     columns
 }
 
@@ -124,7 +144,12 @@ pub(crate) trait Source: Sync {
     fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>, String>;
 
     /// Some rows of a variable. Fewer rows than these are an error.
-    fn rows(&self, variable: &str, kind: ElementType, rows: &Range<usize>) -> Result<Column, String>;
+    fn rows(
+        &self,
+        variable: &str,
+        kind: ElementType,
+        rows: &Range<usize>,
+    ) -> Result<Column, String>;
 
     /// The length of the first dimension of a variable; none if there is no such variable.
     fn length(&self, variable: &str) -> Result<Option<usize>, String>;
@@ -142,7 +167,10 @@ pub(crate) trait Source: Sync {
 }
 
 /// Read an attribute of a data set.
-pub(crate) fn read_attribute<T: AttributeValue>(from: &dyn Source, name: &str) -> Result<T, String> {
+pub(crate) fn read_attribute<T: AttributeValue>(
+    from: &dyn Source,
+    name: &str,
+) -> Result<T, String> {
     T::of(from.attribute(None, name)?, name)
 }
 
@@ -150,15 +178,27 @@ pub(crate) fn read_attribute<T: AttributeValue>(from: &dyn Source, name: &str) -
 pub(crate) fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
     let [version, hash]: [Result<String, _>; 2] =
         ["program_version", "git_hash"].map(|name| read_attribute(from, name));
-    Ok(Program { version: version?, git_hash: hash?, ..Program::default() }.other())
+    Ok(Program {
+        version: version?,
+        git_hash: hash?,
+        ..Program::default()
+    }
+    .other())
 }
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives
 /// an empty list. Any other absent variable is an error.
-pub(crate) fn read_or_empty<T: Element>(from: &dyn Source, variable: &Described) -> Result<Vec<T>, String> {
+pub(crate) fn read_or_empty<T: Element>(
+    from: &dyn Source,
+    variable: &Described,
+) -> Result<Vec<T>, String> {
     match from.column(variable, T::KIND)? {
         Some(column) => values_of(variable, column),
-        None if variable.axes.iter().all(|axis| *axis != variable.name && from.has(axis)) => {
+        None if variable
+            .axes
+            .iter()
+            .all(|axis| *axis != variable.name && from.has(axis)) =>
+        {
             Err(format!("{} is missing", variable.name))
         }
         None => Ok(Vec::new()),
@@ -166,7 +206,10 @@ pub(crate) fn read_or_empty<T: Element>(from: &dyn Source, variable: &Described)
 }
 
 /// Read a variable that must be present and have values.
-pub(crate) fn read_variable<T: Element>(from: &dyn Source, variable: &Described) -> Result<Vec<T>, String> {
+pub(crate) fn read_variable<T: Element>(
+    from: &dyn Source,
+    variable: &Described,
+) -> Result<Vec<T>, String> {
     match read_or_empty(from, variable)? {
         values if values.is_empty() => Err(format!("{} is missing", variable.name)),
         values => Ok(values),

@@ -26,8 +26,16 @@ pub(super) fn write(to: &mut Dataset, header: &Provenance) {
 }
 
 /// The attributes of a run, given its output grid and what was measured.
-pub(crate) fn read(from: &dyn Source, time: Vec<f64>, samples: Vec<NamedSeries>) -> Result<Provenance, String> {
-    let mut header = Provenance { time, samples, ..Provenance::default() };
+pub(crate) fn read(
+    from: &dyn Source,
+    time: Vec<f64>,
+    samples: Vec<NamedSeries>,
+) -> Result<Provenance, String> {
+    let mut header = Provenance {
+        time,
+        samples,
+        ..Provenance::default()
+    };
     walk(&mut Walk::Reading(from), &mut header)?;
     Ok(header)
 }
@@ -37,7 +45,9 @@ pub(super) fn walk_origin(
     walk: &mut Walk,
     (name, (major, minor)): Format,
     title: &mut String,
-    Program { version, git_hash, .. }: &mut Program,
+    Program {
+        version, git_hash, ..
+    }: &mut Program,
 ) -> Walked {
     walk.derived_attribute("Conventions", CONVENTIONS);
     walk.attribute("title", title)?;
@@ -65,7 +75,13 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
         paths,
         antithetic,
         program,
-        units: Units { time, length, force, temperature },
+        units:
+            Units {
+                time,
+                length,
+                force,
+                temperature,
+            },
         // Coordinates and variables, and what only a scenario knows.
         time: _,
         samples: _,
@@ -83,9 +99,12 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
     walk.attribute("block_size", &mut program.block_size)?;
     walk.derived_attribute("status", Status::Running.name());
     walk.derived_attribute("completed_paths", 0);
-    for (name, label) in
-        [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
-    {
+    for (name, label) in [
+        ("time_unit", time),
+        ("length_unit", length),
+        ("force_unit", force),
+        ("temperature_unit", temperature),
+    ] {
         // A label that is empty stands for a dimensionless quantity. It is left out, because some
         // readers fail at empty strings.
         let mut there = Some(std::mem::take(label)).filter(|label| !label.is_empty());
@@ -104,18 +123,25 @@ pub(super) fn write_end(to: &mut Dataset, completed: u64, diverged: u64, status:
 
 /// Write which part of a run this is, if it is a part.
 pub(crate) fn write_part(to: &mut Dataset, part: Option<Part>) {
-    part.into_iter().for_each(|part| to.set_attribute("part", part.to_string()));
+    part.into_iter()
+        .for_each(|part| to.set_attribute("part", part.to_string()));
 }
 
 /// Write what ended the run before its last path, if anything did.
 pub(crate) fn write_ended_by(to: &mut Dataset, reason: Option<String>) {
-    reason.into_iter().for_each(|reason| to.set_attribute("ended_by", reason));
+    reason
+        .into_iter()
+        .for_each(|reason| to.set_attribute("ended_by", reason));
 }
 
 /// Which part of a run this is, if it is a part.
 pub(crate) fn read_part(from: &dyn Source) -> Result<Option<Part>, String> {
-    let Some(text) = read_attribute::<Option<String>>(from, "part")? else { return Ok(None) };
-    text.parse().map(Some).map_err(|error: NoPart| format!("part = \"{text}\": {error}"))
+    let Some(text) = read_attribute::<Option<String>>(from, "part")? else {
+        return Ok(None);
+    };
+    text.parse()
+        .map(Some)
+        .map_err(|error: NoPart| format!("part = \"{text}\": {error}"))
 }
 
 /// The status of the run and its number of completed paths.

@@ -63,18 +63,34 @@ macro_rules! bins {
     ($upper:literal, $lower:literal, $unit:expr, $of:literal) => {
         [
             coordinate!($upper, $unit, concat!("upper edge of the bin of the ", $of)),
-            variable($lower, &[$upper], $unit, concat!("lower edge of the bin of the ", $of, ", inclusive")),
+            variable(
+                $lower,
+                &[$upper],
+                $unit,
+                concat!("lower edge of the bin of the ", $of, ", inclusive"),
+            ),
         ]
     };
 }
 
-const SPECTRUM_OF_LENGTH: Unit = Unit::Of(Dimension { length: 2, time: 1, ..Dimension::ONE });
-const SPECTRUM_OF_VELOCITY: Unit = Unit::Of(Dimension { length: 2, time: -1, ..Dimension::ONE });
+const SPECTRUM_OF_LENGTH: Unit = Unit::Of(Dimension {
+    length: 2,
+    time: 1,
+    ..Dimension::ONE
+});
+const SPECTRUM_OF_VELOCITY: Unit = Unit::Of(Dimension {
+    length: 2,
+    time: -1,
+    ..Dimension::ONE
+});
 
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
 const WITH_ERRORS: &[(&str, &str)] = &[
     PER_STATISTIC[0],
-    ("ancillary_variables", "standard_error interval_low interval_high bias bias_uncertainty bias_order"),
+    (
+        "ancillary_variables",
+        "standard_error interval_low interval_high bias bias_uncertainty bias_order",
+    ),
 ];
 
 /// A number of each statistic.
@@ -249,18 +265,43 @@ macro_rules! band {
     ($mean:literal, $sd:literal, $quantile:literal, $unit:expr, $of:literal) => {
         [
             measured!($mean, ["time"], $unit, concat!("mean of the ", $of)),
-            measured!($sd, ["time"], $unit, concat!("standard deviation of the ", $of)),
-            measured!($quantile, ["quantile", "time"], $unit, concat!("quantiles of the ", $of)),
+            measured!(
+                $sd,
+                ["time"],
+                $unit,
+                concat!("standard deviation of the ", $of)
+            ),
+            measured!(
+                $quantile,
+                ["quantile", "time"],
+                $unit,
+                concat!("quantiles of the ", $of)
+            ),
         ]
     };
 }
 
-pub(crate) const DISPLACEMENT: [WithInterval; 3] =
-    band!("displacement_mean", "displacement_sd", "displacement_quantile", Unit::LENGTH, "displacement");
-pub(crate) const VELOCITY: [WithInterval; 3] =
-    band!("velocity_mean", "velocity_sd", "velocity_quantile", Unit::VELOCITY, "velocity");
-pub(crate) const TEMPERATURE: [WithInterval; 3] =
-    band!("temperature_mean", "temperature_sd", "temperature_quantile", Unit::TEMPERATURE, "temperature");
+pub(crate) const DISPLACEMENT: [WithInterval; 3] = band!(
+    "displacement_mean",
+    "displacement_sd",
+    "displacement_quantile",
+    Unit::LENGTH,
+    "displacement"
+);
+pub(crate) const VELOCITY: [WithInterval; 3] = band!(
+    "velocity_mean",
+    "velocity_sd",
+    "velocity_quantile",
+    Unit::VELOCITY,
+    "velocity"
+);
+pub(crate) const TEMPERATURE: [WithInterval; 3] = band!(
+    "temperature_mean",
+    "temperature_sd",
+    "temperature_quantile",
+    Unit::TEMPERATURE,
+    "temperature"
+);
 
 #[cfg(test)]
 mod tests {
@@ -271,19 +312,37 @@ mod tests {
 
     /// Every variable of a run.
     fn all() -> Vec<Variable> {
-        let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
-        let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
+        let measured = ALL_MEASURED
+            .iter()
+            .chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
+        let kept = [
+            PathColumns::VARIABLES,
+            EventColumns::VARIABLES,
+            TrajectoryRows::VARIABLES,
+        ]
+        .concat();
         let measured = measured.flat_map(|of| [of.value, of.interval]);
         let bins = ALL_BINS.as_flattened();
-        ALL.iter().chain(bins).copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
+        ALL.iter()
+            .chain(bins)
+            .copied()
+            .chain(measured)
+            .chain(kept.into_iter().map(|(of, _)| of))
+            .collect()
     }
 
     #[test]
     fn every_name_is_used_once_and_every_axis_has_a_coordinate() {
         let all = all();
-        assert_eq!(all.iter().map(|of| of.name).collect::<HashSet<_>>().len(), all.len());
+        assert_eq!(
+            all.iter().map(|of| of.name).collect::<HashSet<_>>().len(),
+            all.len()
+        );
         for axis in all.iter().flat_map(|variable| variable.axes) {
-            assert!(all.iter().any(|v| v.name == *axis && *v.axes == [v.name]), "{axis}");
+            assert!(
+                all.iter().any(|v| v.name == *axis && *v.axes == [v.name]),
+                "{axis}"
+            );
         }
     }
 
@@ -292,10 +351,22 @@ mod tests {
         let text = include_str!("../../../../docs/output-format.md");
         for variable in all() {
             // The page leaves the intervals out.
-            let name = variable.name.strip_suffix("_interval").unwrap_or(variable.name);
-            let name = name.strip_suffix("_low").or_else(|| name.strip_suffix("_high")).unwrap_or(name);
-            let is_there = [variable.name, name].iter().any(|name| text.contains(&format!("`{name}`")));
-            assert!(is_there, "{} is not in docs/output-format.md", variable.name);
+            let name = variable
+                .name
+                .strip_suffix("_interval")
+                .unwrap_or(variable.name);
+            let name = name
+                .strip_suffix("_low")
+                .or_else(|| name.strip_suffix("_high"))
+                .unwrap_or(name);
+            let is_there = [variable.name, name]
+                .iter()
+                .any(|name| text.contains(&format!("`{name}`")));
+            assert!(
+                is_there,
+                "{} is not in docs/output-format.md",
+                variable.name
+            );
         }
     }
 }

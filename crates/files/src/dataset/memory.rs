@@ -40,12 +40,19 @@ impl Entry {
 impl Dataset {
     /// An empty data set whose units have these labels.
     pub(crate) fn new(units: &Units) -> Self {
-        Dataset { units: units.clone(), ..Dataset::default() }
+        Dataset {
+            units: units.clone(),
+            ..Dataset::default()
+        }
     }
 
     /// A data set from its attributes and variables.
     pub fn of(attributes: Vec<(String, Attribute)>, entries: Vec<Entry>) -> Self {
-        Dataset { attributes, entries, ..Dataset::default() }
+        Dataset {
+            attributes,
+            entries,
+            ..Dataset::default()
+        }
     }
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
@@ -56,8 +63,14 @@ impl Dataset {
     }
 
     /// Write the units of these dimensions.
-    pub(super) fn write_units(&mut self, variable: &Described, dimensions: impl Iterator<Item = Dimension>) {
-        let units: Vec<String> = dimensions.map(|dimension| dimension.udunits(&self.units)).collect();
+    pub(super) fn write_units(
+        &mut self,
+        variable: &Described,
+        dimensions: impl Iterator<Item = Dimension>,
+    ) {
+        let units: Vec<String> = dimensions
+            .map(|dimension| dimension.udunits(&self.units))
+            .collect();
         self.write(variable, &units);
     }
 
@@ -77,7 +90,10 @@ impl Dataset {
 
     /// The attribute of the data set with this name, if there is one.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|(of, _)| of == name).map(|(_, value)| value)
+        self.attributes
+            .iter()
+            .find(|(of, _)| of == name)
+            .map(|(_, value)| value)
     }
 
     /// The lengths of the axes of a variable. A dimension without a coordinate, which is that of
@@ -107,13 +123,22 @@ impl Dataset {
     pub(super) fn begin(&mut self, variable: &Described, values: ColumnView) {
         let attributes = attributes_of(variable, &self.units);
         let axes = variable.axes.iter().map(|axis| axis.to_string()).collect();
-        self.entries.push(Entry { name: variable.name.into(), axes, attributes, column: values.to_column() });
+        self.entries.push(Entry {
+            name: variable.name.into(),
+            axes,
+            attributes,
+            column: values.to_column(),
+        });
     }
 }
 
 impl Source for Dataset {
     fn names(&self) -> Result<Vec<String>, String> {
-        Ok(self.entries.iter().map(|entry| entry.name.clone()).collect())
+        Ok(self
+            .entries
+            .iter()
+            .map(|entry| entry.name.clone())
+            .collect())
     }
 
     fn has(&self, name: &str) -> bool {
@@ -121,33 +146,51 @@ impl Source for Dataset {
     }
 
     fn column(&self, variable: &Described, _: ElementType) -> Result<Option<Column>, String> {
-        let Some(entry) = self.entry(variable.name) else { return Ok(None) };
+        let Some(entry) = self.entry(variable.name) else {
+            return Ok(None);
+        };
         let known = |axis: &&str| self.entry(axis).map(|coordinate| coordinate.column.len());
         match variable.axes.iter().map(known).product::<Option<usize>>() {
             Some(length) if length == entry.column.len() => Ok(Some(entry.column.clone())),
-            Some(_) => Err(format!("the shape of {} differs from its axes", variable.name)),
+            Some(_) => Err(format!(
+                "the shape of {} differs from its axes",
+                variable.name
+            )),
             None => Err(format!("{} has values but no coordinate", variable.name)),
         }
     }
 
     fn rows(&self, name: &str, _: ElementType, rows: &Range<usize>) -> Result<Column, String> {
-        let entry = self.entry(name).ok_or_else(|| format!("{name} is missing"))?;
+        let entry = self
+            .entry(name)
+            .ok_or_else(|| format!("{name} is missing"))?;
         let width = self.shape(entry).iter().skip(1).product::<usize>();
-        entry.column.slice(rows.start * width..rows.end * width).ok_or_else(|| format!("{name} is too short"))
+        entry
+            .column
+            .slice(rows.start * width..rows.end * width)
+            .ok_or_else(|| format!("{name} is too short"))
     }
 
     fn length(&self, variable: &str) -> Result<Option<usize>, String> {
-        Ok(self.entry(variable).map(|entry| self.shape(entry).first().copied().unwrap_or(0)))
+        Ok(self
+            .entry(variable)
+            .map(|entry| self.shape(entry).first().copied().unwrap_or(0)))
     }
 
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, String> {
-        let found = self.attributes(variable)?.into_iter().find(|(of, _)| of == name);
+        let found = self
+            .attributes(variable)?
+            .into_iter()
+            .find(|(of, _)| of == name);
         Ok(found.map(|(_, value)| value))
     }
 
     fn attributes(&self, variable: Option<&str>) -> Result<Vec<(String, Attribute)>, String> {
         let of_entry = |variable| self.entry(variable).map(|entry| &entry.attributes);
-        Ok(variable.map_or(Some(&self.attributes), of_entry).cloned().unwrap_or_default())
+        Ok(variable
+            .map_or(Some(&self.attributes), of_entry)
+            .cloned()
+            .unwrap_or_default())
     }
 
     fn is_laid_out_anew(&self) -> bool {

@@ -32,7 +32,8 @@ mod walk;
 pub use calibration::StoredCalibration;
 pub use form::Attribute;
 pub(crate) use form::{
-    Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program, read_variable, texts,
+    Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program,
+    read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

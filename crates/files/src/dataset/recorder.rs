@@ -43,14 +43,18 @@ impl Sink for Recorder {
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         if let Some(Provenance { units, bearing, .. }) = &self.header {
-            self.dataset.grow(Dataset::of_rows(&block.rows, units, *bearing));
+            self.dataset
+                .grow(Dataset::of_rows(&block.rows, units, *bearing));
         }
         Ok(())
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
         header::write_part(&mut self.dataset, outcome.part);
-        header::write_ended_by(&mut self.dataset, outcome.ended_by.as_ref().map(ToString::to_string));
+        header::write_ended_by(
+            &mut self.dataset,
+            outcome.ended_by.as_ref().map(ToString::to_string),
+        );
         run::write_end(&mut self.dataset, &outcome.summary, outcome.status);
         Ok(())
     }
@@ -79,15 +83,25 @@ mod tests {
                 levels: PassageLevels::of(&[1.0]),
             };
             let mut recorder = Recorder::default();
-            let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
+            let outcome = Run::of(&scenario)
+                .into_sink(&mut recorder)
+                .simulate()
+                .expect("sound");
             let dataset = recorder.into_dataset();
             let summary = dataset.summary(scenario.scheme.step()).expect("whole");
             // The texts are compared because NaN does not equal itself.
-            assert_eq!(format!("{summary:?}"), format!("{:?}", outcome.summary), "{name}");
+            assert_eq!(
+                format!("{summary:?}"),
+                format!("{:?}", outcome.summary),
+                "{name}"
+            );
             let shape = |name: &str| dataset.shape(dataset.entry(name).expect("recorded"));
             assert_eq!(shape("path_sticks"), [paths as usize]);
             let rows = scenario.timeline().rows();
-            assert_eq!(shape("trajectory_displacement"), [paths.min(2) as usize, rows]);
+            assert_eq!(
+                shape("trajectory_displacement"),
+                [paths.min(2) as usize, rows]
+            );
             assert_eq!(shape("event_time"), shape("event_kind"));
         }
     }

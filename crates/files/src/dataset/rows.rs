@@ -40,18 +40,32 @@ impl Dataset {
         let rows = BlockRows {
             path_columns: record.paths.then(PathColumns::default),
             events: record.events.then(EventColumns::default),
-            trajectories: (record.trajectories > 0 && !header.time.is_empty()).then(TrajectoryRows::default),
+            trajectories: (record.trajectories > 0 && !header.time.is_empty())
+                .then(TrajectoryRows::default),
             ..BlockRows::default()
         };
         Dataset::of_rows(&rows, &header.units, header.bearing)
     }
 
     /// The rows of some paths.
-    pub(crate) fn of_rows(rows: &BlockRows, units: &Units, bearing: Option<SensorBearing>) -> Dataset {
-        let BlockRows { first_path, paths, path_columns, events, trajectories } = rows;
+    pub(crate) fn of_rows(
+        rows: &BlockRows,
+        units: &Units,
+        bearing: Option<SensorBearing>,
+    ) -> Dataset {
+        let BlockRows {
+            first_path,
+            paths,
+            path_columns,
+            events,
+            trajectories,
+        } = rows;
         let mut dataset = Dataset::new(units);
         if path_columns.is_some() || events.is_some() {
-            dataset.begin(&layout::PATH, u64::values(&(*first_path..).take(*paths as usize).collect::<Vec<_>>()));
+            dataset.begin(
+                &layout::PATH,
+                u64::values(&(*first_path..).take(*paths as usize).collect::<Vec<_>>()),
+            );
         }
         let columns = path_columns.iter().flat_map(|columns| columns.columns());
         let columns = columns.chain(events.iter().flat_map(|columns| columns.columns()));
@@ -60,7 +74,9 @@ impl Dataset {
         // What a sensor shows is included only if there is a sensor.
         if let (Some(bearing), Some(trajectories)) = (bearing, trajectories) {
             let places = trajectories.displacement.iter().zip(&trajectories.friction);
-            let shown: Vec<f64> = places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect();
+            let shown: Vec<f64> = places
+                .map(|(&x, &friction)| bearing.displacement(x, friction))
+                .collect();
             dataset.begin(&layout::TRAJECTORY_BEARING, f64::values(&shown));
         }
         dataset
@@ -79,8 +95,14 @@ impl Dataset {
     /// Add the rows of single paths that another part of the run holds. Fails if a variable is
     /// missing there or has another type.
     pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
-        for entry in self.entries.iter_mut().filter(|entry| RowAxis::of(entry).is_some()) {
-            let more = part.entry(&entry.name).ok_or_else(|| format!("{} is missing", entry.name))?;
+        for entry in self
+            .entries
+            .iter_mut()
+            .filter(|entry| RowAxis::of(entry).is_some())
+        {
+            let more = part
+                .entry(&entry.name)
+                .ok_or_else(|| format!("{} is missing", entry.name))?;
             let more = more.column.values();
             if more.kind() != entry.column.values().kind() {
                 return Err(format!("{} has the wrong type", entry.name));

@@ -30,10 +30,22 @@ impl StoredRun {
     /// Read what was written of a run.
     pub(crate) fn read(from: &dyn Source) -> Result<Self, String> {
         let (status, completed_paths) = header::read_progress(from)?;
-        let header = header::read(from, read_or_empty(from, &layout::TIME)?, series::read(from)?)?;
+        let header = header::read(
+            from,
+            read_or_empty(from, &layout::TIME)?,
+            series::read(from)?,
+        )?;
         let summary = summary::read(from, completed_paths, header.step)?;
         let (ended_by, part) = (read_attribute(from, "ended_by")?, header::read_part(from)?);
-        Ok(StoredRun { header, status, part, ended_by, unfinished: None, completed_paths, summary })
+        Ok(StoredRun {
+            header,
+            status,
+            part,
+            ended_by,
+            unfinished: None,
+            completed_paths,
+            summary,
+        })
     }
 }
 
@@ -51,7 +63,12 @@ pub(crate) fn start(header: &Provenance, record: &Record) -> Dataset {
 /// Write the statistics of the run and how it ended.
 pub(crate) fn write_end(to: &mut Dataset, summary: &Summary, status: Status) {
     summary::write(to, summary);
-    header::write_end(to, summary.completed_paths, summary.diverged.len() as u64, status);
+    header::write_end(
+        to,
+        summary.completed_paths,
+        summary.diverged.len() as u64,
+        status,
+    );
 }
 
 impl Dataset {
@@ -59,8 +76,16 @@ impl Dataset {
     pub fn of_replay(replay: &Replay) -> Self {
         let header = replay.provenance();
         let mut dataset = start(&header, &replay.record);
-        dataset.grow(Dataset::of_rows(&replay.block.rows, &header.units, header.bearing));
-        write_end(&mut dataset, &replay.block.totals.summary(), Status::Complete);
+        dataset.grow(Dataset::of_rows(
+            &replay.block.rows,
+            &header.units,
+            header.bearing,
+        ));
+        write_end(
+            &mut dataset,
+            &replay.block.totals.summary(),
+            Status::Complete,
+        );
         dataset
     }
 }

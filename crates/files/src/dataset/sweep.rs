@@ -4,7 +4,9 @@
 use super::form::AttributeValue;
 use super::header::{Format, walk_origin};
 use super::layout::{self, Unit, variable};
-use super::summary::{CORRECTED, PER_STATISTIC, corrected_of, estimate_of, numbers_of, write_statistics};
+use super::summary::{
+    CORRECTED, PER_STATISTIC, corrected_of, estimate_of, numbers_of, write_statistics,
+};
 use super::sweep_layout as own;
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
@@ -12,7 +14,9 @@ use stickslip::engine::{Program, Provenance, Status};
 use stickslip::model::NamedSeries;
 use stickslip::scenario::Scenario;
 use stickslip::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
-use stickslip::study::sweep::{Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion};
+use stickslip::study::sweep::{
+    Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion,
+};
 
 /// Name and version of the format.
 pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
@@ -43,9 +47,16 @@ pub struct StoredSweep {
 impl StoredSweep {
     /// The sweep, where `scenario_at` gives the scenario of a point from its settings. Fails if
     /// `scenario_at` does.
-    pub fn whole<E>(self, scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>) -> Result<Sweep, E> {
-        let question = SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
-        Ok(Sweep { question, points: self.points })
+    pub fn whole<E>(
+        self,
+        scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
+    ) -> Result<Sweep, E> {
+        let question =
+            SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
+        Ok(Sweep {
+            question,
+            points: self.points,
+        })
     }
 }
 
@@ -53,9 +64,22 @@ impl Dataset {
     /// The data set of a sweep.
     pub fn of_sweep(sweep: &Sweep) -> Self {
         let mut header = Provenance::of(&sweep.question.scenario);
-        let SweepQuestion { design, seeds, with_bias, .. } = &sweep.question;
-        let status = if sweep.is_complete() { Status::Complete } else { Status::Running };
-        let axes: Vec<&str> = design.axes().iter().map(|axis| axis.name.as_str()).collect();
+        let SweepQuestion {
+            design,
+            seeds,
+            with_bias,
+            ..
+        } = &sweep.question;
+        let status = if sweep.is_complete() {
+            Status::Complete
+        } else {
+            Status::Running
+        };
+        let axes: Vec<&str> = design
+            .axes()
+            .iter()
+            .map(|axis| axis.name.as_str())
+            .collect();
         let mut about = About {
             seeds: seeds.name().to_owned(),
             status: status.name().to_owned(),
@@ -63,13 +87,23 @@ impl Dataset {
             bias: if *with_bias { ESTIMATED } else { "left out" }.to_owned(),
             design: name(design).to_owned(),
             axes: Some(axes.join(" ")).filter(|axes| !axes.is_empty()),
-            relative_step: if let Design::Star { relative_step, .. } = design { Some(*relative_step) } else { None },
+            relative_step: if let Design::Star { relative_step, .. } = design {
+                Some(*relative_step)
+            } else {
+                None
+            },
         };
         let units = header.units.clone();
-        let mut dataset = Dataset::written(&units, |walk| attributes(walk, &mut header, &mut about));
+        let mut dataset =
+            Dataset::written(&units, |walk| attributes(walk, &mut header, &mut about));
         series::write(&mut dataset, &header);
         coordinates(&mut dataset, design);
-        let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
+        let seeds: Vec<u64> = sweep
+            .question
+            .points
+            .iter()
+            .map(|scenario| scenario.ensemble.seed)
+            .collect();
         dataset.write_by(|to| points(to, design, &seeds, &mut sweep.points.clone()));
         comparisons(&mut dataset, sweep);
         dataset
@@ -126,7 +160,11 @@ pub(crate) fn name(design: &Design) -> &'static str {
 
 /// The names of the dimensions of a design.
 fn shape(design: &Design) -> Vec<&str> {
-    if let Design::Star { .. } = design { vec!["point"] } else { design.along() }
+    if let Design::Star { .. } = design {
+        vec!["point"]
+    } else {
+        design.along()
+    }
 }
 
 fn coordinates(to: &mut Dataset, design: &Design) {
@@ -138,17 +176,28 @@ fn coordinates(to: &mut Dataset, design: &Design) {
     match design {
         Design::Grid(axes) | Design::Zip(axes) => {
             for SweepAxis { name, key, values } in axes {
-                let along = if let Design::Grid(_) = design { name } else { "point" };
+                let along = if let Design::Grid(_) = design {
+                    name
+                } else {
+                    "point"
+                };
                 let (along, attributes) = ([along], [("key", key.as_str())]);
-                to.write(&variable(name, &along, Unit::None, key).with(&attributes), values);
+                to.write(
+                    &variable(name, &along, Unit::None, key).with(&attributes),
+                    values,
+                );
             }
             to.write(&own::ALONG, &texts(design.along()));
         }
         Design::Star { keys, .. } => {
             let settings = (0..design.points()).map(|point| design.settings(point).pop());
-            let none = || Setting { key: "none".into(), value: f64::NAN };
+            let none = || Setting {
+                key: "none".into(),
+                value: f64::NAN,
+            };
             let settings = settings.map(|setting| setting.unwrap_or_else(none));
-            let (moved, values): (Vec<String>, Vec<f64>) = settings.map(|Setting { key, value }| (key, value)).unzip();
+            let (moved, values): (Vec<String>, Vec<f64>) =
+                settings.map(|Setting { key, value }| (key, value)).unzip();
             to.write(&own::POINT_KEY, &moved);
             to.write(&own::POINT_VALUE, &values);
             let (keys, values): (Vec<String>, Vec<f64>) = keys.iter().cloned().unzip();
@@ -159,36 +208,58 @@ fn coordinates(to: &mut Dataset, design: &Design) {
 }
 
 /// Walk over the results of all points. `seeds` are those of the points.
-fn points(walk: &mut Walk, design: &Design, seeds: &[u64], points: &mut Vec<Option<Point>>) -> Walked {
+fn points(
+    walk: &mut Walk,
+    design: &Design,
+    seeds: &[u64],
+    points: &mut Vec<Option<Point>>,
+) -> Walked {
     const STATISTICS: usize = Statistic::ALL.len();
     const MISSING: [f64; STATISTICS] = [f64::NAN; STATISTICS];
     let mut coordinates = "statistic_long_name statistic_unit".to_string();
     match design {
         Design::Grid(_) => {}
-        Design::Zip(axes) => axes.iter().for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
+        Design::Zip(axes) => axes
+            .iter()
+            .for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
         Design::Star { .. } => coordinates.push_str(" point_key point_value"),
     }
     let (attributes, shape) = ([("coordinates", coordinates.as_str())], shape(design));
     let count = design.points();
     let of_point = |point: &Option<Point>| match point {
-        Some(Point { estimates, .. }) => estimates.each_ref().map(|e| (numbers_of(e), corrected_of(e))),
+        Some(Point { estimates, .. }) => estimates
+            .each_ref()
+            .map(|e| (numbers_of(e), corrected_of(e))),
         None => [([f64::NAN; 7], [f64::NAN; 3]); STATISTICS],
     };
     let (found, corrected): (Vec<_>, Vec<_>) = points.iter().flat_map(of_point).unzip();
     let mut found = columns_of(found);
     for (variable, values) in PER_STATISTIC.iter().zip(&mut found) {
-        walk.sized(&variable.along(&[&shape, variable.axes].concat(), &attributes), values, count * STATISTICS)?;
+        walk.sized(
+            &variable.along(&[&shape, variable.axes].concat(), &attributes),
+            values,
+            count * STATISTICS,
+        )?;
     }
     for (variable, values) in CORRECTED.iter().zip(&columns_of(corrected)) {
-        walk.derived(&variable.along(&[&shape, variable.axes].concat(), &attributes), values);
+        walk.derived(
+            &variable.along(&[&shape, variable.axes].concat(), &attributes),
+            values,
+        );
     }
     let without = |point: &Option<Point>| {
         let known = point.as_ref().map_or(&[][..], |point| &point.without);
-        (0..GROUPS).flat_map(|group| known.get(group).copied().unwrap_or(MISSING)).collect::<Vec<f64>>()
+        (0..GROUPS)
+            .flat_map(|group| known.get(group).copied().unwrap_or(MISSING))
+            .collect::<Vec<f64>>()
     };
     let mut without: Vec<f64> = points.iter().flat_map(without).collect();
     let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
-    walk.sized(&own::ESTIMATE_WITHOUT.along(&dimensions, &[]), &mut without, count * GROUPS * STATISTICS)?;
+    walk.sized(
+        &own::ESTIMATE_WITHOUT.along(&dimensions, &[]),
+        &mut without,
+        count * GROUPS * STATISTICS,
+    )?;
 
     let done = |point: &Option<Point>| match point {
         None => 0,
@@ -196,31 +267,57 @@ fn points(walk: &mut Walk, design: &Design, seeds: &[u64], points: &mut Vec<Opti
         Some(_) => 2_i8,
     };
     let mut status: Vec<i8> = points.iter().map(done).collect();
-    let whole =
-        |of: fn(&Point) -> u64| -> Vec<u64> { points.iter().map(|point| point.as_ref().map_or(0, of)).collect() };
-    let (mut completed, mut diverged) = (whole(|point| point.completed_paths), whole(|point| point.diverged_paths));
+    let whole = |of: fn(&Point) -> u64| -> Vec<u64> {
+        points
+            .iter()
+            .map(|point| point.as_ref().map_or(0, of))
+            .collect()
+    };
+    let (mut completed, mut diverged) = (
+        whole(|point| point.completed_paths),
+        whole(|point| point.diverged_paths),
+    );
     let seconds = |point: &Option<Point>| point.as_ref().map_or(f64::NAN, |point| point.seconds);
     let mut seconds: Vec<f64> = points.iter().map(seconds).collect();
-    walk.sized(&own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes), &mut status, count)?;
-    walk.sized(&own::POINT_COMPLETED_PATHS.along(&shape, &[]), &mut completed, count)?;
-    walk.sized(&own::POINT_DIVERGED_PATHS.along(&shape, &[]), &mut diverged, count)?;
+    walk.sized(
+        &own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes),
+        &mut status,
+        count,
+    )?;
+    walk.sized(
+        &own::POINT_COMPLETED_PATHS.along(&shape, &[]),
+        &mut completed,
+        count,
+    )?;
+    walk.sized(
+        &own::POINT_DIVERGED_PATHS.along(&shape, &[]),
+        &mut diverged,
+        count,
+    )?;
     walk.derived(&own::POINT_SEED.along(&shape, &[]), seeds);
     walk.sized(&own::POINT_SECONDS.along(&shape, &[]), &mut seconds, count)?;
     // A walk that reads begins without points.
     points.resize(count, None);
-    let cycles = points.iter().map(|point| point.as_ref().and_then(|point| point.cycle.clone()));
+    let cycles = points
+        .iter()
+        .map(|point| point.as_ref().and_then(|point| point.cycle.clone()));
     let mut cycles: Vec<Option<LimitCycle>> = cycles.collect();
     walk_cycles(walk, &shape, &mut cycles)?;
 
     for (p, point) in points.iter_mut().enumerate() {
         let is_done = status[p] != 0;
-        walk.check(!is_done || diverged[p] <= completed[p], || "more diverged paths than paths".to_string())?;
+        walk.check(!is_done || diverged[p] <= completed[p], || {
+            "more diverged paths than paths".to_string()
+        })?;
         let estimate = |statistic: Statistic| {
             let row = p * STATISTICS + statistic.index();
             estimate_of(statistic, found.each_ref().map(|column| column[row]))
         };
         let group = |values: &[f64]| -> GroupValues { std::array::from_fn(|i| values[i]) };
-        let groups = without[p * GROUPS * STATISTICS..].chunks(STATISTICS).take(GROUPS).map(group);
+        let groups = without[p * GROUPS * STATISTICS..]
+            .chunks(STATISTICS)
+            .take(GROUPS)
+            .map(group);
         *point = is_done.then(|| Point {
             estimates: Statistic::ALL.map(estimate),
             completed_paths: completed[p],
@@ -228,7 +325,9 @@ fn points(walk: &mut Walk, design: &Design, seeds: &[u64], points: &mut Vec<Opti
             seconds: seconds[p],
             cycle: cycles[p].clone(),
             // There are fewer groups where there are fewer paths.
-            without: groups.take_while(|values| values.iter().any(|x| !x.is_nan())).collect(),
+            without: groups
+                .take_while(|values| values.iter().any(|x| !x.is_nan()))
+                .collect(),
         });
     }
     Ok(())
@@ -242,9 +341,15 @@ fn walk_cycles(walk: &mut Walk, shape: &[&str], cycles: &mut [Option<LimitCycle>
     if walk.present(&cycle, &mut there).is_none() {
         return Ok(());
     }
-    let numbers = |cycle: &Option<LimitCycle>| cycle.as_ref().map_or([f64::NAN; NUMBERS], LimitCycle::numbers);
+    let numbers = |cycle: &Option<LimitCycle>| {
+        cycle
+            .as_ref()
+            .map_or([f64::NAN; NUMBERS], LimitCycle::numbers)
+    };
     let states = |cycle: &Option<LimitCycle>| {
-        let mut states = cycle.as_ref().map_or_else(Vec::new, |cycle| cycle.section.clone());
+        let mut states = cycle
+            .as_ref()
+            .map_or_else(Vec::new, |cycle| cycle.section.clone());
         states.resize(LimitCycle::STATES, f64::NAN);
         states
     };
@@ -252,9 +357,17 @@ fn walk_cycles(walk: &mut Walk, shape: &[&str], cycles: &mut [Option<LimitCycle>
     let mut sections: Vec<f64> = cycles.iter().flat_map(states).collect();
     walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS));
     walk.derived(&layout::SECTION_STATE, &counted(0, LimitCycle::STATES));
-    walk.sized(&cycle.along(&[shape, cycle.axes].concat(), &[]), &mut all, cycles.len() * NUMBERS)?;
+    walk.sized(
+        &cycle.along(&[shape, cycle.axes].concat(), &[]),
+        &mut all,
+        cycles.len() * NUMBERS,
+    )?;
     let length = cycles.len() * LimitCycle::STATES;
-    walk.sized(&section.along(&[shape, section.axes].concat(), &[]), &mut sections, length)?;
+    walk.sized(
+        &section.along(&[shape, section.axes].concat(), &[]),
+        &mut sections,
+        length,
+    )?;
     let found = all.chunks(NUMBERS).zip(sections.chunks(LimitCycle::STATES));
     for (cycle, (numbers, section)) in cycles.iter_mut().zip(found) {
         let there = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), section);
@@ -266,36 +379,59 @@ fn walk_cycles(walk: &mut Walk, shape: &[&str], cycles: &mut [Option<LimitCycle>
 /// Write the differences between points, or the elasticities.
 fn comparisons(to: &mut Dataset, sweep: &Sweep) {
     let numbers = |paired: Option<Paired>| {
-        let Paired { measurement: m, gain } = paired.unwrap_or(Paired::NOTHING);
+        let Paired {
+            measurement: m,
+            gain,
+        } = paired.unwrap_or(Paired::NOTHING);
         [m.estimate, m.standard_error, m.low, m.high, gain]
     };
     let design = &sweep.question.design;
     let (variables, dimensions, rows): (_, _, Vec<[f64; 5]>) = match design {
         Design::Star { keys, .. } => {
-            let of = |key| Statistic::ALL.map(|statistic| numbers(sweep.elasticity(key, statistic)));
-            (&own::PER_ELASTICITY, vec!["key", "statistic"], (0..keys.len()).flat_map(of).collect())
+            let of =
+                |key| Statistic::ALL.map(|statistic| numbers(sweep.elasticity(key, statistic)));
+            (
+                &own::PER_ELASTICITY,
+                vec!["key", "statistic"],
+                (0..keys.len()).flat_map(of).collect(),
+            )
         }
         Design::Grid(_) | Design::Zip(_) => {
-            let of =
-                |(along, point)| Statistic::ALL.map(|statistic| numbers(sweep.difference(point, along, statistic)));
-            let places =
-                (0..design.along().len()).flat_map(|along| (0..design.points()).map(move |point| (along, point)));
+            let of = |(along, point)| {
+                Statistic::ALL.map(|statistic| numbers(sweep.difference(point, along, statistic)))
+            };
+            let places = (0..design.along().len())
+                .flat_map(|along| (0..design.points()).map(move |point| (along, point)));
             let dimensions = [&["along"][..], &shape(design), &["statistic"]].concat();
-            (&own::PER_DIFFERENCE, dimensions, places.flat_map(of).collect())
+            (
+                &own::PER_DIFFERENCE,
+                dimensions,
+                places.flat_map(of).collect(),
+            )
         }
     };
     let columns = columns_of(rows);
-    variables.iter().zip(&columns).for_each(|(variable, values)| to.write(&variable.along(&dimensions, &[]), values));
+    variables
+        .iter()
+        .zip(&columns)
+        .for_each(|(variable, values)| to.write(&variable.along(&dimensions, &[]), values));
 }
 
 /// Read a sweep.
 pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
-    let (mut header, mut about, mut results) = (Provenance::default(), About::default(), Vec::new());
+    let (mut header, mut about, mut results) =
+        (Provenance::default(), About::default(), Vec::new());
     attributes(&mut Walk::Reading(from), &mut header, &mut about)?;
-    let seeds = [Seeds::Common, Seeds::Independent].into_iter().find(|seeds| seeds.name() == about.seeds);
+    let seeds = [Seeds::Common, Seeds::Independent]
+        .into_iter()
+        .find(|seeds| seeds.name() == about.seeds);
     let design = read_design(from, &about)?;
     points(&mut Walk::Reading(from), &design, &[], &mut results)?;
-    let Provenance { scenario_text, program, .. } = header;
+    let Provenance {
+        scenario_text,
+        program,
+        ..
+    } = header;
     Ok(StoredSweep {
         scenario_text,
         samples: series::read(from)?,
@@ -303,7 +439,8 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
         program,
         with_bias: about.bias == ESTIMATED,
         seeds: seeds.ok_or_else(|| format!("unknown seeds \"{}\"", about.seeds))?,
-        status: Status::from_name(&about.status).ok_or_else(|| format!("unknown status \"{}\"", about.status))?,
+        status: Status::from_name(&about.status)
+            .ok_or_else(|| format!("unknown status \"{}\"", about.status))?,
         points: results,
         design,
     })
@@ -311,12 +448,22 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
 
 fn read_design(from: &dyn Source, about: &About) -> Result<Design, String> {
     let axes = |dimension: Option<&str>| -> Result<Vec<SweepAxis>, String> {
-        let names = about.axes.as_ref().ok_or_else(|| "axes is missing".to_owned())?;
+        let names = about
+            .axes
+            .as_ref()
+            .ok_or_else(|| "axes is missing".to_owned())?;
         let axis = |name: &str| {
             let axes = [dimension.unwrap_or(name)];
             let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
-            let key = AttributeValue::of(from.attribute(Some(name), "key")?, &format!("key of {name}"))?;
-            Ok(SweepAxis { name: name.to_string(), key, values })
+            let key = AttributeValue::of(
+                from.attribute(Some(name), "key")?,
+                &format!("key of {name}"),
+            )?;
+            Ok(SweepAxis {
+                name: name.to_string(),
+                key,
+                values,
+            })
         };
         names.split(' ').map(axis).collect()
     };
@@ -326,9 +473,17 @@ fn read_design(from: &dyn Source, about: &About) -> Result<Design, String> {
         "zip" => Design::of(axes(Some("point"))?, true).map_err(refused),
         "elasticity" => {
             let keys: Vec<String> = read_variable(from, &own::KEY)?;
-            let keys = keys.into_iter().zip(read_variable(from, &own::KEY_VALUE)?).collect();
-            let relative_step = about.relative_step.ok_or_else(|| "relative_step is missing".to_owned())?;
-            Ok(Design::Star { keys, relative_step })
+            let keys = keys
+                .into_iter()
+                .zip(read_variable(from, &own::KEY_VALUE)?)
+                .collect();
+            let relative_step = about
+                .relative_step
+                .ok_or_else(|| "relative_step is missing".to_owned())?;
+            Ok(Design::Star {
+                keys,
+                relative_step,
+            })
         }
         other => Err(format!("unknown design \"{other}\"")),
     }

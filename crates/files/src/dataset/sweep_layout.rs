@@ -43,8 +43,18 @@ pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
         Unit::None,
         "standard error of the difference, with the noise shared by the points",
     ),
-    variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference"),
-    variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference"),
+    variable(
+        "difference_low",
+        STATISTIC,
+        Unit::None,
+        "lower end of the 95 % confidence interval of the difference",
+    ),
+    variable(
+        "difference_high",
+        STATISTIC,
+        Unit::None,
+        "upper end of the 95 % confidence interval of the difference",
+    ),
     variable(
         "difference_gain",
         STATISTIC,
@@ -56,10 +66,30 @@ pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
 
 /// The variables with one value per statistic of each elasticity.
 pub(crate) const PER_ELASTICITY: [Variable; 5] = [
-    variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate per relative change of the key"),
-    variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity"),
-    variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity"),
-    variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity"),
+    variable(
+        "elasticity",
+        STATISTIC,
+        Unit::ONE,
+        "relative change of the estimate per relative change of the key",
+    ),
+    variable(
+        "elasticity_error",
+        STATISTIC,
+        Unit::ONE,
+        "standard error of the elasticity",
+    ),
+    variable(
+        "elasticity_low",
+        STATISTIC,
+        Unit::ONE,
+        "lower end of the 95 % confidence interval of the elasticity",
+    ),
+    variable(
+        "elasticity_high",
+        STATISTIC,
+        Unit::ONE,
+        "upper end of the 95 % confidence interval of the elasticity",
+    ),
     variable(
         "elasticity_gain",
         STATISTIC,
@@ -77,9 +107,20 @@ mod tests {
 
     fn all() -> impl Iterator<Item = &'static Variable> {
         use crate::dataset::{layout, summary};
-        const OF_CYCLE: [Variable; 4] = [layout::CYCLE_NUMBER, layout::SECTION_STATE, layout::CYCLE, layout::SECTION];
-        let of_runs = OF_CYCLE.iter().chain(&summary::PER_STATISTIC).chain(&summary::CORRECTED);
-        ALL.iter().chain(of_runs).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
+        const OF_CYCLE: [Variable; 4] = [
+            layout::CYCLE_NUMBER,
+            layout::SECTION_STATE,
+            layout::CYCLE,
+            layout::SECTION,
+        ];
+        let of_runs = OF_CYCLE
+            .iter()
+            .chain(&summary::PER_STATISTIC)
+            .chain(&summary::CORRECTED);
+        ALL.iter()
+            .chain(of_runs)
+            .chain(&PER_DIFFERENCE)
+            .chain(&PER_ELASTICITY)
     }
 
     /// An axis with one of these names could not be written.
@@ -95,9 +136,16 @@ mod tests {
         let text = include_str!("../../../../docs/output-format.md");
         for variable in all() {
             // The page leaves the ends of an interval out.
-            let of = variable.name.strip_suffix("_low").or_else(|| variable.name.strip_suffix("_high"));
+            let of = variable
+                .name
+                .strip_suffix("_low")
+                .or_else(|| variable.name.strip_suffix("_high"));
             let is_there = |name: &str| text.contains(&format!("`{name}`"));
-            assert!(is_there(variable.name) || of.is_some_and(is_there), "{}", variable.name);
+            assert!(
+                is_there(variable.name) || of.is_some_and(is_there),
+                "{}",
+                variable.name
+            );
         }
     }
 }

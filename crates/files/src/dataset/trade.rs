@@ -5,12 +5,17 @@ use super::header::{Format, walk_origin};
 use super::layout::{Unit, Variable, coordinate, table, variable};
 use super::summary::write_statistics;
 use super::walk::{Walk, Walked};
-use super::{Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable, series, texts};
+use super::{
+    Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable,
+    series, texts,
+};
 use stickslip::engine::Provenance;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
 use stickslip::stats::Statistic;
-use stickslip::study::trade::{Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting};
+use stickslip::study::trade::{
+    Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting,
+};
 
 /// Name and version of the format.
 pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
@@ -21,11 +26,15 @@ impl Dataset {
         let mut header = Provenance::of(scenario);
         let units = header.units.clone();
         let mut reference = trade.reference().scheme.to_string();
-        let mut dataset = Dataset::written(&units, |walk| attributes(walk, &mut header, &mut reference));
+        let mut dataset =
+            Dataset::written(&units, |walk| attributes(walk, &mut header, &mut reference));
         series::write(&mut dataset, &header);
         write_statistics(&mut dataset, &Statistic::ALL);
         dataset.write(&RUNG, &counted(0, trade.settings.len()));
-        dataset.write(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())));
+        dataset.write(
+            &SCHEME,
+            &texts(trade.schemes().into_iter().map(|scheme| scheme.name())),
+        );
         dataset.write(&TARGET, &TARGETS);
         let of_rung = |setting: &TradeSetting| {
             Statistic::ALL.map(|statistic| {
@@ -59,23 +68,40 @@ fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) 
 fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64>; 3]) -> Walked {
     const ALL: usize = Statistic::ALL.len();
     let of_rung = |setting: &TradeSetting| {
-        let TradeSetting { scheme, cost: Cost { first, each }, .. } = setting;
-        [scheme.step().unwrap_or(f64::NAN), scheme.tolerance().unwrap_or(f64::NAN), *first, *each]
+        let TradeSetting {
+            scheme,
+            cost: Cost { first, each },
+            ..
+        } = setting;
+        [
+            scheme.step().unwrap_or(f64::NAN),
+            scheme.tolerance().unwrap_or(f64::NAN),
+            *first,
+            *each,
+        ]
     };
     let numbers = |setting: &TradeSetting| {
         Statistic::ALL.map(|statistic| {
             let estimate = setting.estimate(statistic);
-            let change = setting.change(statistic).unwrap_or(Number { value: f64::NAN, error: f64::NAN });
+            let change = setting.change(statistic).unwrap_or(Number {
+                value: f64::NAN,
+                error: f64::NAN,
+            });
             [estimate.value, estimate.error, change.value, change.error]
         })
     };
     let mut names = texts(settings.iter().map(|setting| setting.scheme.name()));
     let [mut steps, mut tolerances, mut first, mut each] = columns_of(settings.iter().map(of_rung));
-    let (mut paths, mut diverged): (Vec<_>, Vec<_>) =
-        settings.iter().map(|setting| (setting.paths, setting.diverged)).unzip();
-    let [mut estimates, mut errors, mut changes, mut change_errors] = columns_of(settings.iter().flat_map(numbers));
+    let (mut paths, mut diverged): (Vec<_>, Vec<_>) = settings
+        .iter()
+        .map(|setting| (setting.paths, setting.diverged))
+        .unzip();
+    let [mut estimates, mut errors, mut changes, mut change_errors] =
+        columns_of(settings.iter().flat_map(numbers));
     walk.variable(&RUNG_SCHEME, &mut names)?;
-    walk.check(!names.is_empty(), || format!("{} is missing", RUNG_SCHEME.name))?;
+    walk.check(!names.is_empty(), || {
+        format!("{} is missing", RUNG_SCHEME.name)
+    })?;
     let count = names.len();
     walk.sized(&RUNG_STEP, &mut steps, count)?;
     walk.sized(&RUNG_TOLERANCE, &mut tolerances, count)?;
@@ -85,7 +111,10 @@ fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64
     walk.sized(&RUNG_SECONDS, &mut each, count)?;
     walk.sized(&RUNG_ESTIMATE, &mut estimates, count * ALL)?;
     walk.sized(&RUNG_STANDARD_ERROR, &mut errors, count * ALL)?;
-    for (variable, values) in [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR].into_iter().zip(&derived) {
+    for (variable, values) in [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR]
+        .into_iter()
+        .zip(&derived)
+    {
         walk.derived(variable, values);
     }
     walk.sized(&RUNG_CHANGE, &mut changes, count * ALL)?;
@@ -96,15 +125,24 @@ fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64
         let numbers = |values: &[f64], errors: &[f64]| -> Vec<Number> {
             let of_rung = i * ALL..(i + 1) * ALL;
             let pairs = values[of_rung.clone()].iter().zip(&errors[of_rung]);
-            pairs.map(|(&value, &error)| Number { value, error }).collect()
+            pairs
+                .map(|(&value, &error)| Number { value, error })
+                .collect()
         };
         let changes = numbers(&changes, &change_errors);
         let is_measured = changes.iter().any(|change| !change.value.is_nan());
         settings.push(TradeSetting {
-            scheme: kind.with(if kind.has_step() { steps[i] } else { tolerances[i] }),
+            scheme: kind.with(if kind.has_step() {
+                steps[i]
+            } else {
+                tolerances[i]
+            }),
             paths: paths[i],
             diverged: diverged[i].min(paths[i]),
-            cost: Cost { first: first[i], each: each[i] },
+            cost: Cost {
+                first: first[i],
+                each: each[i],
+            },
             estimates: numbers(&estimates, &errors),
             changes: if is_measured { changes } else { Vec::new() },
         });
@@ -118,11 +156,20 @@ fn orders(to: &mut Dataset, trade: &Trade) {
         None => [f64::NAN; 2],
     };
     let schemes = trade.schemes().into_iter();
-    let [orders, errors] = columns_of(schemes.flat_map(|scheme| Statistic::ALL.map(|of| law(scheme, of))));
+    let [orders, errors] =
+        columns_of(schemes.flat_map(|scheme| Statistic::ALL.map(|of| law(scheme, of))));
     let standings = Statistic::ALL.map(|statistic| trade.standing(statistic));
     let ratio = |statistic| trade.pairing.ratio(statistic).unwrap_or(f64::NAN);
-    to.write(&STATISTIC_SCALE, &standings.each_ref().map(|standing| standing.scale().unwrap_or(f64::NAN)));
-    to.write(&STATISTIC_NOTE, &standings.map(|standing| standing.to_string()));
+    to.write(
+        &STATISTIC_SCALE,
+        &standings
+            .each_ref()
+            .map(|standing| standing.scale().unwrap_or(f64::NAN)),
+    );
+    to.write(
+        &STATISTIC_NOTE,
+        &standings.map(|standing| standing.to_string()),
+    );
     to.write(&STATISTIC_PAIRING, &Statistic::ALL.map(ratio));
     to.write(&SCHEME_ORDER, &orders);
     to.write(&SCHEME_ORDER_ERROR, &errors);
@@ -132,7 +179,8 @@ fn predicted(to: &mut Dataset, trade: &Trade) {
     let mut choices: Vec<Option<Choice>> = Vec::new();
     for scheme in trade.schemes() {
         for statistic in Statistic::ALL {
-            choices.extend(TARGETS.map(|target| trade.best(Some(scheme), &[statistic], target).ok()));
+            choices
+                .extend(TARGETS.map(|target| trade.best(Some(scheme), &[statistic], target).ok()));
         }
     }
     let numbers = |choice: &Option<Choice>| match choice {
@@ -145,11 +193,15 @@ fn predicted(to: &mut Dataset, trade: &Trade) {
         ],
         None => [f64::NAN; 5],
     };
-    let is_antithetic = |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
+    let is_antithetic =
+        |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
     let [seconds, paths, steps, tolerances, biases] = columns_of(choices.iter().map(numbers));
     to.write(&PREDICTED_SECONDS, &seconds);
     to.write(&PREDICTED_PATHS, &paths);
-    to.write(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>());
+    to.write(
+        &PREDICTED_ANTITHETIC,
+        &choices.iter().map(is_antithetic).collect::<Vec<i8>>(),
+    );
     to.write(&PREDICTED_STEP, &steps);
     to.write(&PREDICTED_TOLERANCE, &tolerances);
     to.write(&PREDICTED_BIAS, &biases);
@@ -157,7 +209,9 @@ fn predicted(to: &mut Dataset, trade: &Trade) {
         Ok(choice) => choice.scheme.name(),
         Err(_) => "none",
     };
-    let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));
+    let winners = Statistic::ALL
+        .into_iter()
+        .flat_map(|s| TARGETS.map(|target| winner(s, target)));
     to.write(&WINNER, &texts(winners));
 }
 
@@ -179,7 +233,10 @@ impl StoredTrade {
         let prices = |statistic| Prices::of(&self.trade, statistic, &self.scenario);
         match statistic {
             Some(statistic) => Some(prices(statistic)),
-            None => Statistic::ALL.into_iter().map(prices).find(Prices::has_points),
+            None => Statistic::ALL
+                .into_iter()
+                .map(prices)
+                .find(Prices::has_points),
         }
     }
 }
@@ -192,7 +249,9 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let mut settings = Vec::new();
     measured(&mut Walk::Reading(from), &mut settings, Default::default())?;
     let reference: String = read_attribute(from, "reference")?;
-    let reference = settings.iter().position(|setting| setting.scheme.to_string() == reference);
+    let reference = settings
+        .iter()
+        .position(|setting| setting.scheme.to_string() == reference);
     let reference = reference.ok_or_else(|| "reference is not one of its settings".to_string())?;
     let ratios: Vec<f64> = read_variable(from, &STATISTIC_PAIRING)?;
     let pairing = match ratios.iter().all(|ratio| ratio.is_nan()) {
@@ -200,8 +259,13 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
         true => Pairing::Unknown,
         false => Pairing::Measured(ratios),
     };
-    let trade = Trade::of_rungs(&scenario, settings, reference, pairing).map_err(|misfit| misfit.to_string())?;
-    Ok(StoredTrade { trade, scenario, other_program: read_other_program(from)? })
+    let trade = Trade::of_rungs(&scenario, settings, reference, pairing)
+        .map_err(|misfit| misfit.to_string())?;
+    Ok(StoredTrade {
+        trade,
+        scenario,
+        other_program: read_other_program(from)?,
+    })
 }
 
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];
@@ -266,7 +330,11 @@ mod tests {
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../../../docs/output-format.md");
         for variable in ALL {
-            assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
+            assert!(
+                text.contains(&format!("`{}`", variable.name)),
+                "{}",
+                variable.name
+            );
         }
     }
 }

@@ -25,5 +25,11 @@ impl Dataset {
 
 const TRUTH: Variable = of_quantity("truth", "true value of the quantity");
 const TEMPERATURE: Variable =
-    variable("temperature", &["time"], Unit::None, "measured temperature").with(&[("units", "degC")]);
-const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "measured displacement");
+    variable("temperature", &["time"], Unit::None, "measured temperature")
+        .with(&[("units", "degC")]);
+const DISPLACEMENT: Variable = variable(
+    "displacement",
+    &["time"],
+    Unit::LENGTH,
+    "measured displacement",
+);

@@ -20,7 +20,10 @@ impl Walk<'_> {
     /// An attribute of the data set.
     pub fn attribute<T: AttributeValue>(&mut self, name: &str, value: &mut T) -> Walked {
         match self {
-            Walk::Writing(to) => value.attribute().into_iter().for_each(|value| to.set_attribute(name, value)),
+            Walk::Writing(to) => value
+                .attribute()
+                .into_iter()
+                .for_each(|value| to.set_attribute(name, value)),
             Walk::Reading(from) => *value = read_attribute(*from, name)?,
         }
         Ok(())
@@ -43,9 +46,20 @@ impl Walk<'_> {
     }
 
     /// A variable that must have so many values.
-    pub fn sized<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>, length: usize) -> Walked {
+    pub fn sized<T: Element>(
+        &mut self,
+        variable: &Described,
+        values: &mut Vec<T>,
+        length: usize,
+    ) -> Walked {
         self.variable(variable, values)?;
-        self.check(values.len() == length, || format!("{} has {} values, not {length}", variable.name, values.len()))
+        self.check(values.len() == length, || {
+            format!(
+                "{} has {} values, not {length}",
+                variable.name,
+                values.len()
+            )
+        })
     }
 
     /// A variable with one value.
@@ -54,7 +68,13 @@ impl Walk<'_> {
             Walk::Writing(to) => to.write(variable, std::slice::from_ref(&*value)),
             Walk::Reading(from) => match read_variable(*from, variable)?.as_slice() {
                 [one] => *value = T::clone(one),
-                values => return Err(format!("{} has {} values, not one", variable.name, values.len())),
+                values => {
+                    return Err(format!(
+                        "{} has {} values, not one",
+                        variable.name,
+                        values.len()
+                    ));
+                }
             },
         }
         Ok(())
@@ -76,7 +96,11 @@ impl Walk<'_> {
 
     /// The value of something that may be absent, if it is there. It is read if `first`, its first
     /// variable, is there.
-    pub fn present<'a, T: Default>(&mut self, first: &Described, value: &'a mut Option<T>) -> Option<&'a mut T> {
+    pub fn present<'a, T: Default>(
+        &mut self,
+        first: &Described,
+        value: &'a mut Option<T>,
+    ) -> Option<&'a mut T> {
         if let Walk::Reading(from) = self {
             *value = from.has(first.name).then(T::default);
         }
@@ -85,7 +109,11 @@ impl Walk<'_> {
 
     /// Fail unless what was read is right.
     pub fn check(&self, is_right: bool, cause: impl FnOnce() -> String) -> Walked {
-        if is_right || matches!(self, Walk::Writing(_)) { Ok(()) } else { Err(cause()) }
+        if is_right || matches!(self, Walk::Writing(_)) {
+            Ok(())
+        } else {
+            Err(cause())
+        }
     }
 
     /// The values of a curve with their intervals.
@@ -94,7 +122,10 @@ impl Walk<'_> {
         let mut interval = [&ends.low[..], &ends.high].concat();
         self.variable(&of.interval, &mut interval)?;
         let high = interval.split_off(interval.len() / 2);
-        *ends = Ends { low: interval, high };
+        *ends = Ends {
+            low: interval,
+            high,
+        };
         Ok(())
     }
 

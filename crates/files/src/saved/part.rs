@@ -26,13 +26,21 @@ impl PartRecorder {
 
 impl Sink for PartRecorder {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
-        let question = || RunQuestion { scenario: scenario.clone(), asked: asked.clone(), note: String::new() };
+        let question = || RunQuestion {
+            scenario: scenario.clone(),
+            asked: asked.clone(),
+            note: String::new(),
+        };
         self.question = asked.part.map(|_| question());
         Ok(())
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
-        if self.question.as_ref().is_some_and(|question| question.scenario.record != Record::NOTHING) {
+        if self
+            .question
+            .as_ref()
+            .is_some_and(|question| question.scenario.record != Record::NOTHING)
+        {
             self.bytes.clear();
             self.rows = self.rows.after(&block.rows, &mut self.bytes);
         }
@@ -42,7 +50,12 @@ impl Sink for PartRecorder {
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         if let Some(question) = self.question.as_ref().filter(|_| moment.is_last) {
             // The time that was spent is left out, so that equal parts are equal.
-            self.state = Some(to_bytes(question, &moment.state(), Duration::ZERO, self.rows));
+            self.state = Some(to_bytes(
+                question,
+                &moment.state(),
+                Duration::ZERO,
+                self.rows,
+            ));
         }
         Ok(())
     }

@@ -13,7 +13,9 @@ use stickslip::engine::SoFar;
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;
 use stickslip::stats::column::{Columns as _, values_of};
-use stickslip::stats::{BlockRows, EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
+use stickslip::stats::{
+    BlockRows, EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows,
+};
 
 /// Why parts cannot be joined.
 #[derive(Debug, thiserror::Error)]
@@ -72,15 +74,20 @@ impl Parts {
     /// Check that these states of parts, each with its name, are one whole run together. Parts that
     /// are unreadable, unfinished, repeated, missing, of another run or of another program are
     /// errors.
-    pub fn of_bytes(parts: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Result<Parts, PartsError> {
-        let read = |(name, bytes): (PathBuf, Vec<u8>)| of_bytes(&bytes, &name).map(|state| (name, state));
+    pub fn of_bytes(
+        parts: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
+    ) -> Result<Parts, PartsError> {
+        let read =
+            |(name, bytes): (PathBuf, Vec<u8>)| of_bytes(&bytes, &name).map(|state| (name, state));
         Parts::of(parts.into_iter().map(read).collect::<Result<_, _>>()?)
     }
 
     /// The same of states that are read already.
     pub(crate) fn of(mut parts: Vec<(PathBuf, State)>) -> Result<Parts, PartsError> {
         let Some((first, of)) = parts.first().cloned() else {
-            return Err(PartsError::Missing { missing: "1/1".into() });
+            return Err(PartsError::Missing {
+                missing: "1/1".into(),
+            });
         };
         of.check_program(&first)?;
         let whole = |state: &State| {
@@ -91,40 +98,76 @@ impl Parts {
         let (question, count) = whole(&of);
         for (path, state) in &parts {
             state.check_program(path)?;
-            if state.question.asked.part.is_none() || state.paths() != state.question.asked.own_paths() {
+            if state.question.asked.part.is_none()
+                || state.paths() != state.question.asked.own_paths()
+            {
                 return Err(SavedError::Damaged { path: path.clone() }.into());
             }
             let (mine, cut) = whole(state);
             let difference = mine.difference_from(&question).or_else(|| {
-                (cut != count).then(|| format!("it is one of {} parts, not {}", cut.unwrap_or(1), count.unwrap_or(1)))
+                (cut != count).then(|| {
+                    format!(
+                        "it is one of {} parts, not {}",
+                        cut.unwrap_or(1),
+                        count.unwrap_or(1)
+                    )
+                })
             });
             if let Some(difference) = difference {
-                return Err(PartsError::Foreign { path: path.clone(), first, difference });
+                return Err(PartsError::Foreign {
+                    path: path.clone(),
+                    first,
+                    difference,
+                });
             }
         }
         let number = |state: &State| state.question.asked.part.map_or(1, |part| part.number());
         parts.sort_by_key(|(_, state)| number(state));
-        let twice = parts.windows(2).find(|pair| number(&pair[0].1) == number(&pair[1].1));
+        let twice = parts
+            .windows(2)
+            .find(|pair| number(&pair[0].1) == number(&pair[1].1));
         if let Some([(first, state), (second, _)]) = twice {
             let (first, second) = (first.clone(), second.clone());
-            let part = state.question.asked.part.map_or_else(String::new, |part| part.to_string());
-            return Err(PartsError::Repeated { first, second, part });
+            let part = state
+                .question
+                .asked
+                .part
+                .map_or_else(String::new, |part| part.to_string());
+            return Err(PartsError::Repeated {
+                first,
+                second,
+                part,
+            });
         }
         let count = count.unwrap_or(1);
         let is_there = |wanted: &u64| parts.iter().any(|(_, state)| number(state) == *wanted);
-        let missing: Vec<String> =
-            (1..=count).filter(|wanted| !is_there(wanted)).map(|number| format!("{number}/{count}")).collect();
+        let missing: Vec<String> = (1..=count)
+            .filter(|wanted| !is_there(wanted))
+            .map(|number| format!("{number}/{count}"))
+            .collect();
         if !missing.is_empty() {
-            return Err(PartsError::Missing { missing: missing.join(", ") });
+            return Err(PartsError::Missing {
+                missing: missing.join(", "),
+            });
         }
-        let mut totals =
-            RunTotals::empty(&question.scenario.model, &question.scenario.timeline(), &question.scenario.record);
+        let mut totals = RunTotals::empty(
+            &question.scenario.model,
+            &question.scenario.timeline(),
+            &question.scenario.record,
+        );
         for (path, state) in &parts {
             let damaged = |_| SavedError::Damaged { path: path.clone() };
             totals.merge(state.so_far.totals.clone()).map_err(damaged)?;
         }
         // What a part took is not in its file.
-        Ok(Parts { question, so_far: SoFar { totals, spent: Duration::ZERO }, parts })
+        Ok(Parts {
+            question,
+            so_far: SoFar {
+                totals,
+                spent: Duration::ZERO,
+            },
+            parts,
+        })
     }
 
     /// The names of the parts, in the order of their paths.
@@ -135,8 +178,13 @@ impl Parts {
     /// Check that the rows in the data set of a part, counted in the order of paths, are those that
     /// were simulated.
     pub fn check_rows(&self, part: usize, dataset: &Dataset) -> Result<(), PartsError> {
-        let Some((path, state)) = self.parts.get(part) else { return Ok(()) };
-        let wrong = |cause: String| PartsError::Rows { path: path.clone(), cause };
+        let Some((path, state)) = self.parts.get(part) else {
+            return Ok(());
+        };
+        let wrong = |cause: String| PartsError::Rows {
+            path: path.clone(),
+            cause,
+        };
         each_block(state, dataset, |_| Ok(()), wrong)
     }
 }
@@ -149,19 +197,32 @@ pub(crate) fn each_block<E>(
     mut visit: impl FnMut(&BlockRows) -> Result<(), E>,
     wrong: impl Fn(String) -> E,
 ) -> Result<(), E> {
-    let RunQuestion { scenario: Scenario { record, .. }, asked, .. } = &state.question;
+    let RunQuestion {
+        scenario: Scenario { record, .. },
+        asked,
+        ..
+    } = &state.question;
     if *record == Record::NOTHING {
         return Ok(());
     }
     let origin = asked.blocks().start * BLOCK_SIZE;
     let (mut position, mut bytes, mut event) = (Position::default(), Vec::new(), 0);
     for block in asked.blocks() {
-        let (first_path, end) = (block * BLOCK_SIZE, ((block + 1) * BLOCK_SIZE).min(asked.paths));
+        let (first_path, end) = (
+            block * BLOCK_SIZE,
+            ((block + 1) * BLOCK_SIZE).min(asked.paths),
+        );
         let place = (first_path - origin) as usize..(end - origin) as usize;
-        let mut owned = BlockRows { first_path, paths: end - first_path, ..BlockRows::default() };
+        let mut owned = BlockRows {
+            first_path,
+            paths: end - first_path,
+            ..BlockRows::default()
+        };
         if record.paths {
-            owned.path_columns =
-                Some(PathColumns::read(|variable, kind| from.rows(variable.name, kind, &place)).map_err(&wrong)?);
+            owned.path_columns = Some(
+                PathColumns::read(|variable, kind| from.rows(variable.name, kind, &place))
+                    .map_err(&wrong)?,
+            );
         }
         if record.events {
             let (found, next) = events(from, &place, event).map_err(&wrong)?;
@@ -169,25 +230,53 @@ pub(crate) fn each_block<E>(
         }
         if first_path < record.trajectories {
             let kept = place.start..(record.trajectories.min(end) - origin) as usize;
-            owned.trajectories =
-                Some(TrajectoryRows::read(|variable, kind| from.rows(variable.name, kind, &kept)).map_err(&wrong)?);
+            owned.trajectories = Some(
+                TrajectoryRows::read(|variable, kind| from.rows(variable.name, kind, &kept))
+                    .map_err(&wrong)?,
+            );
         }
         bytes.clear();
         position = position.after(&owned, &mut bytes);
         visit(&owned)?;
     }
-    if state.rows == position { Ok(()) } else { Err(wrong("its rows differ from those that were written".to_string())) }
+    if state.rows == position {
+        Ok(())
+    } else {
+        Err(wrong(
+            "its rows differ from those that were written".to_string(),
+        ))
+    }
 }
 
 /// Read the events of some paths. `first` is the row of their first event; the row after their last
 /// event is returned with them.
-fn events(from: &dyn Source, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), String> {
-    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(EVENT_COUNT.name, ElementType::U32, rows)?)?;
+fn events(
+    from: &dyn Source,
+    rows: &Range<usize>,
+    first: usize,
+) -> Result<(EventColumns, usize), String> {
+    let count: Vec<u32> = values_of(
+        &EVENT_COUNT,
+        from.rows(EVENT_COUNT.name, ElementType::U32, rows)?,
+    )?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
     if next == first {
-        return Ok((EventColumns { count, ..EventColumns::default() }, next));
+        return Ok((
+            EventColumns {
+                count,
+                ..EventColumns::default()
+            },
+            next,
+        ));
     }
-    let rows_of = |variable: &Variable| if variable.axes == EVENT_COUNT.axes { rows.clone() } else { first..next };
-    let events = EventColumns::read(|variable, kind| from.rows(variable.name, kind, &rows_of(variable)))?;
+    let rows_of = |variable: &Variable| {
+        if variable.axes == EVENT_COUNT.axes {
+            rows.clone()
+        } else {
+            first..next
+        }
+    };
+    let events =
+        EventColumns::read(|variable, kind| from.rows(variable.name, kind, &rows_of(variable)))?;
     Ok((events, next))
 }

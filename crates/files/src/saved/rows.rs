@@ -25,7 +25,10 @@ impl Position {
         out[start..start + 8].copy_from_slice(&length.to_le_bytes());
         let checksum = checksum(self.checksum, &out[start..]);
         out.extend(checksum.to_le_bytes());
-        Position { length: self.length + (out.len() - start) as u64, checksum }
+        Position {
+            length: self.length + (out.len() - start) as u64,
+            checksum,
+        }
     }
 }
 
@@ -40,9 +43,16 @@ fn write_table<T: Columns>(table: &Option<T>, out: &mut Vec<u8>) {
 
 fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
     let is_there: u64 = from.value()?;
-    let column =
-        |_: &_, kind: ElementType| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
-    if is_there == 0 { Ok(None) } else { T::read(column).map(Some).map_err(|_| Damaged) }
+    let column = |_: &_, kind: ElementType| {
+        from.length()
+            .and_then(|length| kind.read(length, from))
+            .map_err(|e| e.to_string())
+    };
+    if is_there == 0 {
+        Ok(None)
+    } else {
+        T::read(column).map(Some).map_err(|_| Damaged)
+    }
 }
 
 /// Append rows to `out`.

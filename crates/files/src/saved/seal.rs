@@ -34,7 +34,9 @@ pub fn seal(path: &Path) -> io::Result<()> {
 /// bytes the seal is found but the checksum is not computed.
 pub fn is_right(path: &Path, largest: u64) -> io::Result<Option<bool>> {
     let mut file = File::open(path)?;
-    let Some((length, found)) = find(&mut file)? else { return Ok(None) };
+    let Some((length, found)) = find(&mut file)? else {
+        return Ok(None);
+    };
     if length > largest {
         return Ok(Some(found.starts_with(MAGIC)));
     }
@@ -54,11 +56,17 @@ fn find(file: &mut File) -> io::Result<Option<(u64, [u8; LENGTH])>> {
     let all = file.metadata()?.len();
     let end = superblock(file)?.and_then(|superblock| superblock.end);
     let is_absent = end.is_none_or(|end| end == all);
-    let Some(length) = all.checked_sub(LENGTH as u64) else { return Ok(None) };
+    let Some(length) = all.checked_sub(LENGTH as u64) else {
+        return Ok(None);
+    };
     let mut found = [0; LENGTH];
     file.seek(SeekFrom::Start(length))?;
     file.read_exact(&mut found)?;
-    Ok(if found.starts_with(MAGIC) || !is_absent { Some((length, found)) } else { None })
+    Ok(if found.starts_with(MAGIC) || !is_absent {
+        Some((length, found))
+    } else {
+        None
+    })
 }
 
 /// Whether a file ends as only files of this program do, damaged or not.
@@ -114,11 +122,22 @@ pub fn superblock(file: &mut File) -> io::Result<Option<Superblock>> {
     if !bytes.starts_with(&SIGNATURE) {
         return Ok(None);
     }
-    let at = |place: usize| bytes.get(place..place + 8).and_then(|bytes| bytes.try_into().ok()).map(u64::from_le_bytes);
+    let at = |place: usize| {
+        bytes
+            .get(place..place + 8)
+            .and_then(|bytes| bytes.try_into().ok())
+            .map(u64::from_le_bytes)
+    };
     let byte = |place: usize| bytes.get(place).copied().unwrap_or_default();
     Ok(Some(match byte(8) {
         // Versions 2 and 3, with addresses of eight bytes.
-        2 | 3 if byte(9) == 8 => Superblock { end: at(28), is_open: byte(11) & 1 == 1 },
-        _ => Superblock { end: None, is_open: false },
+        2 | 3 if byte(9) == 8 => Superblock {
+            end: at(28),
+            is_open: byte(11) & 1 == 1,
+        },
+        _ => Superblock {
+            end: None,
+            is_open: false,
+        },
     }))
 }

@@ -36,12 +36,20 @@ impl RunQuestion {
     /// equal.
     pub(crate) fn difference_from(&self, other: &RunQuestion) -> Option<String> {
         let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
-        let lines = || mine.lines().zip(theirs.lines()).filter(|(mine, theirs)| mine != theirs);
+        let lines = || {
+            mine.lines()
+                .zip(theirs.lines())
+                .filter(|(mine, theirs)| mine != theirs)
+        };
         let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
         // A title lists what was changed, so the changed key says more.
         let changed = lines().find(|(mine, _)| !mine.starts_with("title = "));
         if let Some((mine, theirs)) = changed.or_else(|| lines().next()) {
-            return Some(format!("it has `{}`, but this one has `{}`", said(mine), said(theirs)));
+            return Some(format!(
+                "it has `{}`, but this one has `{}`",
+                said(mine),
+                said(theirs)
+            ));
         }
         if mine != theirs {
             return Some("its scenario differs".into());
@@ -51,8 +59,17 @@ impl RunQuestion {
 
     /// The question as the bytes of a state without paths.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline(), &self.scenario.record);
-        to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
+        let totals = RunTotals::empty(
+            &self.scenario.model,
+            &self.scenario.timeline(),
+            &self.scenario.record,
+        );
+        to_bytes(
+            self,
+            &totals.to_bytes(),
+            Duration::ZERO,
+            Position::default(),
+        )
     }
 }
 
@@ -73,29 +90,52 @@ impl State {
         let block_size = self.program.block_size;
         let most = self.question.asked.paths;
         let paths = |block: u64| block.saturating_mul(block_size).min(most);
-        blocks.iter().map(|range| paths(range.end) - paths(range.start)).sum()
+        blocks
+            .iter()
+            .map(|range| paths(range.end) - paths(range.start))
+            .sum()
     }
 
     /// The provenance of its numbers, with the program that began the run.
     pub fn header(&self) -> Provenance {
         let header = self.question.asked.provenance(&self.question.scenario);
-        Provenance { program: self.program.clone(), ..header }
+        Provenance {
+            program: self.program.clone(),
+            ..header
+        }
     }
 
     /// An error if another program began the run, because it need not produce the same bits.
     pub fn check_program(&self, path: &Path) -> Result<(), SavedError> {
-        if self.program == Program::mine() { Ok(()) } else { Err(other_program(path, &self.program)) }
+        if self.program == Program::mine() {
+            Ok(())
+        } else {
+            Err(other_program(path, &self.program))
+        }
     }
 }
 
 fn other_program(path: &Path, program: &Program) -> SavedError {
     let [theirs, mine] = [program, &Program::mine()].map(Program::to_string);
-    SavedError::OtherProgram { path: path.to_owned(), theirs, mine }
+    SavedError::OtherProgram {
+        path: path.to_owned(),
+        theirs,
+        mine,
+    }
 }
 
 /// The state of a run as bytes. `totals` are the bytes of its sums.
-pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, rows: Position) -> Vec<u8> {
-    let RunQuestion { scenario, asked, note } = question;
+pub(crate) fn to_bytes(
+    question: &RunQuestion,
+    totals: &[u8],
+    spent: Duration,
+    rows: Position,
+) -> Vec<u8> {
+    let RunQuestion {
+        scenario,
+        asked,
+        note,
+    } = question;
     let program = Program::mine();
     let mut out = MAGIC.to_vec();
     VERSION.write(&mut out);
@@ -106,7 +146,9 @@ pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, r
     write_text(&scenario.to_toml(), &mut out);
     let samples = scenario.samples();
     (samples.len() as u64).write(&mut out);
-    samples.iter().for_each(|samples| write_series(samples, &mut out));
+    samples
+        .iter()
+        .for_each(|samples| write_series(samples, &mut out));
     asked.paths.write(&mut out);
     let (number, of) = asked.part.map_or((0, 0), |part| (part.number(), part.of()));
     number.write(&mut out);
@@ -136,7 +178,9 @@ pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, r
 
 /// Read the state of a run from bytes. `path` is named in error messages.
 pub(crate) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, SavedError> {
-    let damaged = || SavedError::Damaged { path: path.to_owned() };
+    let damaged = || SavedError::Damaged {
+        path: path.to_owned(),
+    };
     let (body, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;
     let mut from = Reader::new(body);
     if from.take(MAGIC.len()).ok() != Some(MAGIC) || u32::from_le_bytes(*sum) != checksum(0, body) {
@@ -144,7 +188,9 @@ pub(crate) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, SavedError> {
     }
     let version: u64 = from.value().map_err(|_| damaged())?;
     if version > VERSION {
-        return Err(SavedError::Newer { path: path.to_owned() });
+        return Err(SavedError::Newer {
+            path: path.to_owned(),
+        });
     }
     parse(version, &mut from).map_err(|unread| match unread {
         ParseError::Damaged => damaged(),
@@ -166,35 +212,68 @@ impl From<Damaged> for ParseError {
 
 fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
-    let program = Program { version, git_hash, generator, block_size: from.value()? };
+    let program = Program {
+        version,
+        git_hash,
+        generator,
+        block_size: from.value()?,
+    };
     if format != VERSION {
         return Err(ParseError::OtherProgram(program.into()));
     }
     let text = read_text(from)?;
-    let samples = (0..from.length()?).map(|_| read_series(from)).collect::<Result<Vec<_>, _>>()?;
+    let samples = (0..from.length()?)
+        .map(|_| read_series(from))
+        .collect::<Result<Vec<_>, _>>()?;
     let scenario = Scenario::parse_stored("state", &text, &[], &samples).map_err(|_| Damaged)?;
     let paths = from.value()?;
     let [number, of]: [u64; 2] = from.value()?;
-    let part = if of == 0 { None } else { Some(Part::new(number, of).ok_or(Damaged)?) };
-    let goals = (0..from.length()?).map(|_| goal(from)).collect::<Result<_, _>>()?;
+    let part = if of == 0 {
+        None
+    } else {
+        Some(Part::new(number, of).ok_or(Damaged)?)
+    };
+    let goals = (0..from.length()?)
+        .map(|_| goal(from))
+        .collect::<Result<_, _>>()?;
     let max_time = Some(Duration::from_nanos(from.value()?)).filter(|time| !time.is_zero());
     let with_bias = from.value::<u64>()? == 1;
-    let asked = Asked { paths, part, goals, max_time, with_bias };
+    let asked = Asked {
+        paths,
+        part,
+        goals,
+        max_time,
+        with_bias,
+    };
     let note = read_text(from)?;
     let spent = Duration::from_nanos(from.value()?);
-    let rows = Position { length: from.value()?, checksum: from.value::<u64>()?.try_into().map_err(|_| Damaged)? };
+    let rows = Position {
+        length: from.value()?,
+        checksum: from.value::<u64>()?.try_into().map_err(|_| Damaged)?,
+    };
     let length = from.length()?;
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline(), &scenario.record);
     // If the sums cannot be read and the state names another program, that difference is reported
     // instead of damage.
-    let totals = empty.read(from.take(length)?).map_err(|_| match program == Program::mine() {
-        true => ParseError::Damaged,
-        false => ParseError::OtherProgram(program.clone().into()),
-    })?;
+    let totals = empty
+        .read(from.take(length)?)
+        .map_err(|_| match program == Program::mine() {
+            true => ParseError::Damaged,
+            false => ParseError::OtherProgram(program.clone().into()),
+        })?;
     let is_sound = from.left() == 0 && is_of(&totals, &asked);
-    let question = RunQuestion { scenario, asked, note };
+    let question = RunQuestion {
+        scenario,
+        asked,
+        note,
+    };
     if is_sound {
-        Ok(State { program, question, so_far: SoFar { totals, spent }, rows })
+        Ok(State {
+            program,
+            question,
+            so_far: SoFar { totals, spent },
+            rows,
+        })
     } else {
         Err(ParseError::Damaged)
     }
@@ -204,12 +283,20 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
 fn write_series(NamedSeries { name, series }: &NamedSeries, out: &mut Vec<u8>) {
     write_text(name, out);
     (series.times().len() as u64).write(out);
-    series.times().iter().chain(series.values()).for_each(|number| number.write(out));
+    series
+        .times()
+        .iter()
+        .chain(series.values())
+        .for_each(|number| number.write(out));
 }
 
 fn read_series(from: &mut Reader<'_>) -> Result<NamedSeries, Damaged> {
     let (name, samples) = (read_text(from)?, from.length()?);
-    let mut numbers = || (0..samples).map(|_| from.value()).collect::<Result<Vec<f64>, Damaged>>();
+    let mut numbers = || {
+        (0..samples)
+            .map(|_| from.value())
+            .collect::<Result<Vec<f64>, Damaged>>()
+    };
     let (times, values) = (numbers()?, numbers()?);
     let series = Series::new(times, values).map_err(|_| Damaged)?.into();
     Ok(NamedSeries { name, series })
@@ -227,7 +314,11 @@ fn is_of(totals: &RunTotals, asked: &Asked) -> bool {
 fn goal(from: &mut Reader<'_>) -> Result<Goal, Damaged> {
     let statistic = Statistic::from_name(&read_text(from)?).ok_or(Damaged)?;
     let (kind, bound): (u64, f64) = (from.value()?, from.value()?);
-    let bound = if kind == 0 { Bound::Relative(bound) } else { Bound::Absolute(bound) };
+    let bound = if kind == 0 {
+        Bound::Relative(bound)
+    } else {
+        Bound::Absolute(bound)
+    };
     Ok(Goal { statistic, bound })
 }
 
@@ -254,19 +345,35 @@ mod tests {
 
     fn question() -> RunQuestion {
         // With a burn-in every count of the sums is above zero.
-        let set =
-            ["time.output_step=30", "time.end=30", "time.step=0.1", "scheme.kind=discrete-vi", "statistics.after=9"];
-        let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
+        let set = [
+            "time.output_step=30",
+            "time.end=30",
+            "time.step=0.1",
+            "scheme.kind=discrete-vi",
+            "statistics.after=9",
+        ];
+        let set: Vec<Override> = set
+            .iter()
+            .map(|text| Override::set(text).expect("well formed"))
+            .collect();
         let text = stickslip::config::shipped("rho025").expect("shipped").text;
         let scenario = Scenario::parse("rho025", text, &set).expect("sound");
         let asked = Asked {
             paths: 6 * BLOCK_SIZE - 7,
             part: Part::new(2, 3),
-            goals: vec!["stick_duration_mean < 0.123456789%".parse().expect("a goal")],
+            goals: vec![
+                "stick_duration_mean < 0.123456789%"
+                    .parse()
+                    .expect("a goal"),
+            ],
             max_time: Some(Duration::new(17_400, 123_456_789)),
             with_bias: true,
         };
-        RunQuestion { scenario, asked, note: "of the caller\u{2014}any text".into() }
+        RunQuestion {
+            scenario,
+            asked,
+            note: "of the caller\u{2014}any text".into(),
+        }
     }
 
     fn state(blocks: std::ops::Range<u64>) -> Vec<u8> {
@@ -274,7 +381,10 @@ mod tests {
         let plan = question.scenario.plan();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         blocks.for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
-        let rows = Position { length: 1 << 40, checksum: 0xdead_beef };
+        let rows = Position {
+            length: 1 << 40,
+            checksum: 0xdead_beef,
+        };
         to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), rows)
     }
 
@@ -290,8 +400,13 @@ mod tests {
             assert_eq!(state.question, question());
             assert_eq!(state.paths(), (blocks.end - blocks.start) * BLOCK_SIZE);
             let SoFar { totals, spent } = &state.so_far;
-            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, state.rows), bytes);
-            state.check_program(Path::new("state")).expect("this program");
+            assert_eq!(
+                to_bytes(&state.question, &totals.to_bytes(), *spent, state.rows),
+                bytes
+            );
+            state
+                .check_program(Path::new("state"))
+                .expect("this program");
         }
     }
 
@@ -330,7 +445,11 @@ mod tests {
             }
         }
         // The blocks are not those of the part.
-        assert!(read(&state(0..1)).is_err() && read(&state(3..5)).is_err() && read(&state(3..4)).is_err());
+        assert!(
+            read(&state(0..1)).is_err()
+                && read(&state(3..5)).is_err()
+                && read(&state(3..4)).is_err()
+        );
     }
 
     #[test]
@@ -347,7 +466,9 @@ mod tests {
             read(&body)
         };
         let other = with(&|body| body[at] = b'9').expect("it can be shown");
-        let error = other.check_program(Path::new("state")).expect_err("and not continued");
+        let error = other
+            .check_program(Path::new("state"))
+            .expect_err("and not continued");
         assert!(error.to_string().contains("started by mc 9"), "{error}");
         let newer = with(&|body| body[MAGIC.len()] = VERSION as u8 + 1).expect_err("newer");
         assert!(matches!(newer, SavedError::Newer { .. }), "{newer}");

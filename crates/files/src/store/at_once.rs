@@ -12,7 +12,9 @@ use std::path::Path;
 pub fn write_dataset(target: &Path, dataset: Dataset, force: bool) -> Result<(), StoreError> {
     let staging = Staging::open(target, force)?;
     let mut draft = StagedFile::create(&staging.path(RESULTS))?;
-    let written = draft.write(|place| place.write(dataset)).and_then(|()| draft.finish());
+    let written = draft
+        .write(|place| place.write(dataset))
+        .and_then(|()| draft.finish());
     written.map_err(|failure| staging.failure(failure.cause, failure.full))?;
     staging.publish()
 }

@@ -6,7 +6,9 @@ use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
 use crate::dataset::header::FORMAT;
 use crate::dataset::sweep::{self, SWEEP_FORMAT};
 use crate::dataset::trade::{self, TRADE_FORMAT};
-use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade, read_attribute};
+use crate::dataset::{
+    StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade, read_attribute,
+};
 use std::path::Path;
 
 /// From one list: the kinds of files, with the format of each, and the readers of their contents.
@@ -61,7 +63,9 @@ kinds! {
 pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
     check_file(target)?;
     check_seal(target, u64::MAX)?;
-    let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 { path: target.to_owned() })?;
+    let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 {
+        path: target.to_owned(),
+    })?;
     kind.read(target).map(drop)
 }
 
@@ -77,13 +81,21 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
     };
     let format: String = read_attribute(&open(path)?, "format_name").unwrap_or_default();
     let known = FORMATS.iter().find(|(name, _)| *name == format);
-    known.map(|(_, kind)| Some(*kind)).ok_or_else(|| StoreError::Foreign { path: path.to_owned() })
+    known
+        .map(|(_, kind)| Some(*kind))
+        .ok_or_else(|| StoreError::Foreign {
+            path: path.to_owned(),
+        })
 }
 
 /// The content of a file of any kind. A file that is none of these is read as a run, whose reader
 /// says what is wrong with it.
 pub fn content(path: &Path) -> Result<Content, StoreError> {
-    kind(path).ok().flatten().unwrap_or(FileKind::Run).read(path)
+    kind(path)
+        .ok()
+        .flatten()
+        .unwrap_or(FileKind::Run)
+        .read(path)
 }
 
 impl Content {
@@ -91,8 +103,14 @@ impl Content {
     /// names.
     pub fn scenario(&self) -> (String, bool) {
         match self {
-            Content::Run(run) => (run.header.scenario_text.clone(), !run.header.samples.is_empty()),
-            Content::Trade(stored) => (stored.scenario.to_toml(), !stored.scenario.measured.is_empty()),
+            Content::Run(run) => (
+                run.header.scenario_text.clone(),
+                !run.header.samples.is_empty(),
+            ),
+            Content::Trade(stored) => (
+                stored.scenario.to_toml(),
+                !stored.scenario.measured.is_empty(),
+            ),
             Content::Sweep(sweep) => (sweep.scenario_text.clone(), !sweep.samples.is_empty()),
             Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
         }

@@ -255,7 +255,10 @@ pub enum StoreError {
 
 /// The error of a file that the system does not open or read.
 pub(super) fn not_opened(path: &Path) -> impl Fn(io::Error) -> StoreError + Copy {
-    move |source| StoreError::NotOpened { path: path.to_owned(), source }
+    move |source| StoreError::NotOpened {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 /// The error of the operating system behind an HDF5 error, if there is one. HDF5 keeps it only as
@@ -266,14 +269,21 @@ pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {
         let text = frame.description();
         let number = text.split_once("errno = ")?.1;
         let digits = number.split(|c: char| !c.is_ascii_digit()).next()?;
-        digits.parse().ok().filter(|&code| code != 0).map(io::Error::from_raw_os_error)
+        digits
+            .parse()
+            .ok()
+            .filter(|&code| code != 0)
+            .map(io::Error::from_raw_os_error)
     })
 }
 
 /// Whether an error means that there is no room left: a full disk, a quota, or a limit on the size
 /// of a file.
 pub(super) fn is_full(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
+    matches!(
+        error.kind(),
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge
+    )
 }
 
 /// The cause of an HDF5 error in one line: the error of the system where there is one, else HDF5's
@@ -286,6 +296,10 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
         0 => format!("nothing more was written: {remedy}, then run again"),
-        paths => format!("{} paths are saved: {remedy}, then run `mc resume {}`", grouped(paths), target.display()),
+        paths => format!(
+            "{} paths are saved: {remedy}, then run `mc resume {}`",
+            grouped(paths),
+            target.display()
+        ),
     }
 }

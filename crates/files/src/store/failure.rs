@@ -14,12 +14,18 @@ pub(super) struct WriteFailure {
 
 impl From<hdf5::Error> for WriteFailure {
     fn from(error: hdf5::Error) -> Self {
-        WriteFailure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
+        WriteFailure {
+            cause: cause(&error),
+            full: system_error(&error).is_some_and(|system| is_full(&system)),
+        }
     }
 }
 
 impl From<io::Error> for WriteFailure {
     fn from(error: io::Error) -> Self {
-        WriteFailure { full: is_full(&error), cause: error.to_string() }
+        WriteFailure {
+            full: is_full(&error),
+            cause: error.to_string(),
+        }
     }
 }

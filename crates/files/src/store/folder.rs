@@ -33,7 +33,10 @@ pub fn partial_path(target: &Path) -> PathBuf {
 /// The target that a path stands for: `NAME` if the path is `NAME.partial`, and the path itself
 /// otherwise.
 pub fn file_of(path: &Path) -> PathBuf {
-    if path.extension().is_some_and(|extension| extension == "partial") {
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "partial")
+    {
         path.with_extension("")
     } else {
         path.to_owned()
@@ -42,21 +45,29 @@ pub fn file_of(path: &Path) -> PathBuf {
 
 /// Whether this program has made a folder.
 pub(super) fn is_ours(folder: &Path) -> bool {
-    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    let is_file =
+        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
     let is_empty = || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
     is_file(MARK) || is_file(STATE) && state::has_mark(&folder.join(STATE)) || is_empty()
 }
 
 /// The name of something in a folder of ours that this program has not made, if there is any.
 pub(super) fn foreign_file(folder: &Path) -> Option<String> {
-    let names = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
-    let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    names.into_iter().find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))
+    let names = fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
+    let is_file =
+        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    names
+        .into_iter()
+        .find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))
 }
 
 /// Remove the files of this program, and then the folder. The folder stays, with an error, if it
 /// holds anything else.
 pub(super) fn clear(folder: &Path) -> io::Result<()> {
-    NAMES.iter().try_for_each(|name| own::remove(&folder.join(name)))?;
+    NAMES
+        .iter()
+        .try_for_each(|name| own::remove(&folder.join(name)))?;
     fs::remove_dir(folder)
 }

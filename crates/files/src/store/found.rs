@@ -36,12 +36,18 @@ pub(super) enum Partial {
 /// Look at what lies under `NAME.partial`.
 pub(super) fn unfinished(target: &Path) -> Partial {
     let partial = partial_path(target);
-    let Ok(there) = fs::symlink_metadata(&partial) else { return Partial::Nothing };
+    let Ok(there) = fs::symlink_metadata(&partial) else {
+        return Partial::Nothing;
+    };
     match () {
-        () if there.is_dir() && folder::is_ours(&partial) => match has_name(&partial.join(RESULTS), target) {
-            true => Partial::Named,
-            false => Partial::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
-        },
+        () if there.is_dir() && folder::is_ours(&partial) => {
+            match has_name(&partial.join(RESULTS), target) {
+                true => Partial::Named,
+                false => Partial::Folder {
+                    is_saved: fs::exists(partial.join(STATE)).unwrap_or(true),
+                },
+            }
+        }
         () if there.is_file() && has_name(&partial, target) => Partial::Named,
         () if there.is_file() && has_mark(&partial) => Partial::File,
         () if there.is_file() && reader::check_file(&partial).is_ok() => Partial::Unsealed,
@@ -51,7 +57,9 @@ pub(super) fn unfinished(target: &Path) -> Partial {
 
 fn has_mark(path: &Path) -> bool {
     let opened = own::open(path, File::options().read(true));
-    opened.and_then(|mut file| seal::has_mark(&mut file)).unwrap_or(false)
+    opened
+        .and_then(|mut file| seal::has_mark(&mut file))
+        .unwrap_or(false)
 }
 
 /// Whether `NAME.partial` holds a sweep that is not finished.
@@ -63,7 +71,10 @@ pub fn is_unfinished_sweep(target: &Path) -> bool {
 /// saved run or sweep is an error. What this program has not made is never removed.
 pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
     let partial = partial_path(target);
-    let left_over = || StoreError::LeftOver { partial: partial.clone(), target: target.to_owned() };
+    let left_over = || StoreError::LeftOver {
+        partial: partial.clone(),
+        target: target.to_owned(),
+    };
     match unfinished(target) {
         Partial::Folder { is_saved: true } | Partial::File if !force => Err(left_over()),
         Partial::Unsealed => Err(StoreError::NotSealed { path: partial }),
@@ -80,7 +91,9 @@ pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
         return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
     }
     if let Some(name) = folder::foreign_file(&partial) {
-        return Err(StoreError::InTheWay { path: partial.join(name) });
+        return Err(StoreError::InTheWay {
+            path: partial.join(name),
+        });
     }
     folder::clear(&partial).map_err(|source| StoreError::Remove { partial, source })
 }

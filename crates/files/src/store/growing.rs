@@ -39,7 +39,10 @@ pub(super) struct GrowingTable {
 
 /// The variables of a data set along this dimension.
 fn of_table(along: RowAxis, dataset: &Dataset) -> impl Iterator<Item = &Entry> {
-    dataset.entries.iter().filter(move |entry| RowAxis::of(entry) == Some(along))
+    dataset
+        .entries
+        .iter()
+        .filter(move |entry| RowAxis::of(entry) == Some(along))
 }
 
 impl GrowingTable {
@@ -55,27 +58,55 @@ impl GrowingTable {
         if of_table(along, empty).next().is_none() {
             return Ok(None);
         }
-        let bare_dimension =
-            (along == RowAxis::Event).then(|| place.define_bare(layout::EVENT.name, growth)).transpose()?;
+        let bare_dimension = (along == RowAxis::Event)
+            .then(|| place.define_bare(layout::EVENT.name, growth))
+            .transpose()?;
         let define = |entry: &Entry| -> Result<GrowingVariable> {
             let dataset = place.define_growing(entry, growth)?;
             let width = dataset.shape().iter().skip(1).product();
-            Ok(GrowingVariable { entry: entry.clone(), dataset, width, sum: Sum::of(entry.column.values().kind()) })
+            Ok(GrowingVariable {
+                entry: entry.clone(),
+                dataset,
+                width,
+                sum: Sum::of(entry.column.values().kind()),
+            })
         };
         let columns = of_table(along, empty).map(define).collect::<Result<_>>()?;
-        Ok(Some(GrowingTable { along, bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 }))
+        Ok(Some(GrowingTable {
+            along,
+            bare_dimension,
+            columns,
+            chunk: growth.rows,
+            written: 0,
+            pending: 0,
+        }))
     }
 
     /// Add rows, with the variables in the order given to `define`, and write every chunk that is
     /// now full.
     pub(super) fn push(&mut self, rows: &Dataset) -> Result<()> {
         let new: Vec<&Entry> = of_table(self.along, rows).collect();
-        let Some(first) = new.first() else { return Ok(()) };
-        if !self.columns.iter().map(|column| &column.entry.name).eq(new.iter().map(|entry| &entry.name)) {
+        let Some(first) = new.first() else {
+            return Ok(());
+        };
+        if !self
+            .columns
+            .iter()
+            .map(|column| &column.entry.name)
+            .eq(new.iter().map(|entry| &entry.name))
+        {
             return Err("a block has different variables from the file".into());
         }
         let more = first.column.len() / self.columns[0].width;
-        for (column, Entry { name, column: values, .. }) in self.columns.iter_mut().zip(new) {
+        for (
+            column,
+            Entry {
+                name,
+                column: values,
+                ..
+            },
+        ) in self.columns.iter_mut().zip(new)
+        {
             let expected = more * column.width;
             if values.len() != expected {
                 return Err(format!("{name} has {} values, not {expected}", values.len()).into());
@@ -92,7 +123,10 @@ impl GrowingTable {
     /// values, and the sums of all their values.
     pub(super) fn write_all(&mut self) -> Result<impl Iterator<Item = (Entry, Sum)>> {
         self.write_to(self.written + self.pending)?;
-        Ok(self.columns.iter().map(|column| (column.entry.clone(), column.sum)))
+        Ok(self
+            .columns
+            .iter()
+            .map(|column| (column.entry.clone(), column.sum)))
     }
 
     fn write_to(&mut self, end: usize) -> Result<()> {
@@ -141,7 +175,10 @@ fn write_rows<T: H5Type>(
         dataset.write_slice(ArrayView1::from(values), s![start..end])?;
     } else {
         dataset.resize((end, width))?;
-        dataset.write_slice(ArrayView2::from_shape((rows, width), values)?, s![start..end, ..])?;
+        dataset.write_slice(
+            ArrayView2::from_shape((rows, width), values)?,
+            s![start..end, ..],
+        )?;
     }
     waiting.drain(..rows * width);
     Ok(())

@@ -42,7 +42,10 @@ impl Lock {
     /// Take the lock of a target; an error if another process holds it.
     pub fn take(target: &Path) -> Result<Lock, StoreError> {
         let path = lock_path(target);
-        let not_created = |error: io::Error| StoreError::NotCreated { partial: path.clone(), cause: error.to_string() };
+        let not_created = |error: io::Error| StoreError::NotCreated {
+            partial: path.clone(),
+            cause: error.to_string(),
+        };
         let mut tries = 0;
         loop {
             let Some((mut file, is_new)) = open(&path).map_err(not_created)? else {
@@ -55,11 +58,20 @@ impl Lock {
                     sleep(PAUSE);
                     continue;
                 }
-                Err(TryLockError::WouldBlock) => return Err(StoreError::Busy { path: target.to_owned() }),
+                Err(TryLockError::WouldBlock) => {
+                    return Err(StoreError::Busy {
+                        path: target.to_owned(),
+                    });
+                }
                 // On a file system without locks, creating the lock file still succeeds for one
                 // process only.
                 Err(TryLockError::Error(_)) if is_new => {}
-                Err(TryLockError::Error(_)) => return Err(StoreError::NoLocks { path, target: target.to_owned() }),
+                Err(TryLockError::Error(_)) => {
+                    return Err(StoreError::NoLocks {
+                        path,
+                        target: target.to_owned(),
+                    });
+                }
             }
             // The previous holder may have removed the file after it was opened here and before it
             // was locked. The lock is then on a file without a name, which excludes nobody, so it
@@ -92,14 +104,17 @@ fn open(path: &Path) -> io::Result<Option<(File, bool)>> {
         opened => opened?,
     };
     let mut found = Vec::new();
-    (&file).take(MARK.len() as u64 + 1).read_to_end(&mut found)?;
+    (&file)
+        .take(MARK.len() as u64 + 1)
+        .read_to_end(&mut found)?;
     file.rewind()?;
     Ok(MARK.starts_with(&found).then_some((file, false)))
 }
 
 /// Whether this open file has this name.
 fn is_at(file: &File, path: &Path) -> bool {
-    file.metadata().is_ok_and(|here| identity(path) == Some((here.dev(), here.ino())))
+    file.metadata()
+        .is_ok_and(|here| identity(path) == Some((here.dev(), here.ino())))
 }
 
 impl Drop for Lock {

@@ -31,7 +31,11 @@ impl Log {
     /// Create a new log. One that a killed process has left is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
         let file = own::create(path)?;
-        Ok(Log { file, waiting: Vec::new(), end: Position::default() })
+        Ok(Log {
+            file,
+            waiting: Vec::new(),
+            end: Position::default(),
+        })
     }
 
     /// Open a log to continue it; everything beyond `end` is cut off.
@@ -39,7 +43,11 @@ impl Log {
         let mut file = own::open(path, File::options().write(true))?;
         file.set_len(end.length)?;
         file.seek(SeekFrom::End(0))?;
-        Ok(Log { file, waiting: Vec::new(), end })
+        Ok(Log {
+            file,
+            waiting: Vec::new(),
+            end,
+        })
     }
 
     /// The open file, so that the caller can check that it still is the one of this name.
@@ -50,7 +58,11 @@ impl Log {
     /// Append the rows of the next block.
     pub fn append(&mut self, rows: &BlockRows) -> io::Result<()> {
         self.end = self.end.after(rows, &mut self.waiting);
-        if self.waiting.len() >= BUFFER { self.write() } else { Ok(()) }
+        if self.waiting.len() >= BUFFER {
+            self.write()
+        } else {
+            Ok(())
+        }
     }
 
     /// Write everything to the disk and return the position that is valid now.
@@ -83,10 +95,19 @@ impl<'a> LogReading<'a> {
         let file = own::open(path, File::options().read(true)).map_err(not_opened(path))?;
         // The claimed length is compared with that of the file before any memory is allocated.
         if file.metadata().map_err(not_opened(path))?.len() < end.length {
-            return Err(SavedError::Damaged { path: path.to_owned() }.into());
+            return Err(SavedError::Damaged {
+                path: path.to_owned(),
+            }
+            .into());
         }
         let file = BufReader::with_capacity(BUFFER, file);
-        Ok(LogReading { path, file, at: Position::default(), end, bytes: Vec::new() })
+        Ok(LogReading {
+            path,
+            file,
+            at: Position::default(),
+            end,
+            bytes: Vec::new(),
+        })
     }
 
     /// Return the next block. Damage is an error.
@@ -107,22 +128,33 @@ impl<'a> LogReading<'a> {
         if u32::from_le_bytes(tail) != sum {
             return Err(self.damaged());
         }
-        self.at = Position { length: self.at.length + length + 12, checksum: sum };
+        self.at = Position {
+            length: self.at.length + length + 12,
+            checksum: sum,
+        };
         let mut from = Reader::new(&bytes);
-        let rows = read_rows(&mut from).ok().filter(|_| from.left() == 0).ok_or_else(|| self.damaged())?;
+        let rows = read_rows(&mut from)
+            .ok()
+            .filter(|_| from.left() == 0)
+            .ok_or_else(|| self.damaged())?;
         self.bytes = bytes;
         Ok(rows)
     }
 
     fn exactly(&mut self, bytes: &mut [u8]) -> Result<(), StoreError> {
-        self.file.read_exact(bytes).map_err(|source| match source.kind() {
-            io::ErrorKind::UnexpectedEof => self.damaged(),
-            _ => not_opened(self.path)(source),
-        })
+        self.file
+            .read_exact(bytes)
+            .map_err(|source| match source.kind() {
+                io::ErrorKind::UnexpectedEof => self.damaged(),
+                _ => not_opened(self.path)(source),
+            })
     }
 
     fn damaged(&self) -> StoreError {
-        SavedError::Damaged { path: self.path.to_owned() }.into()
+        SavedError::Damaged {
+            path: self.path.to_owned(),
+        }
+        .into()
     }
 }
 
@@ -136,7 +168,11 @@ pub(super) fn read(
     while log.at.length < end.length {
         visit(log.block()?)?;
     }
-    if log.at == end { Ok(()) } else { Err(log.damaged()) }
+    if log.at == end {
+        Ok(())
+    } else {
+        Err(log.damaged())
+    }
 }
 
 #[cfg(test)]
@@ -199,40 +235,76 @@ mod tests {
         }
         let whole = std::fs::read(&path).expect("there");
         for (n, &end) in ends.iter().enumerate() {
-            assert_eq!(bits(&read_all(&path, end).expect("whole")), bits(&blocks[..n]));
+            assert_eq!(
+                bits(&read_all(&path, end).expect("whole")),
+                bits(&blocks[..n])
+            );
         }
         // Another checksum, or an end within a block, is reported as damage.
         let last = ends[20];
         assert!(matches!(
-            read_all(&path, Position { checksum: 1, ..last }),
+            read_all(
+                &path,
+                Position {
+                    checksum: 1,
+                    ..last
+                }
+            ),
             Err(StoreError::Saved(SavedError::Damaged { .. }))
         ));
         assert!(matches!(
-            read_all(&path, Position { length: last.length - 1, ..last }),
+            read_all(
+                &path,
+                Position {
+                    length: last.length - 1,
+                    ..last
+                }
+            ),
             Err(StoreError::Saved(SavedError::Damaged { .. }))
         ));
         // A length beyond that of the file is an error before memory is allocated.
         assert!(matches!(
-            read_all(&path, Position { length: 1 << 60, ..last }),
+            read_all(
+                &path,
+                Position {
+                    length: 1 << 60,
+                    ..last
+                }
+            ),
             Err(StoreError::Saved(SavedError::Damaged { .. }))
         ));
         // The log is cut at every byte, and one bit of every byte is flipped.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");
-            assert!(matches!(read_all(&path, last), Err(StoreError::Saved(SavedError::Damaged { .. }))), "cut at {at}");
+            assert!(
+                matches!(
+                    read_all(&path, last),
+                    Err(StoreError::Saved(SavedError::Damaged { .. }))
+                ),
+                "cut at {at}"
+            );
             let mut flipped = whole.clone();
             flipped[at] ^= 1 << (at % 8);
             std::fs::write(&path, &flipped).expect("room");
             assert!(
-                matches!(read_all(&path, last), Err(StoreError::Saved(SavedError::Damaged { .. }))),
+                matches!(
+                    read_all(&path, last),
+                    Err(StoreError::Saved(SavedError::Damaged { .. }))
+                ),
                 "flipped at {at}"
             );
         }
         // The log is continued after the seventh block, behind which a power failure has left other
         // bytes.
-        std::fs::write(&path, [&whole[..ends[7].length as usize], &[0xff; 99]].concat()).expect("room");
+        std::fs::write(
+            &path,
+            [&whole[..ends[7].length as usize], &[0xff; 99]].concat(),
+        )
+        .expect("room");
         let mut log = Log::go_on(&path, ends[7]).expect("there");
-        blocks[7..].iter().for_each(|block| log.append(block).expect("room"));
+        blocks[7..]
+            .iter()
+            .for_each(|block| log.append(block).expect("room"));
         assert_eq!(log.sync().expect("room"), last);
         assert_eq!(std::fs::read(&path).expect("there"), whole);
     }

@@ -17,22 +17,36 @@ pub(super) fn give_name(
     force: bool,
 ) -> Result<(), StoreError> {
     let failed = |source: io::Error| match source.kind() {
-        io::ErrorKind::AlreadyExists => StoreError::Appeared { partial: partial.to_owned(), target: target.to_owned() },
-        _ => StoreError::Rename { partial: results.to_owned(), target: target.to_owned(), source },
+        io::ErrorKind::AlreadyExists => StoreError::Appeared {
+            partial: partial.to_owned(),
+            target: target.to_owned(),
+        },
+        _ => StoreError::Rename {
+            partial: results.to_owned(),
+            target: target.to_owned(),
+            source,
+        },
     };
     let there = fs::symlink_metadata(target).ok();
     match &there {
-        Some(there) if force && !there.is_file() => return Err(StoreError::InTheWay { path: target.to_owned() }),
-        Some(there) if force && there.permissions() != fs::metadata(results).map_err(failed)?.permissions() => {
+        Some(there) if force && !there.is_file() => {
+            return Err(StoreError::InTheWay {
+                path: target.to_owned(),
+            });
+        }
+        Some(there)
+            if force
+                && there.permissions() != fs::metadata(results).map_err(failed)?.permissions() =>
+        {
             fs::set_permissions(results, there.permissions()).map_err(failed)?;
         }
         _ => {}
     }
     let named = match link {
         _ if !force => fs::hard_link(results, target),
-        Some(link) => {
-            own::remove(link).and_then(|()| fs::hard_link(results, link)).and_then(|()| fs::rename(link, target))
-        }
+        Some(link) => own::remove(link)
+            .and_then(|()| fs::hard_link(results, link))
+            .and_then(|()| fs::rename(link, target)),
         None => fs::rename(results, target),
     };
     match named {
@@ -58,14 +72,25 @@ pub(super) fn has_name(results: &Path, target: &Path) -> bool {
 
 /// The folder that contains a file; `.` for a bare file name.
 pub(super) fn parent(target: &Path) -> PathBuf {
-    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
+    target
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
+        .to_owned()
 }
 
 /// Write the names in a folder to the disk.
 pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
     match File::open(folder)?.sync_all() {
         // On a file system that cannot sync folders this step is left out.
-        Err(error) if matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
         synced => synced,
     }
 }

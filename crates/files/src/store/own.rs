@@ -15,10 +15,16 @@ pub(super) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits() as i32;
     let file = match options.custom_flags(flags).open(path) {
         // What the system says of a link or of a pipe does not name the matter.
-        Err(_) if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) => return Err(no_file(path)),
+        Err(_) if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) => {
+            return Err(no_file(path));
+        }
         opened => opened?,
     };
-    if file.metadata()?.is_file() { Ok(file) } else { Err(no_file(path)) }
+    if file.metadata()?.is_file() {
+        Ok(file)
+    } else {
+        Err(no_file(path))
+    }
 }
 
 /// Create a file. A regular file of this name, which a killed process has left, is removed first.
@@ -39,10 +45,14 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
 
 /// What distinguishes a file from all others on this machine; none if there is no such file.
 pub(super) fn identity(path: &Path) -> Option<(u64, u64)> {
-    fs::symlink_metadata(path).ok().map(|there| (there.dev(), there.ino()))
+    fs::symlink_metadata(path)
+        .ok()
+        .map(|there| (there.dev(), there.ino()))
 }
 
 fn no_file(path: &Path) -> io::Error {
     let name = path.file_name().unwrap_or_default().display();
-    io::Error::other(format!("{name} is not a regular file and was not created by mc; move it"))
+    io::Error::other(format!(
+        "{name} is not a regular file and was not created by mc; move it"
+    ))
 }

@@ -40,13 +40,20 @@ impl Parts {
     /// Read the states of the parts from their files, and check them against each other.
     pub fn open(paths: &[PathBuf]) -> Result<Parts, PartError> {
         let read = |path: &PathBuf| read_state(path).map(|state| (path.clone(), state));
-        Ok(Parts::of(paths.iter().map(read).collect::<Result<_, _>>()?)?)
+        Ok(Parts::of(
+            paths.iter().map(read).collect::<Result<_, _>>()?,
+        )?)
     }
 
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
     /// it.
     pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
-        PartsSink { parts: self, target: target.to_owned(), force, staging: None }
+        PartsSink {
+            parts: self,
+            target: target.to_owned(),
+            force,
+            staging: None,
+        }
     }
 }
 
@@ -56,14 +63,21 @@ fn read_state(path: &Path) -> Result<State, PartError> {
         read_kind(path, FORMAT, |file| {
             let (status, _) = header::read_progress(file)?;
             let is_there = file.has(layout::PART_STATE.name);
-            let state = is_there.then(|| read_variable::<u8>(file, &layout::PART_STATE)).transpose()?;
+            let state = is_there
+                .then(|| read_variable::<u8>(file, &layout::PART_STATE))
+                .transpose()?;
             Ok((status, state))
         })
     };
     match read() {
         Ok((Status::Part, Some(bytes))) => Ok(of_bytes(&bytes, path).map_err(StoreError::from)?),
-        Ok((status, _)) => Err(PartError::NotAPart { path: path.to_owned(), status }),
-        Err(_) if super::reader::unfinished(path).is_some() => Err(PartError::Unfinished { path: path.to_owned() }),
+        Ok((status, _)) => Err(PartError::NotAPart {
+            path: path.to_owned(),
+            status,
+        }),
+        Err(_) if super::reader::unfinished(path).is_some() => Err(PartError::Unfinished {
+            path: path.to_owned(),
+        }),
         Err(error) => Err(error.into()),
     }
 }
@@ -79,18 +93,25 @@ struct PartsSink<'a> {
 
 impl Sink for PartsSink<'_> {
     fn begin(&mut self, scenario: &Scenario, _: &Asked) -> Result<(), SinkError> {
-        check_space(&parent(&self.target), scenario.derived().output_bytes as u64)?;
+        check_space(
+            &parent(&self.target),
+            scenario.derived().output_bytes as u64,
+        )?;
         self.staging = Some(Staging::open(&self.target, self.force)?);
         Ok(())
     }
 
     /// No block is simulated, so there is nothing to write here.
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        let Some(staging) = self.staging.take() else { return Ok(()) };
+        let Some(staging) = self.staging.take() else {
+            return Ok(());
+        };
         if outcome.status == Status::Interrupted {
             return Ok(());
         }
-        let RunQuestion { scenario, asked, .. } = &self.parts.question;
+        let RunQuestion {
+            scenario, asked, ..
+        } = &self.parts.question;
         let header = asked.provenance(scenario);
         let mut writer = Writer::within(staging, &header, &scenario.record)?;
         for (path, state) in &self.parts.parts {
@@ -102,5 +123,10 @@ impl Sink for PartsSink<'_> {
 
 /// Copy the rows of a part to the new file.
 fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), StoreError> {
-    each_block(state, &open(path)?, |rows| writer.append(rows), damaged(path))
+    each_block(
+        state,
+        &open(path)?,
+        |rows| writer.append(rows),
+        damaged(path),
+    )
 }

@@ -21,7 +21,11 @@ pub(super) struct Sum {
 impl Sum {
     /// The sum of no values of this type.
     pub fn of(kind: ElementType) -> Self {
-        Sum { kind, values: 0, checksum: 0 }
+        Sum {
+            kind,
+            values: 0,
+            checksum: 0,
+        }
     }
 
     /// Add values, which must have the type of this sum.
@@ -70,7 +74,10 @@ fn sum_of(file: &File, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum
     let rows = file.length(name)?.unwrap_or(0);
     let some = (PIECE / (values / rows.max(1)).max(1)).max(1);
     for start in (0..rows).step_by(some) {
-        sum.add(file.rows(name, *kind, &(start..(start + some).min(rows)))?.values());
+        sum.add(
+            file.rows(name, *kind, &(start..(start + some).min(rows)))?
+                .values(),
+        );
     }
     Ok(sum)
 }

@@ -19,7 +19,11 @@ const LARGEST: u64 = 1 << 30;
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
 /// folder in which the run is saved.
 pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
-    let target = if path.is_dir() { file_of(path) } else { path.to_owned() };
+    let target = if path.is_dir() {
+        file_of(path)
+    } else {
+        path.to_owned()
+    };
     let is_saved = (path.is_dir() || !path.exists()) && partial_path(&target).join(STATE).exists();
     is_saved.then_some(target)
 }
@@ -27,11 +31,24 @@ pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
 /// Read the state of an unfinished run, given its target.
 fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
     let state = state::read(&partial_path(target).join(STATE))?;
-    let (header, completed_paths, part) = (state.header(), state.paths(), state.question.asked.part);
-    let status = if Lock::is_taken(target) { Status::Running } else { Status::Interrupted };
+    let (header, completed_paths, part) =
+        (state.header(), state.paths(), state.question.asked.part);
+    let status = if Lock::is_taken(target) {
+        Status::Running
+    } else {
+        Status::Interrupted
+    };
     let summary = state.so_far.totals.totals().summary();
     let unfinished = Some(target.to_owned()).filter(|_| status != Status::Running);
-    Ok(Stored { header, status, part, ended_by: None, unfinished, completed_paths, summary })
+    Ok(Stored {
+        header,
+        status,
+        part,
+        ended_by: None,
+        unfinished,
+        completed_paths,
+        summary,
+    })
 }
 
 /// Read the header and the statistics of a finished file, or of a run that is not finished.
@@ -55,7 +72,9 @@ pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
 pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let sealed = seal::is_right(path, largest);
     match sealed.map_err(not_opened(path))? {
-        Some(false) => Err(damaged(path)("its checksum does not match its contents".to_string())),
+        Some(false) => Err(damaged(path)(
+            "its checksum does not match its contents".to_string(),
+        )),
         sealed => Ok(sealed.is_some()),
     }
 }
@@ -64,12 +83,16 @@ pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> 
 pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
     // Opening a pipe would wait for its other end.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        return Err(StoreError::NotHdf5 { path: path.to_owned() });
+        return Err(StoreError::NotHdf5 {
+            path: path.to_owned(),
+        });
     }
     let mut file = std::fs::File::open(path).map_err(not_opened(path))?;
     match superblock(&mut file).map_err(not_opened(path))? {
         Some(_) => Ok(()),
-        None => Err(StoreError::NotHdf5 { path: path.to_owned() }),
+        None => Err(StoreError::NotHdf5 {
+            path: path.to_owned(),
+        }),
     }
 }
 
@@ -88,26 +111,44 @@ pub(super) fn read_kind<T>(
 ) -> Result<T, StoreError> {
     check_file(path)?;
     let file = open(path)?;
-    if read_attribute::<String>(&file, "format_name").ok().as_deref() != Some(name) {
-        return Err(StoreError::Foreign { path: path.to_owned() });
+    if read_attribute::<String>(&file, "format_name")
+        .ok()
+        .as_deref()
+        != Some(name)
+    {
+        return Err(StoreError::Foreign {
+            path: path.to_owned(),
+        });
     }
     let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
-    let parts = version.split_once('.').and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
+    let parts = version
+        .split_once('.')
+        .and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
     let (major, minor) = parts.unwrap_or((u32::MAX, 0));
     if major != reads {
-        return Err(StoreError::OtherFormat { path: path.to_owned(), major, minor, reads });
+        return Err(StoreError::OtherFormat {
+            path: path.to_owned(),
+            major,
+            minor,
+            reads,
+        });
     }
     read(&file).map_err(damaged(path))
 }
 
 /// The error of a file that could not be read.
 pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
-    move |cause| StoreError::Damaged { path: path.to_owned(), cause }
+    move |cause| StoreError::Damaged {
+        path: path.to_owned(),
+        cause,
+    }
 }
 
 pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     File::open(path).map_err(|error| match system_error(&error) {
-        Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
+        Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse {
+            path: path.to_owned(),
+        },
         Some(system) => not_opened(path)(system),
         None => damaged(path)(cause(&error)),
     })

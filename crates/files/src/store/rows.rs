@@ -16,9 +16,16 @@ pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathCol
             return Ok(None);
         }
         let paths = file.length(layout::PATH.name)?.unwrap_or(0);
-        let Column::U64(first) = file.rows(layout::PATH.name, ElementType::U64, &(0..1))? else { return Ok(None) };
-        let row = number.checked_sub(first[0]).and_then(|row| usize::try_from(row).ok()).filter(|row| *row < paths);
-        let read = |row| PathColumns::read(|variable, kind| file.rows(variable.name, kind, &(row..row + 1)));
+        let Column::U64(first) = file.rows(layout::PATH.name, ElementType::U64, &(0..1))? else {
+            return Ok(None);
+        };
+        let row = number
+            .checked_sub(first[0])
+            .and_then(|row| usize::try_from(row).ok())
+            .filter(|row| *row < paths);
+        let read = |row| {
+            PathColumns::read(|variable, kind| file.rows(variable.name, kind, &(row..row + 1)))
+        };
         row.map(read).transpose()
     })
 }

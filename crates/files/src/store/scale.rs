@@ -19,11 +19,14 @@ unsafe extern "C" {
 
 /// Make a dataset the coordinate of the dimension of this name.
 pub(super) fn make_scale(dataset: &Dataset, dimension: &str) -> Result<()> {
-    let name = CString::new(dimension).map_err(|_| Error::from("a dimension name holds a NUL byte"))?;
+    let name =
+        CString::new(dimension).map_err(|_| Error::from("a dimension name holds a NUL byte"))?;
     // SAFETY: `sync` holds the one lock under which every HDF5 call of this process runs. `dataset`
     // is borrowed, so its id stays open during the call. `name` is NUL-terminated and outlives the
     // call, and the library copies it.
-    check(hdf5::sync::sync(|| unsafe { H5DSset_scale(dataset.id(), name.as_ptr()) }))
+    check(hdf5::sync::sync(|| unsafe {
+        H5DSset_scale(dataset.id(), name.as_ptr())
+    }))
 }
 
 /// Attach a coordinate to one axis of a dataset.
@@ -31,10 +34,16 @@ pub(super) fn attach_scale(dataset: &Dataset, axis: usize, scale: &Dataset) -> R
     // SAFETY: the call runs under the same lock, and both datasets are borrowed and therefore open.
     // The library itself checks that `axis` exists and that `scale` is a scale, and returns an
     // error code otherwise.
-    check(hdf5::sync::sync(|| unsafe { H5DSattach_scale(dataset.id(), scale.id(), axis as c_uint) }))
+    check(hdf5::sync::sync(|| unsafe {
+        H5DSattach_scale(dataset.id(), scale.id(), axis as c_uint)
+    }))
 }
 
 /// Turn a negative return code into the error that is on the library's error stack.
 fn check(code: herr_t) -> Result<()> {
-    if code < 0 { Err(Error::query()?) } else { Ok(()) }
+    if code < 0 {
+        Err(Error::query()?)
+    } else {
+        Ok(())
+    }
 }

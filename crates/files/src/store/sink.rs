@@ -75,7 +75,13 @@ impl FileSink {
     /// A sink that writes to `target`. With `force`, an existing file of this name is replaced, and
     /// what an unfinished run to it left behind is removed.
     pub fn new(target: &Path, force: bool) -> Self {
-        FileSink { target: target.to_owned(), force, note: String::new(), ends: false, open: None }
+        FileSink {
+            target: target.to_owned(),
+            force,
+            note: String::new(),
+            ends: false,
+            open: None,
+        }
     }
 
     /// Keep this text with the saved run, for the program that continues it.
@@ -98,7 +104,10 @@ impl FileSink {
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
         let is_there = target.symlink_metadata().is_ok();
-        let nothing = || StoreError::NothingToResume { target: target.to_owned(), partial: partial.clone() };
+        let nothing = || StoreError::NothingToResume {
+            target: target.to_owned(),
+            partial: partial.clone(),
+        };
         let is_ours = |found| {
             use found::Partial::{Foreign, Nothing, Unsealed};
             !matches!(found, Nothing | Foreign | Unsealed)
@@ -113,10 +122,18 @@ impl FileSink {
         let lock = lock(target)?;
         match found::unfinished(target) {
             found::Partial::Folder { is_saved: true } if is_there && !force => {
-                return Err(StoreError::Appeared { partial, target: target.to_owned() });
+                return Err(StoreError::Appeared {
+                    partial,
+                    target: target.to_owned(),
+                });
             }
             found::Partial::Folder { is_saved: true } => {}
-            found::Partial::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
+            found::Partial::File => {
+                return Err(StoreError::LeftOver {
+                    partial,
+                    target: target.to_owned(),
+                });
+            }
             // The run was finished, and at most its folder was left to be removed.
             found if is_there => {
                 check_finished(target)?;
@@ -140,30 +157,63 @@ impl FileSink {
             true => Some(go_on_with_log(&staging, state.rows)?),
             false => None,
         };
-        let State { question, so_far, rows, .. } = state;
-        let open = Open { staging, question: question.clone(), log, rows, due: Instant::now() + INTERVAL };
-        let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
-        Ok(Some(Unfinished { question, so_far, sink }))
+        let State {
+            question,
+            so_far,
+            rows,
+            ..
+        } = state;
+        let open = Open {
+            staging,
+            question: question.clone(),
+            log,
+            rows,
+            due: Instant::now() + INTERVAL,
+        };
+        let sink = FileSink {
+            open: Some(open),
+            ..FileSink::new(target, force)
+        };
+        Ok(Some(Unfinished {
+            question,
+            so_far,
+            sink,
+        }))
     }
 
     /// Number of paths that are saved.
     pub fn saved_paths(&self) -> u64 {
-        self.open.as_ref().map_or(0, |open| open.staging.saved_paths)
+        self.open
+            .as_ref()
+            .map_or(0, |open| open.staging.saved_paths)
     }
 
     /// Create the folder and the log of a new run.
     fn create(&self, question: RunQuestion) -> Result<Open, StoreError> {
-        let RunQuestion { scenario, asked, .. } = &question;
+        let RunQuestion {
+            scenario, asked, ..
+        } = &question;
         // The factor is 2 because rows are written twice: to the log, and to the file.
         let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
-        check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
+        check_space(
+            &parent(&self.target),
+            (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64,
+        )?;
         let staging = Staging::open(&self.target, self.force).map_err(|error| match error {
             StoreError::LeftOver { partial, target } => left_over(partial, target, &question),
             error => error,
         })?;
-        let log = is_logged(&scenario.record).then(|| Log::create(&staging.path(ROWS))).transpose();
+        let log = is_logged(&scenario.record)
+            .then(|| Log::create(&staging.path(ROWS)))
+            .transpose();
         let log = log.map_err(|error| staging.failed(&error))?;
-        Ok(Open { staging, question, log, rows: Position::default(), due: Instant::now() + INTERVAL })
+        Ok(Open {
+            staging,
+            question,
+            log,
+            rows: Position::default(),
+            due: Instant::now() + INTERVAL,
+        })
     }
 }
 
@@ -181,13 +231,21 @@ fn go_on_with_log(staging: &Staging, end: Position) -> Result<Log, StoreError> {
 /// The error for a folder that already contains a run: the same run, another run, or something that
 /// cannot be read.
 fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> StoreError {
-    let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
+    let Ok(state) = state::read(&partial.join(STATE)) else {
+        return StoreError::LeftOver { partial, target };
+    };
     let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
     let what = match state.question.difference_from(question) {
         None => "this run".to_string(),
         Some(difference) => format!("another run ({difference})"),
     };
-    StoreError::Resumable { partial, target, what, saved_paths, paths }
+    StoreError::Resumable {
+        partial,
+        target,
+        what,
+        saved_paths,
+        paths,
+    }
 }
 
 impl Open {
@@ -207,8 +265,16 @@ impl Open {
 
     /// Write the file of the run and give it its name.
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
-        let Open { staging, question, log, rows, .. } = self;
-        let RunQuestion { scenario, asked, .. } = &question;
+        let Open {
+            staging,
+            question,
+            log,
+            rows,
+            ..
+        } = self;
+        let RunQuestion {
+            scenario, asked, ..
+        } = &question;
         let header = asked.provenance(scenario);
         let [log_path, state] = [ROWS, STATE].map(|name| staging.path(name));
         let mut writer = Writer::within(staging, &header, &scenario.record)?;
@@ -219,7 +285,10 @@ impl Open {
         // merged. It does not say how long the part took, so that equal parts are equal files.
         let of_part = |part| -> Result<(Part, Vec<u8>), StoreError> {
             let totals = state::read(&state)?.so_far.totals;
-            Ok((part, to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows)))
+            Ok((
+                part,
+                to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows),
+            ))
         };
         let part = asked.part.map(of_part).transpose()?;
         writer.about(outcome.ended_by.as_ref().map(ToString::to_string), part)?;
@@ -230,34 +299,54 @@ impl Open {
 impl Sink for FileSink {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
         if self.open.is_none() {
-            let question = RunQuestion { scenario: scenario.clone(), asked: asked.clone(), note: self.note.clone() };
+            let question = RunQuestion {
+                scenario: scenario.clone(),
+                asked: asked.clone(),
+                note: self.note.clone(),
+            };
             self.open = Some(self.create(question)?);
         }
         Ok(())
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
-        let Some(open) = &mut self.open else { return Ok(()) };
+        let Some(open) = &mut self.open else {
+            return Ok(());
+        };
         if let Some(log) = &mut open.log {
-            log.append(&block.rows).map_err(|error| open.staging.failed(&error))?;
+            log.append(&block.rows)
+                .map_err(|error| open.staging.failed(&error))?;
         }
         Ok(())
     }
 
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
-        let Some(open) = &mut self.open else { return Ok(()) };
+        let Some(open) = &mut self.open else {
+            return Ok(());
+        };
         // A run of which no path is done leaves nothing behind, and what is saved already is not
         // saved again.
         let is_new = moment.paths > open.staging.saved_paths;
         let is_due = is_new && (moment.is_last || Instant::now() >= open.due);
-        if is_due { Ok(open.save(moment)?) } else { Ok(()) }
+        if is_due {
+            Ok(open.save(moment)?)
+        } else {
+            Ok(())
+        }
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        let Some(open) = self.open.take() else { return Ok(()) };
+        let Some(open) = self.open.take() else {
+            return Ok(());
+        };
         // An interrupted run is continued later, and a run of which no path is done leaves nothing
         // behind.
-        let is_left = outcome.status == Status::Interrupted && !self.ends || outcome.summary.completed_paths == 0;
-        if is_left { Ok(()) } else { Ok(open.finish(outcome)?) }
+        let is_left = outcome.status == Status::Interrupted && !self.ends
+            || outcome.summary.completed_paths == 0;
+        if is_left {
+            Ok(())
+        } else {
+            Ok(open.finish(outcome)?)
+        }
     }
 }

@@ -37,14 +37,25 @@ pub(super) struct StagedFile {
 impl StagedFile {
     /// Create a file, which must not exist.
     pub fn create(path: &Path) -> Result<StagedFile, StoreError> {
-        let file =
-            create(path).map_err(|error| StoreError::NotCreated { partial: path.to_owned(), cause: cause(&error) })?;
-        Ok(StagedFile { path: path.to_owned(), place: Some(OpenFile::new(file)) })
+        let file = create(path).map_err(|error| StoreError::NotCreated {
+            partial: path.to_owned(),
+            cause: cause(&error),
+        })?;
+        Ok(StagedFile {
+            path: path.to_owned(),
+            place: Some(OpenFile::new(file)),
+        })
     }
 
     /// Do something with the file. After the first failure nothing is done any more.
-    pub fn write(&mut self, work: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>) -> Result<(), WriteFailure> {
-        let closed = || WriteFailure { cause: "the file is closed".into(), full: false };
+    pub fn write(
+        &mut self,
+        work: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>,
+    ) -> Result<(), WriteFailure> {
+        let closed = || WriteFailure {
+            cause: "the file is closed".into(),
+            full: false,
+        };
         let done = work(self.place.as_mut().ok_or_else(closed)?);
         done.map_err(|error| {
             std::mem::forget(self.place.take());
@@ -62,8 +73,12 @@ impl StagedFile {
             Ok(())
         })?;
         drop(self.place.take());
-        if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open) {
-            return Err(WriteFailure { cause: "HDF5 could not close the file".into(), full: false });
+        if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open)
+        {
+            return Err(WriteFailure {
+                cause: "HDF5 could not close the file".into(),
+                full: false,
+            });
         }
         written.compare(&self.path)?;
         // Some file systems report only at this point that they are full.
@@ -116,7 +131,12 @@ mod tests {
             |written| written.dataset.entries[0].column = Column::F64(vec![0.5, 0.25]),
             |written| {
                 let (axes, attributes) = (vec!["lost".into()], Vec::new());
-                let entry = Entry { name: "lost".into(), axes, attributes, column: Column::F64(Vec::new()) };
+                let entry = Entry {
+                    name: "lost".into(),
+                    axes,
+                    attributes,
+                    column: Column::F64(Vec::new()),
+                };
                 let mut sum = Sum::of(ElementType::F64);
                 sum.add(ColumnView::F64(&[1.0]));
                 written.rows.push((entry, sum));

@@ -47,9 +47,13 @@ impl Staging {
         found::make_room(target, force)?;
         let folder = partial_path(target);
         let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
-        let mark = || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
+        let mark =
+            || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
         let made = made.and_then(|()| mark().map(drop));
-        made.map_err(|error| StoreError::NotCreated { partial: folder.clone(), cause: error.to_string() })?;
+        made.map_err(|error| StoreError::NotCreated {
+            partial: folder.clone(),
+            cause: error.to_string(),
+        })?;
         Staging::of(target, force, lock)
     }
 
@@ -63,9 +67,19 @@ impl Staging {
 
     fn of(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
-        let gone = || StoreError::TakenAway { partial: folder.clone(), target: target.to_owned() };
+        let gone = || StoreError::TakenAway {
+            partial: folder.clone(),
+            target: target.to_owned(),
+        };
         let identity = identity(&folder).ok_or_else(gone)?;
-        Ok(Staging { target: target.to_owned(), folder, identity, force, saved_paths: 0, _lock: lock })
+        Ok(Staging {
+            target: target.to_owned(),
+            folder,
+            identity,
+            force,
+            saved_paths: 0,
+            _lock: lock,
+        })
     }
 
     /// The path of a file in the folder.
@@ -78,10 +92,15 @@ impl Staging {
     pub fn check(&self, open: Option<(&str, &File)>) -> Result<(), StoreError> {
         let is_ours = identity(&self.folder) == Some(self.identity)
             && open.is_none_or(|(name, file)| {
-                file.metadata().is_ok_and(|here| identity(&self.path(name)) == Some((here.dev(), here.ino())))
+                file.metadata()
+                    .is_ok_and(|here| identity(&self.path(name)) == Some((here.dev(), here.ino())))
             });
         let (partial, target) = (self.folder.clone(), self.target.clone());
-        if is_ours { Ok(()) } else { Err(StoreError::TakenAway { partial, target }) }
+        if is_ours {
+            Ok(())
+        } else {
+            Err(StoreError::TakenAway { partial, target })
+        }
     }
 
     /// Replace the saved state by a new one in a single step that survives a power failure.
@@ -113,8 +132,18 @@ impl Staging {
         let (partial, target) = (self.folder.clone(), self.target.clone());
         let saved_paths = if self.is_saved() { self.saved_paths } else { 0 };
         match is_full {
-            true => StoreError::DiskFull { partial, target, saved_paths, cause },
-            false => StoreError::Write { partial, target, saved_paths, cause },
+            true => StoreError::DiskFull {
+                partial,
+                target,
+                saved_paths,
+                cause,
+            },
+            false => StoreError::Write {
+                partial,
+                target,
+                saved_paths,
+                cause,
+            },
         }
     }
 
@@ -123,10 +152,18 @@ impl Staging {
     pub fn publish(&self) -> Result<(), StoreError> {
         self.check(None)?;
         let (results, link) = (self.path(RESULTS), self.path(LINK));
-        let named = give_name(&results, Some(&link), &self.target, &self.folder, self.force);
+        let named = give_name(
+            &results,
+            Some(&link),
+            &self.target,
+            &self.folder,
+            self.force,
+        );
         named.map_err(|error| match error {
             // Without a saved state, the folder and the results in it go.
-            StoreError::Appeared { target, .. } if !self.is_saved() => StoreError::Overtaken { target },
+            StoreError::Appeared { target, .. } if !self.is_saved() => {
+                StoreError::Overtaken { target }
+            }
             StoreError::Rename { source, .. } if !self.is_saved() => self.failed(&source),
             error => error,
         })?;
@@ -166,7 +203,10 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
 
 /// The same for several files, of which none gets its name before all are on the disk. If one
 /// cannot get its name, those that have one already lose it again, unless they have replaced others.
-pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(files: &[(P, B)], force: bool) -> Result<(), StoreError> {
+pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(
+    files: &[(P, B)],
+    force: bool,
+) -> Result<(), StoreError> {
     let write = |(target, bytes): &(P, B)| {
         let staging = Staging::open(target.as_ref(), force)?;
         let write = || {
@@ -179,10 +219,15 @@ pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(files: &[(P, B)], force: b
         let made = write().map_err(|error| staging.failed(&error))?;
         Ok((staging, made))
     };
-    let written = files.iter().map(write).collect::<Result<Vec<_>, StoreError>>()?;
+    let written = files
+        .iter()
+        .map(write)
+        .collect::<Result<Vec<_>, StoreError>>()?;
     for (done, (staging, _)) in written.iter().enumerate() {
         if let Err(error) = staging.publish() {
-            let ours = written[..done].iter().filter(|(named, made)| !force && identity(&named.target) == Some(*made));
+            let ours = written[..done]
+                .iter()
+                .filter(|(named, made)| !force && identity(&named.target) == Some(*made));
             ours.for_each(|(named, _)| drop(fs::remove_file(&named.target)));
             return Err(error);
         }
@@ -193,7 +238,9 @@ pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(files: &[(P, B)], force: b
 /// The permissions of the folder: where a file is replaced that others may not read, they may not
 /// read the new one either, while it is made.
 fn mode(target: &Path, force: bool) -> u32 {
-    let there = fs::symlink_metadata(target).ok().filter(|there| force && there.is_file());
+    let there = fs::symlink_metadata(target)
+        .ok()
+        .filter(|there| force && there.is_file());
     there.map_or(0o777, |there| {
         let readers = there.permissions().mode() & 0o044;
         0o700 | readers | readers >> 2
@@ -204,7 +251,10 @@ fn mode(target: &Path, force: bool) -> u32 {
 pub(super) fn lock(target: &Path) -> Result<Lock, StoreError> {
     let folder = parent(target);
     if !folder.is_dir() {
-        return Err(StoreError::NoFolder { target: target.to_owned(), folder });
+        return Err(StoreError::NoFolder {
+            target: target.to_owned(),
+            folder,
+        });
     }
     Lock::take(target)
 }

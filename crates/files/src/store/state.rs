@@ -14,7 +14,8 @@ const LARGEST: u64 = 1 << 31;
 /// Whether a file begins as only states of this program do, damaged or not.
 pub(super) fn has_mark(path: &Path) -> bool {
     let mut bytes = [0; MAGIC.len()];
-    let read = own::open(path, File::options().read(true)).and_then(|mut file| file.read_exact(&mut bytes));
+    let read = own::open(path, File::options().read(true))
+        .and_then(|mut file| file.read_exact(&mut bytes));
     read.is_ok() && bytes == *MAGIC
 }
 
@@ -23,10 +24,15 @@ pub(super) fn read(path: &Path) -> Result<State, StoreError> {
     let mut file = own::open(path, File::options().read(true)).map_err(not_opened(path))?;
     let mut bytes = Vec::new();
     if file.metadata().map_err(not_opened(path))?.len() <= LARGEST {
-        file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened(path))?;
+        file.by_ref()
+            .take(MAGIC.len() as u64)
+            .read_to_end(&mut bytes)
+            .map_err(not_opened(path))?;
         // A file with other first bytes is no state, so the rest of it is not read.
         if bytes == MAGIC {
-            file.take(LARGEST).read_to_end(&mut bytes).map_err(not_opened(path))?;
+            file.take(LARGEST)
+                .read_to_end(&mut bytes)
+                .map_err(not_opened(path))?;
         }
     }
     Ok(of_bytes(&bytes, path)?)

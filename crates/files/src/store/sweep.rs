@@ -78,7 +78,17 @@ impl SweepFile {
         let target = target.to_owned();
         // A file of this question without some of its points is replaced by one with all of them.
         let force = force || is_there;
-        Ok((SweepFile { target, due: Instant::now(), force, has_name, partial, _lock: lock }, points))
+        Ok((
+            SweepFile {
+                target,
+                due: Instant::now(),
+                force,
+                has_name,
+                partial,
+                _lock: lock,
+            },
+            points,
+        ))
     }
 
     /// Whether every point is in a file that has its name already, so that nothing is left to do.
@@ -88,7 +98,11 @@ impl SweepFile {
 
     /// Update `NAME.partial`, unless that was done a moment ago.
     pub fn save(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
-        if Instant::now() >= self.due { self.save_now(sweep) } else { Ok(()) }
+        if Instant::now() >= self.due {
+            self.save_now(sweep)
+        } else {
+            Ok(())
+        }
     }
 
     /// Update `NAME.partial` now. A file that somebody has put in its place is not replaced.
@@ -97,13 +111,19 @@ impl SweepFile {
         let partial = partial_path(&self.target);
         let found = identity(&partial);
         if found.is_some() && found != self.partial {
-            return Err(StoreError::TakenAway { partial, target: self.target.clone() });
+            return Err(StoreError::TakenAway {
+                partial,
+                target: self.target.clone(),
+            });
         }
         write_dataset(&partial, Dataset::of_sweep(sweep), true).map_err(|error| match error {
             // The file that could not be named is not one that `mc resume` knows.
-            StoreError::Rename { target, source, .. } => {
-                StoreError::Write { partial: partial.clone(), target, saved_paths: 0, cause: source.to_string() }
-            }
+            StoreError::Rename { target, source, .. } => StoreError::Write {
+                partial: partial.clone(),
+                target,
+                saved_paths: 0,
+                cause: source.to_string(),
+            },
             error => error,
         })?;
         self.partial = identity(&partial);
@@ -125,7 +145,11 @@ impl SweepFile {
 
 /// The points that an interrupted sweep of this question has left in `NAME.partial`, if any. With
 /// `force`, what is left of anything else is removed.
-fn known(target: &Path, question: &SweepQuestion, force: bool) -> Result<Option<Vec<Option<Point>>>, StoreError> {
+fn known(
+    target: &Path,
+    question: &SweepQuestion,
+    force: bool,
+) -> Result<Option<Vec<Option<Point>>>, StoreError> {
     if found::unfinished(target) == Partial::File {
         match same_question(&partial_path(target), question) {
             Err(_) if force => {}
@@ -139,14 +163,19 @@ fn known(target: &Path, question: &SweepQuestion, force: bool) -> Result<Option<
 /// otherwise.
 fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Point>>, StoreError> {
     if !check_file(path)? {
-        return Err(StoreError::NotSealed { path: path.to_owned() });
+        return Err(StoreError::NotSealed {
+            path: path.to_owned(),
+        });
     }
     let stored = read_sweep(path).map_err(|error| match error {
         StoreError::Foreign { path } => StoreError::NotASweep { path },
         error => error,
     })?;
     match difference(&stored, question) {
-        Some(what) => Err(StoreError::OtherSweep { path: path.to_owned(), what }),
+        Some(what) => Err(StoreError::OtherSweep {
+            path: path.to_owned(),
+            what,
+        }),
         None => Ok(stored.points),
     }
 }
@@ -157,37 +186,66 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
     let header = Provenance::of(&question.scenario);
     let parts = |design: &Design| -> Vec<String> {
         let axes = design.axes().iter();
-        let mut parts: Vec<String> =
-            axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)).collect();
-        if let Design::Star { keys, relative_step } = design {
+        let mut parts: Vec<String> = axes
+            .map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values))
+            .collect();
+        if let Design::Star {
+            keys,
+            relative_step,
+        } = design
+        {
             parts.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
             parts.push(format!("relative step {relative_step:?}"));
         }
         parts.push(name(design).to_string());
         parts
     };
-    let bias = |with_bias| if with_bias { "estimates the bias of the step" } else { "leaves out the bias of the step" };
+    let bias = |with_bias| {
+        if with_bias {
+            "estimates the bias of the step"
+        } else {
+            "leaves out the bias of the step"
+        }
+    };
     let compared = [
         (lines(&stored.scenario_text), lines(&header.scenario_text)),
         (parts(&stored.design), parts(&question.design)),
-        (vec![format!("{} seeds", stored.seeds.name())], vec![format!("{} seeds", question.seeds.name())]),
-        (vec![bias(stored.with_bias).to_string()], vec![bias(question.with_bias).to_string()]),
-        (vec![stored.program.to_string()], vec![header.program.to_string()]),
+        (
+            vec![format!("{} seeds", stored.seeds.name())],
+            vec![format!("{} seeds", question.seeds.name())],
+        ),
+        (
+            vec![bias(stored.with_bias).to_string()],
+            vec![bias(question.with_bias).to_string()],
+        ),
+        (
+            vec![stored.program.to_string()],
+            vec![header.program.to_string()],
+        ),
     ];
     compared.iter().find_map(|(theirs, mine)| {
         let most = theirs.len().max(mine.len());
-        let at = |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
+        let at =
+            |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
         let differs = |&i: &usize| theirs.get(i) != mine.get(i);
         // A title lists what was changed, so the changed key says more.
         let is_title = |&i: &usize| at(theirs, i).starts_with("title = ");
-        let i = (0..most).find(|i| differs(i) && !is_title(i)).or_else(|| (0..most).find(differs))?;
-        Some(format!("it has `{}`, but this sweep has `{}`", at(theirs, i), at(mine, i)))
+        let i = (0..most)
+            .find(|i| differs(i) && !is_title(i))
+            .or_else(|| (0..most).find(differs))?;
+        Some(format!(
+            "it has `{}`, but this sweep has `{}`",
+            at(theirs, i),
+            at(mine, i)
+        ))
     })
 }
 
 /// The lines of a text without comments and empty lines.
 fn lines(text: &str) -> Vec<String> {
-    let said = text.lines().map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
+    let said = text
+        .lines()
+        .map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
     said.filter(|line| !line.is_empty()).collect()
 }
 

@@ -9,7 +9,9 @@ use crate::dataset::rows::RowAxis;
 use crate::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
 use crate::saved::seal;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
-use hdf5::{Container, Dataset, DatasetBuilderEmpty, Error, Extent, File, H5Type, Location, Result};
+use hdf5::{
+    Container, Dataset, DatasetBuilderEmpty, Error, Extent, File, H5Type, Location, Result,
+};
 use ndarray::{IxDyn, s};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -40,7 +42,11 @@ pub(super) struct OpenFile {
 impl OpenFile {
     /// A place for variables in a file.
     pub fn new(file: File) -> Self {
-        OpenFile { coordinates: BTreeMap::new(), file, written: Written::default() }
+        OpenFile {
+            coordinates: BTreeMap::new(),
+            file,
+            written: Written::default(),
+        }
     }
 
     /// Write a data set, without the rows of single paths. Attributes that are there already get
@@ -51,13 +57,22 @@ impl OpenFile {
             write_attribute(&self.file, &name, &value, is_there)?;
             self.written.dataset.set_attribute(&name, value);
         }
-        for entry in dataset.entries.into_iter().filter(|entry| RowAxis::of(entry).is_none()) {
+        for entry in dataset
+            .entries
+            .into_iter()
+            .filter(|entry| RowAxis::of(entry).is_none())
+        {
             let shape = match entry.is_coordinate() {
                 true => vec![entry.column.len()],
                 false => self.lengths(&entry.axes)?,
             };
             if shape.iter().product::<usize>() != entry.column.len() {
-                return Err(format!("{} has {} values for shape {shape:?}", entry.name, entry.column.len()).into());
+                return Err(format!(
+                    "{} has {} values for shape {shape:?}",
+                    entry.name,
+                    entry.column.len()
+                )
+                .into());
             }
             let made = self.create(&entry, |builder| builder.shape(shape))?;
             match entry.column.values() {
@@ -67,7 +82,12 @@ impl OpenFile {
                 ColumnView::I8(values) => made.write_raw(values)?,
                 ColumnView::U8(values) => made.write_raw(values)?,
                 ColumnView::Text(texts) => {
-                    made.write_raw(&texts.iter().map(|name| text(name)).collect::<Result<Vec<_>>>()?)?;
+                    made.write_raw(
+                        &texts
+                            .iter()
+                            .map(|name| text(name))
+                            .collect::<Result<Vec<_>>>()?,
+                    )?;
                 }
             }
             self.written.dataset.entries.push(entry);
@@ -80,8 +100,10 @@ impl OpenFile {
         let others = self.lengths(&entry.axes[1..])?;
         let mut chunk = vec![growth.columns; entry.axes.len()];
         chunk[0] = growth.rows;
-        let shape: Vec<Extent> =
-            [Extent::resizable(0)].into_iter().chain(others.into_iter().map(Extent::fixed)).collect();
+        let shape: Vec<Extent> = [Extent::resizable(0)]
+            .into_iter()
+            .chain(others.into_iter().map(Extent::fixed))
+            .collect();
         // The data are not compressed: random values shrink by a third at most, and deflate writes
         // 30 MB/s, which is less than two threads produce.
         self.create(entry, |builder| builder.chunk(chunk).shape(shape))
@@ -97,7 +119,9 @@ impl OpenFile {
 
     /// The lengths of axes, which must be in the file.
     fn lengths(&mut self, axes: &[String]) -> Result<Vec<usize>> {
-        axes.iter().map(|axis| Ok(self.coordinate(axis)?.size())).collect()
+        axes.iter()
+            .map(|axis| Ok(self.coordinate(axis)?.size()))
+            .collect()
     }
 
     fn coordinate(&mut self, axis: &str) -> Result<Dataset> {
@@ -192,7 +216,11 @@ impl Source for File {
 
     fn length(&self, name: &str) -> Read<Option<usize>> {
         let length = |dataset: Dataset| dataset.shape().first().copied().unwrap_or(0);
-        said(self.link_exists(name).then(|| self.dataset(name).map(length)).transpose())
+        said(
+            self.link_exists(name)
+                .then(|| self.dataset(name).map(length))
+                .transpose(),
+        )
     }
 
     fn attribute(&self, variable: Option<&str>, name: &str) -> Read<Option<Attribute>> {
@@ -201,9 +229,18 @@ impl Source for File {
 
     fn attributes(&self, variable: Option<&str>) -> Read<Vec<(String, Attribute)>> {
         of_location(self, variable, |location| {
-            let own = location.attr_names()?.into_iter().filter(|name| !OF_LIBRARY.contains(&name.as_str()));
-            own.filter_map(|name| Some(read_attribute(location, &name).transpose()?.map(|value| (name, value))))
-                .collect()
+            let own = location
+                .attr_names()?
+                .into_iter()
+                .filter(|name| !OF_LIBRARY.contains(&name.as_str()));
+            own.filter_map(|name| {
+                Some(
+                    read_attribute(location, &name)
+                        .transpose()?
+                        .map(|value| (name, value)),
+                )
+            })
+            .collect()
         })
     }
 
@@ -220,7 +257,11 @@ fn said<T>(read: Result<T>) -> Read<T> {
 }
 
 /// What is read of the file, or of a variable of it.
-fn of_location<T>(file: &File, variable: Option<&str>, read: impl FnOnce(&Location) -> Result<T>) -> Read<T> {
+fn of_location<T>(
+    file: &File,
+    variable: Option<&str>,
+    read: impl FnOnce(&Location) -> Result<T>,
+) -> Read<T> {
     said(match variable {
         None => read(file),
         Some(variable) => file.dataset(variable).and_then(|dataset| read(&dataset)),
@@ -228,24 +269,44 @@ fn of_location<T>(file: &File, variable: Option<&str>, read: impl FnOnce(&Locati
 }
 
 /// Write a new attribute, or another value to one that exists.
-fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T, is_there: bool) -> Result<()> {
-    let attribute = if is_there { location.attr(name)? } else { location.new_attr::<T>().create(name)? };
+fn write_scalar<T: H5Type>(
+    location: &Location,
+    name: &str,
+    value: &T,
+    is_there: bool,
+) -> Result<()> {
+    let attribute = if is_there {
+        location.attr(name)?
+    } else {
+        location.new_attr::<T>().create(name)?
+    };
     attribute.write_scalar(value)
 }
 
-fn write_attribute(location: &Location, name: &str, value: &Attribute, is_there: bool) -> Result<()> {
+fn write_attribute(
+    location: &Location,
+    name: &str,
+    value: &Attribute,
+    is_there: bool,
+) -> Result<()> {
     match value {
         Attribute::Text(value) => write_scalar(location, name, &text(value)?, is_there),
         Attribute::Real(value) => write_scalar(location, name, value, is_there),
         Attribute::Count(value) => write_scalar(location, name, value, is_there),
-        Attribute::Flags(values) => location.new_attr_builder().with_data(values).create(name).map(drop),
+        Attribute::Flags(values) => location
+            .new_attr_builder()
+            .with_data(values)
+            .create(name)
+            .map(drop),
     }
 }
 
 /// Read an attribute; none if there is no such attribute. Other programs write a number as an array
 /// of one number, and a text with a fixed length.
 fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
-    let Ok(attribute) = location.attr(name) else { return Ok(None) };
+    let Ok(attribute) = location.attr(name) else {
+        return Ok(None);
+    };
     let kind = attribute.dtype()?.to_descriptor()?;
     if let TypeDescriptor::Integer(IntSize::U1) = kind {
         return Ok(Some(Attribute::Flags(attribute.read_raw()?)));
@@ -256,7 +317,11 @@ fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> 
     Ok(Some(match kind {
         TypeDescriptor::Integer(_) => {
             let value = attribute.read_raw::<i64>()?[0];
-            Attribute::Count(value.try_into().map_err(|_| Error::from(format!("{name} is {value}")))?)
+            Attribute::Count(
+                value
+                    .try_into()
+                    .map_err(|_| Error::from(format!("{name} is {value}")))?,
+            )
         }
         TypeDescriptor::Unsigned(_) => Attribute::Count(attribute.read_raw::<u64>()?[0]),
         TypeDescriptor::Float(_) => Attribute::Real(attribute.read_raw::<f64>()?[0]),
@@ -290,12 +355,17 @@ fn read_texts(of: &Container) -> Result<Vec<String>> {
 
 /// The texts, as values of this type.
 fn read_as<T: H5Type + AsRef<str>>(of: &Container) -> Result<Vec<String>> {
-    of.read_raw::<T>()?.iter().map(|text| readable(text.as_ref())).collect()
+    of.read_raw::<T>()?
+        .iter()
+        .map(|text| readable(text.as_ref()))
+        .collect()
 }
 
 /// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
 fn readable(text: &str) -> Result<String> {
-    std::str::from_utf8(text.as_bytes()).map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
+    std::str::from_utf8(text.as_bytes())
+        .map(str::to_owned)
+        .map_err(|_| Error::from("a text is not UTF-8"))
 }
 
 /// Text in the form that HDF5 stores.
@@ -304,7 +374,12 @@ fn text(value: &str) -> Result<VarLenUnicode> {
 }
 
 /// Read some rows of a variable as values of this type, row by row.
-fn some_rows(name: &str, dataset: &Dataset, kind: ElementType, rows: &Range<usize>) -> Result<Column> {
+fn some_rows(
+    name: &str,
+    dataset: &Dataset,
+    kind: ElementType,
+    rows: &Range<usize>,
+) -> Result<Column> {
     Ok(match kind {
         ElementType::F64 => Column::F64(slice(name, dataset, rows)?),
         ElementType::U64 => Column::U64(slice(name, dataset, rows)?),
@@ -325,8 +400,14 @@ fn slice<T: H5Type + Clone>(name: &str, dataset: &Dataset, rows: &Range<usize>) 
         [] => dataset.read_raw(),
         [length, ..] if *rows == (0..length) => dataset.read_raw(),
         [_] => Ok(dataset.read_slice_1d::<T, _>(s![some])?.to_vec()),
-        [_, _] => Ok(dataset.read_slice_2d::<T, _>(s![some, ..])?.into_iter().collect()),
-        _ => Ok(dataset.read_slice::<T, _, IxDyn>(s![some, .., ..])?.into_iter().collect()),
+        [_, _] => Ok(dataset
+            .read_slice_2d::<T, _>(s![some, ..])?
+            .into_iter()
+            .collect()),
+        _ => Ok(dataset
+            .read_slice::<T, _, IxDyn>(s![some, .., ..])?
+            .into_iter()
+            .collect()),
     }
 }
 
@@ -342,14 +423,20 @@ fn shaped(file: &File, variable: &Described) -> Result<Dataset> {
     if let Some(axis) = axes.clone().find(|axis| !file.link_exists(axis)) {
         return Err(format!("{axis} is missing, the coordinate of {name}").into());
     }
-    let has_length = |(axis, length): (&&str, &usize)| file.dataset(axis).is_ok_and(|axis| axis.size() == *length);
+    let has_length = |(axis, length): (&&str, &usize)| {
+        file.dataset(axis).is_ok_and(|axis| axis.size() == *length)
+    };
     if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
         return Err(format!("the shape of {name} differs from its axes").into());
     }
     // A variable that claims to be larger than its file is damaged, unless another program
     // compressed it, and then by a factor of a thousand at most.
     let bytes = (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64);
-    let most = if dataset.filters().is_empty() { 1 } else { 1032 };
+    let most = if dataset.filters().is_empty() {
+        1
+    } else {
+        1032
+    };
     if bytes > file.size().saturating_mul(most) {
         return Err(format!("{name} is larger than the file").into());
     }

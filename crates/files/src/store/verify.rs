@@ -25,7 +25,15 @@ pub fn verify_run(
     sample: BlocksAgain,
     threads: usize,
 ) -> Result<Again, StoreError> {
-    again(&open(path)?, stored, scenario, sample, threads, &AtomicBool::new(false)).map_err(damaged(path))
+    again(
+        &open(path)?,
+        stored,
+        scenario,
+        sample,
+        threads,
+        &AtomicBool::new(false),
+    )
+    .map_err(damaged(path))
 }
 
 /// What the comparison of a whole data set came to.
@@ -41,8 +49,14 @@ pub struct Verified {
 pub fn verify_whole(path: &Path, again: &Dataset) -> Result<Verified, StoreError> {
     let file = open(path)?;
     let mut against = Against::of(&file);
-    against.variables(again).and_then(|()| against.finish(again)).map_err(damaged(path))?;
-    Ok(Verified { values: against.values, difference: against.difference })
+    against
+        .variables(again)
+        .and_then(|()| against.finish(again))
+        .map_err(damaged(path))?;
+    Ok(Verified {
+        values: against.values,
+        difference: against.difference,
+    })
 }
 
 /// The result of checking a file against its checksum.
@@ -61,5 +75,8 @@ pub fn check_bytes(path: &Path) -> Result<Sealed, StoreError> {
     check_file(path)?;
     let has_checksum = check_seal(path, u64::MAX)?;
     let there = std::fs::metadata(path).map_err(not_opened(path))?;
-    Ok(Sealed { bytes: there.len(), has_checksum })
+    Ok(Sealed {
+        bytes: there.len(),
+        has_checksum,
+    })
 }

@@ -37,22 +37,43 @@ impl Writer {
     /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. The
     /// target itself is not touched before `finish`. With `force`, an existing file of this name is
     /// replaced, and what an unfinished run to it left behind is removed.
-    pub fn create(target: &Path, header: &Provenance, record: &Record, force: bool) -> Result<Writer, StoreError> {
+    pub fn create(
+        target: &Path,
+        header: &Provenance,
+        record: &Record,
+        force: bool,
+    ) -> Result<Writer, StoreError> {
         Writer::within(Staging::open(target, force)?, header, record)
     }
 
     /// The same in a folder that exists already.
-    pub(super) fn within(staging: Staging, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
+    pub(super) fn within(
+        staging: Staging,
+        header: &Provenance,
+        record: &Record,
+    ) -> Result<Writer, StoreError> {
         let path = staging.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
         own::remove(&path).map_err(|error| staging.failed(&error))?;
         let (draft, header) = (StagedFile::create(&path)?, header.clone());
-        let mut writer = Writer { staging, draft, tables: Vec::new(), header, failure: None, appended: 0 };
+        let mut writer = Writer {
+            staging,
+            draft,
+            tables: Vec::new(),
+            header,
+            failure: None,
+            appended: 0,
+        };
         let start = run::start(&writer.header, record);
         writer.guarded(|place, tables, header| {
             place.write(start.clone())?;
             for along in RowAxis::ALL {
-                tables.extend(GrowingTable::define(place, along, &start, growth(along, header, record))?);
+                tables.extend(GrowingTable::define(
+                    place,
+                    along,
+                    &start,
+                    growth(along, header, record),
+                )?);
             }
             Ok(())
         })?;
@@ -71,12 +92,17 @@ impl Writer {
 
     /// Write what ended the run before its last path, and which part of a run this is, with the
     /// state of the part, from which it can be joined to the others.
-    pub(super) fn about(&mut self, ended_by: Option<String>, part: Option<(Part, Vec<u8>)>) -> Result<(), StoreError> {
+    pub(super) fn about(
+        &mut self,
+        ended_by: Option<String>,
+        part: Option<(Part, Vec<u8>)>,
+    ) -> Result<(), StoreError> {
         self.guarded(|place, _, header| {
             let mut about = Dataset::new(&header.units);
             header::write_ended_by(&mut about, ended_by);
             header::write_part(&mut about, part.as_ref().map(|(part, _)| *part));
-            part.iter().for_each(|(_, state)| about.write(&layout::PART_STATE, state));
+            part.iter()
+                .for_each(|(_, state)| about.write(&layout::PART_STATE, state));
             place.write(about)
         })
     }
@@ -88,7 +114,10 @@ impl Writer {
         let appended = self.appended;
         self.guarded(|place, tables, header| {
             if tables.iter().any(|table| table.along == RowAxis::Path) && appended != paths {
-                return Err(format!("the statistics cover {paths} paths, but {appended} were appended").into());
+                return Err(format!(
+                    "the statistics cover {paths} paths, but {appended} were appended"
+                )
+                .into());
             }
             for table in tables {
                 place.written.rows.extend(table.write_all()?);
@@ -99,9 +128,16 @@ impl Writer {
             place.file.flush()
         })?;
         // Everything is written by now, so closing the variables writes nothing more.
-        let Writer { staging, draft, tables, .. } = self;
+        let Writer {
+            staging,
+            draft,
+            tables,
+            ..
+        } = self;
         drop(tables);
-        draft.finish().map_err(|failure| staging.failure(failure.cause, failure.full))?;
+        draft
+            .finish()
+            .map_err(|failure| staging.failure(failure.cause, failure.full))?;
         staging.publish()
     }
 
@@ -110,7 +146,13 @@ impl Writer {
         &mut self,
         work: impl FnOnce(&mut OpenFile, &mut Vec<GrowingTable>, &Provenance) -> hdf5::Result<()>,
     ) -> Result<(), StoreError> {
-        let Writer { draft, tables, header, failure, .. } = self;
+        let Writer {
+            draft,
+            tables,
+            header,
+            failure,
+            ..
+        } = self;
         if failure.is_none()
             && let Err(new) = draft.write(|place| work(place, tables, header))
         {
@@ -128,11 +170,18 @@ impl Writer {
 /// The chunks of the variables along a dimension.
 fn growth(along: RowAxis, header: &Provenance, record: &Record) -> Growth {
     match along {
-        RowAxis::Path => Growth { rows: (header.paths as usize).clamp(1, CHUNK), columns: 1 },
-        RowAxis::Event => Growth { rows: CHUNK, columns: 1 },
+        RowAxis::Path => Growth {
+            rows: (header.paths as usize).clamp(1, CHUNK),
+            columns: 1,
+        },
+        RowAxis::Event => Growth {
+            rows: CHUNK,
+            columns: 1,
+        },
         RowAxis::Trajectory => {
             let columns = header.time.len().min(CHUNK);
-            let rows = (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
+            let rows =
+                (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
             Growth { rows, columns }
         }
     }

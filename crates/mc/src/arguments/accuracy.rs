@@ -13,7 +13,13 @@ use stickslip::study::accuracy::{
 use stickslip::study::trade::{Choice, Standing, Trade, TradeError};
 
 /// The keys of a scenario whose values are chosen.
-pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
+pub const CHOSEN: [&str; 5] = [
+    "ensemble.antithetic",
+    "ensemble.paths",
+    "scheme.kind",
+    "scheme.tolerance",
+    "time.step",
+];
 
 /// A run for all statistics that takes more seconds than this is announced with a way to shorten
 /// it.
@@ -32,39 +38,73 @@ pub fn choose(
             note(wrapped(sentence, "  ").trim_end());
         }
     };
-    say(&format!("pilot run of about {} s to choose scheme, step and paths", PILOT.as_secs()));
-    let chosen = measuring(PILOT, is_quiet, stop, |limits| accuracy.choose(scenario, limits));
+    say(&format!(
+        "pilot run of about {} s to choose scheme, step and paths",
+        PILOT.as_secs()
+    ));
+    let chosen = measuring(PILOT, is_quiet, stop, |limits| {
+        accuracy.choose(scenario, limits)
+    });
     if stop.load(Ordering::Relaxed) {
         note("interrupted during the pilot run: nothing was written");
         return Err(Failure::Interrupted);
     }
     let (decision, trade) = chosen.map_err(failure)?;
-    explanation(accuracy, scenario, &trade, &decision).iter().for_each(|sentence| say(sentence));
+    explanation(accuracy, scenario, &trade, &decision)
+        .iter()
+        .for_each(|sentence| say(sentence));
     Ok(decision)
 }
 
 /// What was chosen and why, in sentences.
-fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision: &Decision) -> Vec<String> {
-    let Accuracy { target, named, threads, .. } = *accuracy;
+fn explanation(
+    accuracy: &Accuracy,
+    scenario: &Scenario,
+    trade: &Trade,
+    decision: &Decision,
+) -> Vec<String> {
+    let Accuracy {
+        target,
+        named,
+        threads,
+        ..
+    } = *accuracy;
     let (asked, choice) = (&decision.asked, &decision.choice);
     let of = match named {
         [] => format!("{} statistics", asked.len()),
-        named => named.iter().map(|statistic| statistic.name()).collect::<Vec<_>>().join(" and "),
+        named => named
+            .iter()
+            .map(|statistic| statistic.name())
+            .collect::<Vec<_>>()
+            .join(" and "),
     };
-    let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
+    let (decisive, cost, bias) = (
+        choice.decisive.name(),
+        time(choice.seconds),
+        percent(choice.bias),
+    );
     let paths = match choice.paths {
         1 => "the scenario is deterministic, so one path is enough".into(),
         FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
         _ => format!("{decisive} needs the most paths"),
     };
-    let mut why =
-        format!("the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}");
+    let mut why = format!(
+        "the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
+    );
     if !choice.is_measured {
         why += ", extrapolated from coarser steps: this step itself was not measured";
     }
     let mut said = vec![
-        format!("chosen for a relative error of {} of {of}:", percent(target)),
-        format!("  {} --paths {}{}", choice.scheme, choice.paths, pairs(choice)),
+        format!(
+            "chosen for a relative error of {} of {of}:",
+            percent(target)
+        ),
+        format!(
+            "  {} --paths {}{}",
+            choice.scheme,
+            choice.paths,
+            pairs(choice)
+        ),
         why,
     ];
     if choice.paths > 1 {
@@ -92,7 +132,11 @@ fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision
             ));
         }
         let without = without_answer(trade).into_iter();
-        said.extend(without.map(|(names, standing)| format!("no accuracy is guaranteed for {names}: {standing}")));
+        said.extend(
+            without.map(|(names, standing)| {
+                format!("no accuracy is guaranteed for {names}: {standing}")
+            }),
+        );
     }
     said
 }
@@ -110,23 +154,38 @@ fn failure(error: AccuracyError) -> Failure {
         }
         AccuracyError::Pilot(error) => return error.into(),
         AccuracyError::Misfit(error) => return error.into(),
-        AccuracyError::NoAnswer { .. } => "choose another one with --statistic, or increase `time.end`".into(),
-        AccuracyError::Unasked { .. } => "give the distances, e.g. `--set 'statistics.levels=[3.0]'`".into(),
+        AccuracyError::NoAnswer { .. } => {
+            "choose another one with --statistic, or increase `time.end`".into()
+        }
+        AccuracyError::Unasked { .. } => {
+            "give the distances, e.g. `--set 'statistics.levels=[3.0]'`".into()
+        }
         AccuracyError::NothingToChoose => "remove --accuracy; mc trade gives details".into(),
-        AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => alternative(instead),
+        AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => {
+            alternative(instead)
+        }
     };
     Failure::usage(problem, remedy)
 }
 
 /// The part of a command line that asks for antithetic pairs; empty where the choice has none.
 pub fn pairs(choice: &Choice) -> &'static str {
-    if choice.is_antithetic { " --set ensemble.antithetic=true" } else { "" }
+    if choice.is_antithetic {
+        " --set ensemble.antithetic=true"
+    } else {
+        ""
+    }
 }
 
 /// The message of a run that ended after `completed` paths, before it had the accuracy that it was
 /// chosen for. None if so many paths are enough.
 pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
-    let AccuracyGoal { target, paths, decisive, .. } = accuracy_goal;
+    let AccuracyGoal {
+        target,
+        paths,
+        decisive,
+        ..
+    } = accuracy_goal;
     accuracy_goal.error_after(completed).map(|error| {
         format!(
             "the relative error of {} was not reached: {} of {} paths give about {} of {}",
@@ -155,7 +214,11 @@ fn alternative(instead: Option<Alternative>) -> String {
 
 /// Reads a relative error, e.g. `1e-2` or `1%`.
 pub fn target(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &TARGETS, "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%")
+    parse_share_in(
+        text,
+        &TARGETS,
+        "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%",
+    )
 }
 
 #[cfg(test)]
@@ -164,7 +227,10 @@ mod tests {
 
     #[test]
     fn a_target_is_a_share_or_a_percentage() {
-        assert_eq!((target("1e-2"), target("0.5%"), target(" 10 % ")), (Ok(0.01), Ok(0.005), Ok(0.1)));
+        assert_eq!(
+            (target("1e-2"), target("0.5%"), target(" 10 % ")),
+            (Ok(0.01), Ok(0.005), Ok(0.1))
+        );
         for text in ["", "0", "-1%", "60%", "1e-7", "nan", "one"] {
             assert!(target(text).is_err(), "{text}");
         }

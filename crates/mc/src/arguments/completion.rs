@@ -17,17 +17,32 @@ pub struct Completed<T> {
 }
 
 /// The name of a statistic.
-pub const STATISTIC: Completed<Statistic> =
-    Completed { words: || Statistic::ALL.map(|statistic| statistic.name().to_string()).into(), read: statistic };
+pub const STATISTIC: Completed<Statistic> = Completed {
+    words: || {
+        Statistic::ALL
+            .map(|statistic| statistic.name().to_string())
+            .into()
+    },
+    read: statistic,
+};
 
 /// The name of a scheme. An unknown name is reported when the scenario is checked.
-pub const SCHEME: Completed<String> =
-    Completed { words: || Kind::ALL.iter().map(|kind| kind.name().to_string()).collect(), read: as_it_is };
+pub const SCHEME: Completed<String> = Completed {
+    words: || {
+        Kind::ALL
+            .iter()
+            .map(|kind| kind.name().to_string())
+            .collect()
+    },
+    read: as_it_is,
+};
 
 /// A key with a value, `key=value`. An unknown key or a wrong value is reported when the scenario
 /// is checked.
-pub const SETTING: Completed<String> =
-    Completed { words: || config::keys().iter().map(|key| format!("{key}=")).collect(), read: as_it_is };
+pub const SETTING: Completed<String> = Completed {
+    words: || config::keys().iter().map(|key| format!("{key}=")).collect(),
+    read: as_it_is,
+};
 
 fn as_it_is(text: &str) -> Result<String, String> {
     Ok(text.to_string())
@@ -35,13 +50,19 @@ fn as_it_is(text: &str) -> Result<String, String> {
 
 /// The statistic with this name.
 fn statistic(name: &str) -> Result<Statistic, String> {
-    Statistic::from_name(name).ok_or_else(|| format!("unknown statistic; use one of {}", crate::statistic_names()))
+    Statistic::from_name(name)
+        .ok_or_else(|| format!("unknown statistic; use one of {}", crate::statistic_names()))
 }
 
 impl<T: Clone + Send + Sync + 'static> TypedValueParser for Completed<T> {
     type Value = T;
 
-    fn parse_ref(&self, command: &Command, arg: Option<&clap::Arg>, value: &OsStr) -> Result<T, clap::Error> {
+    fn parse_ref(
+        &self,
+        command: &Command,
+        arg: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<T, clap::Error> {
         self.read.parse_ref(command, arg, value)
     }
 

@@ -22,8 +22,12 @@ pub fn writable_hdf5<P: AsRef<Path>>(
         "html" | "htm" => format!("mc report {file} -o {shown}"),
         _ => return Ok(()),
     };
-    let problem = format!("-o {shown}: results are written as HDF5, but this name has another extension");
-    Err(Failure::usage(problem, format!("write `-o {file}`, and then `{makes}`")))
+    let problem =
+        format!("-o {shown}: results are written as HDF5, but this name has another extension");
+    Err(Failure::usage(
+        problem,
+        format!("write `-o {file}`, and then `{makes}`"),
+    ))
 }
 
 /// Refuses to write a page for a browser under a name that does not say so.
@@ -31,13 +35,20 @@ pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
     let (shown, of) = (path.display(), of.display());
     let remedy = match ending(path).as_str() {
         "html" | "htm" => return Ok(()),
-        "svg" | "png" | "pdf" => format!("use the extension .html, or draw it with `mc plot {of} -o {shown}`"),
+        "svg" | "png" | "pdf" => {
+            format!("use the extension .html, or draw it with `mc plot {of} -o {shown}`")
+        }
         _ => "use the extension .html".to_string(),
     };
-    Err(Failure::usage(format!("-o {shown}: a report is an HTML page"), remedy))
+    Err(Failure::usage(
+        format!("-o {shown}: a report is an HTML page"),
+        remedy,
+    ))
 }
 
 /// The ending of a file's name, in small letters; empty if it has none.
 pub fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase())
+        .unwrap_or_default()
 }

@@ -34,7 +34,12 @@ pub struct MeasuredFlags {
     #[arg(long, value_name = "N")]
     skip: Option<String>,
     /// Numbers and words that mark a missing value, in addition to the usual ones
-    #[arg(long, value_name = "MARK,MARK", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "MARK,MARK",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     missing: Vec<String>,
     /// Leave out values that differ from their neighbours by more than this many standard
     /// deviations of such differences, e.g. 8 [default: none]
@@ -56,7 +61,12 @@ struct TemperatureLayoutFlags {
     #[arg(long, value_name = "COLUMN[,COLUMN]", requires = "temperature_file")]
     temperature_time: Option<String>,
     /// Time zone of the temperature file [default: as --zone]
-    #[arg(long, value_name = "ZONE", allow_hyphen_values = true, requires = "temperature_file")]
+    #[arg(
+        long,
+        value_name = "ZONE",
+        allow_hyphen_values = true,
+        requires = "temperature_file"
+    )]
     temperature_zone: Option<String>,
     /// Order of dates in the temperature file [default: as --dates]
     #[arg(long, value_name = "ymd|dmy|mdy", requires = "temperature_file")]
@@ -81,7 +91,17 @@ struct TemperatureLayoutFlags {
 impl MeasuredFlags {
     /// What they say of the series of these quantities.
     pub fn overrides(&self, of: &[&str]) -> Vec<Override> {
-        let MeasuredFlags { time, zone, dates, skip, missing, outliers, decimal, averaged, .. } = self;
+        let MeasuredFlags {
+            time,
+            zone,
+            dates,
+            skip,
+            missing,
+            outliers,
+            decimal,
+            averaged,
+            ..
+        } = self;
         let missing = marks(missing);
         let layout = [
             ("time", time),
@@ -92,11 +112,20 @@ impl MeasuredFlags {
             ("outliers", outliers),
             ("decimal", decimal),
         ];
-        let of_file = of.iter().flat_map(|of| layout.into_iter().filter_map(|(key, value)| given(of, key, key, value)));
+        let of_file = of.iter().flat_map(|of| {
+            layout
+                .into_iter()
+                .filter_map(|(key, value)| given(of, key, key, value))
+        });
         // What the temperature says of this holds for the displacement as well.
         let mean = given("temperature", "averaged", "averaged", averaged);
         let column = given("temperature", "temperature", "value", &self.temperature);
-        let unit = given("temperature", "temperature-unit", "unit", &self.temperature_unit);
+        let unit = given(
+            "temperature",
+            "temperature-unit",
+            "unit",
+            &self.temperature_unit,
+        );
         of_file.chain(mean).chain(column).chain(unit).collect()
     }
 }
@@ -112,7 +141,9 @@ impl TemperatureLayoutFlags {
             ("missing", &missing),
             ("averaged", &self.temperature_averaged),
         ];
-        let flag = |(key, value): (&str, _)| given("temperature", &format!("temperature-{key}"), key, value);
+        let flag = |(key, value): (&str, _)| {
+            given("temperature", &format!("temperature-{key}"), key, value)
+        };
         layout.into_iter().filter_map(flag).collect()
     }
 }
@@ -124,7 +155,11 @@ fn marks(marks: &[String]) -> Option<String> {
 
 /// What a flag says of a key of the series of a quantity.
 fn given(quantity: &str, flag: &str, key: &str, value: &Option<String>) -> Option<Override> {
-    let (value, flag, dotted) = (value.as_ref()?, format!("--{flag}"), format!("{quantity}.series.{key}"));
+    let (value, flag, dotted) = (
+        value.as_ref()?,
+        format!("--{flag}"),
+        format!("{quantity}.series.{key}"),
+    );
     // A column may be named 1, and so may its unit; a duration is a number or a text.
     let is_number = ["skip", "outliers", "averaged"].contains(&key) && value.parse::<f64>().is_ok();
     Some(match is_number || key == "missing" {
@@ -165,7 +200,11 @@ pub struct Source {
 }
 
 fn level(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &(0.5..=0.999), "write a probability from 0.5 to 0.999")
+    parse_share_in(
+        text,
+        &(0.5..=0.999),
+        "write a probability from 0.5 to 0.999",
+    )
 }
 
 impl Source {
@@ -179,14 +218,33 @@ impl Source {
     pub fn scene(&self) -> Result<BridgeScene, ScenarioError> {
         let mut all = self.set.list()?;
         all.extend(self.flags.overrides(&["temperature", "displacement"]));
-        all.extend(given("displacement", "displacement", "value", &self.displacement));
-        all.extend(given("displacement", "displacement-unit", "unit", &self.displacement_unit));
+        all.extend(given(
+            "displacement",
+            "displacement",
+            "value",
+            &self.displacement,
+        ));
+        all.extend(given(
+            "displacement",
+            "displacement-unit",
+            "unit",
+            &self.displacement_unit,
+        ));
         let mut scene = BridgeScene::read(&self.scenario, &all)?;
         all.extend(self.of_temperatures.overrides());
         scene.temperature_source = BridgeScene::read(&self.scenario, &all)?.temperature_source;
         // The text that is stored holds the changes as well.
-        let changes = self.set.list()?.iter().map(|change| format!("{CHANGED}{change}\n")).collect::<String>();
-        scene.text = if changes.is_empty() { scene.text } else { format!("{}\n{changes}", scene.text) };
+        let changes = self
+            .set
+            .list()?
+            .iter()
+            .map(|change| format!("{CHANGED}{change}\n"))
+            .collect::<String>();
+        scene.text = if changes.is_empty() {
+            scene.text
+        } else {
+            format!("{}\n{changes}", scene.text)
+        };
         scene.displacement_source.layout.wording = Wording::Flag;
         scene.temperature_source.layout.wording = Wording::TemperatureFlag;
         Ok(scene)
@@ -196,7 +254,13 @@ impl Source {
     /// measurements that it names.
     pub fn inputs(&self) -> Result<Vec<PathBuf>, ScenarioError> {
         let named = input_files(&self.scenario, &self.set.list()?);
-        Ok(self.data.iter().chain(&self.temperature_file).cloned().chain(named).collect())
+        Ok(self
+            .data
+            .iter()
+            .chain(&self.temperature_file)
+            .cloned()
+            .chain(named)
+            .collect())
     }
 
     /// Reads temperatures and displacements. Repairs are noted on standard error.
@@ -218,8 +282,14 @@ const CHANGED: &str = "# changed by ";
 
 /// The scenario of a study of measurements from its stored text.
 pub fn scene_again(name: &str, text: &str) -> Result<BridgeScene, ScenarioError> {
-    let changes = text.lines().filter_map(|line| line.strip_prefix(CHANGED)?.strip_prefix("--set "));
-    BridgeScene::parse(name, text, &changes.map(Override::set).collect::<Result<Vec<_>, _>>()?)
+    let changes = text
+        .lines()
+        .filter_map(|line| line.strip_prefix(CHANGED)?.strip_prefix("--set "));
+    BridgeScene::parse(
+        name,
+        text,
+        &changes.map(Override::set).collect::<Result<Vec<_>, _>>()?,
+    )
 }
 
 /// The files that a scenario names: that of the displacements, and that of the temperatures if it
@@ -230,13 +300,25 @@ fn files_of(
     temperature: &ColumnSource,
 ) -> Result<(PathBuf, Option<PathBuf>), Failure> {
     let path = |file: &String| scenario.parent().unwrap_or(Path::new("")).join(file);
-    let Some(data) = displacement.file.as_ref().or(temperature.file.as_ref()).map(path) else {
-        let problem = format!("no measurement given, and {} names none", scenario.display());
+    let Some(data) = displacement
+        .file
+        .as_ref()
+        .or(temperature.file.as_ref())
+        .map(path)
+    else {
+        let problem = format!(
+            "no measurement given, and {} names none",
+            scenario.display()
+        );
         let remedy = "give DATA.csv, or write `file = \"data.csv\"` under [displacement.series], and under [temperature.series] if the \
                       temperatures are in another file";
         return Err(Failure::usage(problem, remedy));
     };
-    let other = temperature.file.as_ref().map(path).filter(|file| *file != data);
+    let other = temperature
+        .file
+        .as_ref()
+        .map(path)
+        .filter(|file| *file != data);
     Ok((data, other))
 }
 

@@ -70,20 +70,27 @@ impl Overrides {
     pub fn without_goals(&self) -> Result<Vec<Override>, Failure> {
         match self.until.iter().find(|text| is_goal(text)) {
             None => Ok(self.list()?),
-            Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "remove it here")),
+            Some(goal) => Err(Failure::usage(
+                format!("--until \"{goal}\" is a goal of mc run"),
+                "remove it here",
+            )),
         }
     }
 
     /// Reads a scenario and applies the flags, then further changes.
     pub fn scenario_with(&self, path: &Path, more: &[Override]) -> Result<Scenario, Failure> {
-        Ok(Scenario::read(path, &[self.list()?.as_slice(), more].concat())?)
+        Ok(Scenario::read(
+            path,
+            &[self.list()?.as_slice(), more].concat(),
+        )?)
     }
 
     /// Reads the scenario and the goals of a run.
     pub fn scenario_and_goals(&self, path: &Path) -> Result<(Scenario, Vec<Goal>), Failure> {
         let goals = self.until.iter().filter(|text| is_goal(text));
-        let goals: Result<Vec<Goal>, Failure> =
-            goals.map(|text| text.parse().map_err(|error| wrong_goal(text, &error))).collect();
+        let goals: Result<Vec<Goal>, Failure> = goals
+            .map(|text| text.parse().map_err(|error| wrong_goal(text, &error)))
+            .collect();
         Ok((Scenario::read(path, &self.list()?)?, goals?))
     }
 
@@ -95,7 +102,9 @@ impl Overrides {
     /// The first flag, as typed, that sets one of these keys.
     pub fn decides(&self, keys: &[&str]) -> Option<String> {
         let list = self.list().unwrap_or_default();
-        list.iter().find(|given| keys.iter().any(|key| given.sets(key))).map(Override::to_string)
+        list.iter()
+            .find(|given| keys.iter().any(|key| given.sets(key)))
+            .map(Override::to_string)
     }
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
@@ -118,7 +127,11 @@ impl Overrides {
 
 /// The names of the schemes for which `of` is true, joined by commas and `word`: "a, b or c".
 fn names(of: impl Fn(Kind) -> bool, word: &str) -> String {
-    let names: Vec<&str> = Kind::ALL.iter().filter(|kind| of(**kind)).map(|kind| kind.name()).collect();
+    let names: Vec<&str> = Kind::ALL
+        .iter()
+        .filter(|kind| of(**kind))
+        .map(|kind| kind.name())
+        .collect();
     match names.split_last() {
         Some((last, [])) => last.to_string(),
         Some((last, others)) => format!("{} {word} {last}", others.join(", ")),
@@ -134,7 +147,9 @@ fn is_goal(until: &str) -> bool {
 fn wrong_goal(text: &str, error: &GoalError) -> Failure {
     let remedy = match error {
         GoalError::UnknownStatistic(_) => format!("one of {}", crate::statistic_names()),
-        GoalError::NoComparison | GoalError::NoBound(_) => "such as --until \"stick_duration_mean < 0.5%\"".to_string(),
+        GoalError::NoComparison | GoalError::NoBound(_) => {
+            "such as --until \"stick_duration_mean < 0.5%\"".to_string()
+        }
     };
     Failure::usage(format!("--until \"{text}\": {error}"), remedy)
 }

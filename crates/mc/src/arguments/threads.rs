@@ -16,7 +16,9 @@ pub struct Threads {
 impl Threads {
     /// The number that was asked for, or one for each core.
     pub fn number(&self) -> usize {
-        self.threads.map_or_else(crate::cores, usize::from).min(MOST_THREADS)
+        self.threads
+            .map_or_else(crate::cores, usize::from)
+            .min(MOST_THREADS)
     }
 
     /// The number, if the system starts so many threads and has these bytes of memory for their
@@ -31,13 +33,27 @@ impl Threads {
 
 /// Refuses work for which there is too little memory.
 pub fn enough_memory(work: &str, used: f64, threads: usize) -> Result<(), Failure> {
-    Need { bytes: used, threads }.check().map_err(|Short { needed, free, limit }| {
-        let threads = counted(threads as u64, "thread");
-        let (needed, free) = (bytes(needed), bytes(free));
-        let problem = format!("{work} on {threads} needs about {needed} of memory, but {limit} leaves {free}");
-        let remedy = "use fewer --threads, a larger `time.output_step`, or record less per path";
-        Failure::usage(problem, remedy)
-    })
+    Need {
+        bytes: used,
+        threads,
+    }
+    .check()
+    .map_err(
+        |Short {
+             needed,
+             free,
+             limit,
+         }| {
+            let threads = counted(threads as u64, "thread");
+            let (needed, free) = (bytes(needed), bytes(free));
+            let problem = format!(
+                "{work} on {threads} needs about {needed} of memory, but {limit} leaves {free}"
+            );
+            let remedy =
+                "use fewer --threads, a larger `time.output_step`, or record less per path";
+            Failure::usage(problem, remedy)
+        },
+    )
 }
 
 /// Says why there are not so many threads.

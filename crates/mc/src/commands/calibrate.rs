@@ -10,7 +10,9 @@ use crate::{Failure, note, print, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stickslip::scenario::BridgeScene;
-use stickslip_bearing::calibration::{CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate};
+use stickslip_bearing::calibration::{
+    CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
+};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::store::{self, StoredCalibration};
 
@@ -76,21 +78,40 @@ impl Arguments {
         for output in &self.output {
             match is_scenario(output) {
                 true => store::write_whole(output, fitted(&stored)?.as_bytes(), self.force)?,
-                false => store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?,
+                false => {
+                    store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?
+                }
             }
         }
-        stored.warnings.iter().for_each(|(_, warning)| warn(warning));
+        stored
+            .warnings
+            .iter()
+            .for_each(|(_, warning)| warn(warning));
         print(&match self.json {
             true => report::json::of_calibration(&stored),
-            false => report::text(&bearing::calibration(&stored.title, &stored.calibration, false)),
+            false => report::text(&bearing::calibration(
+                &stored.title,
+                &stored.calibration,
+                false,
+            )),
         })?;
         for output in &self.output {
             match is_scenario(output) {
-                true => note(&format!("{} is the scenario with the estimates", output.display())),
-                false => note(&format!("{} has all of it; `mc plot {0}` draws it", output.display())),
+                true => note(&format!(
+                    "{} is the scenario with the estimates",
+                    output.display()
+                )),
+                false => note(&format!(
+                    "{} has all of it; `mc plot {0}` draws it",
+                    output.display()
+                )),
             }
         }
-        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+        if stop.load(Ordering::Relaxed) {
+            Err(Failure::Interrupted)
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -100,17 +121,32 @@ fn is_scenario(output: &Path) -> bool {
 
 /// The text of the scenario with the estimates in place of its values. The initial displacement stays, because it is that of the record.
 fn fitted(stored: &StoredCalibration) -> Result<String, Failure> {
-    let known = Quantity::FITTED.into_iter().filter(|quantity| *quantity != Quantity::Displacement);
+    let known = Quantity::FITTED
+        .into_iter()
+        .filter(|quantity| *quantity != Quantity::Displacement);
     let mut lines: Vec<String> = stored.scenario_text.lines().map(String::from).collect();
     for quantity in known {
         let value = stored.calibration.estimate(quantity).estimate;
-        let Some((table, key)) = quantity.key().split_once('.').filter(|_| value.is_finite()) else { continue };
+        let Some((table, key)) = quantity.key().split_once('.').filter(|_| value.is_finite())
+        else {
+            continue;
+        };
         let line = format!("{key} = {value:.6e}");
         let is_header = |line: &String| line.trim_start().starts_with('[');
-        let is_key = |line: &String| line.split('=').next().is_some_and(|name| name.trim() == key);
-        match lines.iter().position(|line| line.trim() == format!("[{table}]")) {
+        let is_key = |line: &String| {
+            line.split('=')
+                .next()
+                .is_some_and(|name| name.trim() == key)
+        };
+        match lines
+            .iter()
+            .position(|line| line.trim() == format!("[{table}]"))
+        {
             Some(header) => {
-                let end = lines[header + 1..].iter().position(is_header).map_or(lines.len(), |end| header + 1 + end);
+                let end = lines[header + 1..]
+                    .iter()
+                    .position(is_header)
+                    .map_or(lines.len(), |end| header + 1 + end);
                 match lines[header + 1..end].iter().position(is_key) {
                     Some(at) => lines[header + 1 + at] = line,
                     None => lines.insert(header + 1, line),
@@ -128,8 +164,12 @@ fn fitted(stored: &StoredCalibration) -> Result<String, Failure> {
 impl From<NotHeld> for Failure {
     fn from(error: NotHeld) -> Self {
         let remedy = match error {
-            NotHeld::NoNumber(quantity) => format!("add it to --fit, or give --set {}=...", quantity.key()),
-            NotHeld::TakesShearStiffness(_) => "give bearing.stiffness, in the scenario or with --set".to_string(),
+            NotHeld::NoNumber(quantity) => {
+                format!("add it to --fit, or give --set {}=...", quantity.key())
+            }
+            NotHeld::TakesShearStiffness(_) => {
+                "give bearing.stiffness, in the scenario or with --set".to_string()
+            }
         };
         Failure::usage(error.to_string(), remedy)
     }
@@ -141,16 +181,31 @@ fn method(text: &str) -> Result<CalibrationMethod, String> {
 
 fn parameter(text: &str) -> Result<Quantity, String> {
     let found = Quantity::fitted(text.trim());
-    found.ok_or_else(|| format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", ")))
+    found.ok_or_else(|| {
+        format!(
+            "write some of {}",
+            Quantity::FITTED.map(Quantity::key).join(", ")
+        )
+    })
 }
 
 fn bounds(text: &str) -> Result<(Quantity, [f64; 2]), String> {
     let wrong = || "write KEY=LOW:HIGH, e.g. friction.static=4e5:6e5".to_string();
     let (key, range) = text.split_once('=').ok_or_else(wrong)?;
     let (low, high) = range.split_once(':').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong);
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|x| x.is_finite())
+            .ok_or_else(wrong)
+    };
     let (low, high) = (number(low)?, number(high)?);
-    if low < high { Ok((parameter(key)?, [low, high])) } else { Err("the lower bound is not below the upper".into()) }
+    if low < high {
+        Ok((parameter(key)?, [low, high]))
+    } else {
+        Err("the lower bound is not below the upper".into())
+    }
 }
 
 fn lag(text: &str) -> Result<Lag, String> {

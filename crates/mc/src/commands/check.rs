@@ -50,9 +50,14 @@ impl Arguments {
 pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
     text.push_str("\n# Derived quantities\n");
-    let inputs = scenario.measured.iter().filter_map(|measured| Some((measured.input()?, measured)));
+    let inputs = scenario
+        .measured
+        .iter()
+        .filter_map(|measured| Some((measured.input()?, measured)));
     let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
-    let derived = derived(scenario).into_iter().map(|(meaning, value)| (meaning.to_string(), value));
+    let derived = derived(scenario)
+        .into_iter()
+        .map(|(meaning, value)| (meaning.to_string(), value));
     for (meaning, value) in inputs.chain(derived) {
         text += &format!("# {meaning:<46}{value}\n");
     }
@@ -61,15 +66,27 @@ pub fn report(scenario: &Scenario) -> String {
 
 /// How an input is taken from its file.
 fn taken(measured: &Measured) -> String {
-    let Measured { series, unit, begin, .. } = measured;
+    let Measured {
+        series,
+        unit,
+        begin,
+        ..
+    } = measured;
     let number = |x: f64| significant(x, DIGITS);
-    let unit = match unit.as_ref().and_then(|unit| Some((unit, input_unit(unit)?))) {
+    let unit = match unit
+        .as_ref()
+        .and_then(|unit| Some((unit, input_unit(unit)?)))
+    {
         None => "unit not given; assuming SI".to_string(),
         Some((_, ("", _))) => "as it is".to_string(),
         Some((_, (si, 1.0))) => format!("in {si}"),
         Some((unit, (si, ratio))) => format!("from {unit} to {si}, times {ratio}"),
     };
-    let shifted = if *begin == 0.0 { String::new() } else { format!(", whose time {} is t = 0", number(*begin)) };
+    let shifted = if *begin == 0.0 {
+        String::new()
+    } else {
+        format!(", whose time {} is t = 0", number(*begin))
+    };
     let [low, high] = [series.range().0, series.range().1].map(number);
     format!(
         "{unit}: {low} to {high}, {} samples to t = {}{shifted}",
@@ -81,14 +98,22 @@ fn taken(measured: &Measured) -> String {
 /// How long the run will take on this machine, as a comment.
 fn duration(seconds: Option<f64>) -> String {
     let threads = crate::cores();
-    let name = format!("time of the run here, on {}, about", counted(threads as u64, "thread"));
-    let value = seconds.map_or("unknown: no path progressed far enough in a tenth of a second".to_string(), time);
+    let name = format!(
+        "time of the run here, on {}, about",
+        counted(threads as u64, "thread")
+    );
+    let value = seconds.map_or(
+        "unknown: no path progressed far enough in a tenth of a second".to_string(),
+        time,
+    );
     format!("# {name:<46}{value}\n")
 }
 
 /// A warning if the run takes hours; empty otherwise.
 fn long(seconds: Option<f64>) -> String {
-    let Some(seconds) = seconds.filter(|seconds| *seconds > cost::LONG) else { return String::new() };
+    let Some(seconds) = seconds.filter(|seconds| *seconds > cost::LONG) else {
+        return String::new();
+    };
     let warning = format!(
         "# warning: the run takes about {} here. Fewer `--paths`, a larger step or tolerance, or `--scheme \
          event-driven` shorten it; `mc run --max-time` bounds it; `mc trade` measures the cost of accuracy",
@@ -99,8 +124,18 @@ fn long(seconds: Option<f64>) -> String {
 
 fn warnings(scenario: &Scenario) -> String {
     let warnings = scenario.warnings();
-    let lines: String = warnings.iter().map(|warning| wrapped(&format!("# warning: {warning}"), "#   ")).collect();
-    format!("\n{}", if lines.is_empty() { "# no warnings\n" } else { &lines })
+    let lines: String = warnings
+        .iter()
+        .map(|warning| wrapped(&format!("# warning: {warning}"), "#   "))
+        .collect();
+    format!(
+        "\n{}",
+        if lines.is_empty() {
+            "# no warnings\n"
+        } else {
+            &lines
+        }
+    )
 }
 
 /// Significant digits of a derived quantity.
@@ -112,12 +147,20 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let optional = |x: Option<f64>, none: &str| x.map_or(none.to_string(), number);
     let mut lines = Vec::new();
     let mut say = |meaning: &'static str, value: String| lines.push((meaning, value));
-    say("w0 = sqrt(K/m), natural frequency", number(d.natural_frequency));
+    say(
+        "w0 = sqrt(K/m), natural frequency",
+        number(d.natural_frequency),
+    );
     if d.natural_frequency > 0.0 {
-        d.frequency_ratios.iter().for_each(|ratio| say("w/w0, forcing", number(*ratio)));
+        d.frequency_ratios
+            .iter()
+            .for_each(|ratio| say("w/w0, forcing", number(*ratio)));
     }
     if body.stiffness > 0.0 {
-        say("alpha/(m w0), damping ratio", number(body.damping / (body.mass * d.natural_frequency)));
+        say(
+            "alpha/(m w0), damping ratio",
+            number(body.damping / (body.mass * d.natural_frequency)),
+        );
     }
     if let Some(WrittenForce { without, .. }) = &scenario.written_force {
         let (stiffness, damping) = (number(body.stiffness), number(body.damping));
@@ -128,46 +171,91 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         say("g, user-defined force", told);
     }
     if scenario.model.has_load() {
-        say("friction", "depends on a load or direction; f_s and f_d below exclude it".to_string());
+        say(
+            "friction",
+            "depends on a load or direction; f_s and f_d below exclude it".to_string(),
+        );
     }
-    let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
+    let amplitudes = scenario
+        .model
+        .temperature
+        .harmonics
+        .iter()
+        .map(|harmonic| harmonic.amplitude.abs());
     let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
     say("K beta sum |a|, force of the harmonics", number(forcing));
-    say("f_d/f_s, friction ratio", optional(d.friction_ratio, "none: f_s = 0"));
-    say("K beta rho sigma/sqrt(2 theta), noise in b", optional(d.noise_force, "no noise"));
+    say(
+        "f_d/f_s, friction ratio",
+        optional(d.friction_ratio, "none: f_s = 0"),
+    );
+    say(
+        "K beta rho sigma/sqrt(2 theta), noise in b",
+        optional(d.noise_force, "no noise"),
+    );
     if d.noise_force.is_some() {
-        say("f_s/(K beta rho), half width of the stick band in v", optional(d.corridor_half_width, "unbounded"));
-        say("(f_s/(K beta rho sigma))^2, time to cross it", optional(d.corridor_time, "unbounded"));
+        say(
+            "f_s/(K beta rho), half width of the stick band in v",
+            optional(d.corridor_half_width, "unbounded"),
+        );
+        say(
+            "(f_s/(K beta rho sigma))^2, time to cross it",
+            optional(d.corridor_time, "unbounded"),
+        );
     }
     if let Some(amplitude) = d.runaway_amplitude {
-        say("amplitude beyond which the motion grows without bound", number(amplitude));
+        say(
+            "amplitude beyond which the motion grows without bound",
+            number(amplitude),
+        );
     }
     if let Some(stability) = d.stability {
         let (meaning, limit, why) = match stability {
-            Stability::Growing { critical_amplitude: a } => {
-                ("the same, including the error of the step", a, " (negative damping)")
-            }
-            Stability::Undamped { critical_amplitude: a } => {
-                ("A_c = 4 f_d/(pi w0 h K), critical amplitude", a, " (no damping)")
-            }
-            Stability::Underdamped { largest_step: h } => {
-                ("2 alpha/K, stability limit of the step", h, " (underdamped)")
-            }
-            Stability::Overdamped { largest_step: h } => {
-                ("2/|lambda_max|, stability limit of the step", h, " (overdamped)")
-            }
+            Stability::Growing {
+                critical_amplitude: a,
+            } => (
+                "the same, including the error of the step",
+                a,
+                " (negative damping)",
+            ),
+            Stability::Undamped {
+                critical_amplitude: a,
+            } => (
+                "A_c = 4 f_d/(pi w0 h K), critical amplitude",
+                a,
+                " (no damping)",
+            ),
+            Stability::Underdamped { largest_step: h } => (
+                "2 alpha/K, stability limit of the step",
+                h,
+                " (underdamped)",
+            ),
+            Stability::Overdamped { largest_step: h } => (
+                "2/|lambda_max|, stability limit of the step",
+                h,
+                " (overdamped)",
+            ),
             Stability::NewVelocity { largest_step: h } => ("stability limit of the step", h, ""),
         };
         say(meaning, number(limit) + why);
     }
     if let Some(shift) = d.monitoring_shift {
-        say("0.5826 K beta rho sigma sqrt(h), shift of f_s", number(shift));
+        say(
+            "0.5826 K beta rho sigma sqrt(h), shift of f_s",
+            number(shift),
+        );
     }
     if let Some(tolerance) = d.tolerance {
         say("tolerance, relative", number(tolerance));
     }
-    if let Some(Resolution { static_force, shortest_slip }) = d.resolution {
-        say("resolution: shortest slip resolved, about", number(shortest_slip));
+    if let Some(Resolution {
+        static_force,
+        shortest_slip,
+    }) = d.resolution
+    {
+        say(
+            "resolution: shortest slip resolved, about",
+            number(shortest_slip),
+        );
         say("resolution: f_s as simulated", static_force.to_string());
     }
     let without = match d.runaway_amplitude {
@@ -175,19 +263,37 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         Some(limit) if d.expected_amplitude > limit => " if the motion stays bounded",
         _ => "",
     };
-    say("largest |x| expected, roughly", significant(d.expected_amplitude, 2) + without);
-    let with_source = |period: Period| format!("{}, {}", number(period.length), period.source.words());
-    say("P, period at which displacements are compared", d.period.map_or("none".to_string(), with_source));
+    say(
+        "largest |x| expected, roughly",
+        significant(d.expected_amplitude, 2) + without,
+    );
+    let with_source =
+        |period: Period| format!("{}, {}", number(period.length), period.source.words());
+    say(
+        "P, period at which displacements are compared",
+        d.period.map_or("none".to_string(), with_source),
+    );
     say("whole periods P", number(d.whole_periods));
-    say("whole periods P that are counted", grouped(d.counted_periods as u64));
-    let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
+    say(
+        "whole periods P that are counted",
+        grouped(d.counted_periods as u64),
+    );
+    let none = || {
+        format!(
+            "none; the {} scheme does not use time.step",
+            scenario.scheme.name()
+        )
+    };
     say("steps of a path", d.steps.map_or_else(none, grouped));
     if let Some(steps) = d.path_steps {
         say("path-steps in all", significant(steps, 3));
     }
     say("rows of the output grid", grouped(d.rows as u64));
     let threads = crate::cores();
-    say("memory of the run, about", bytes(scenario.run_bytes(scenario.ensemble.paths, threads)));
+    say(
+        "memory of the run, about",
+        bytes(scenario.run_bytes(scenario.ensemble.paths, threads)),
+    );
     say("output file, about", bytes(d.output_bytes));
     lines
 }
@@ -199,7 +305,10 @@ fn json(path: &str, scenario: &Scenario) -> String {
         DerivedQuantity::Count(number) => json!(number),
         DerivedQuantity::Reals(numbers) => json!(numbers),
     };
-    let derived = scenario.derived().quantities().map(|(name, quantity)| (name.to_string(), number(quantity)));
+    let derived = scenario
+        .derived()
+        .quantities()
+        .map(|(name, quantity)| (name.to_string(), number(quantity)));
     let check = json!({
         "scenario": path,
         "resolved": scenario.to_toml(),

@@ -14,7 +14,12 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut crate::Arguments::command(), "mc", &mut script);
+        clap_complete::generate(
+            self.shell,
+            &mut crate::Arguments::command(),
+            "mc",
+            &mut script,
+        );
         print_data(&String::from_utf8_lossy(&script))
     }
 }

@@ -43,13 +43,22 @@ impl Arguments {
         if let Some(output) = &self.output {
             writable(output, self.force, [self.data.as_path()])?;
         }
-        let periods: Vec<f64> = self.periods.iter().copied().filter(|period| period.is_finite()).collect();
+        let periods: Vec<f64> = self
+            .periods
+            .iter()
+            .copied()
+            .filter(|period| period.is_finite())
+            .collect();
         if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
-            return Err(Failure::usage("--periods names one period twice", "name each period once, e.g. 365.25d,1d"));
+            return Err(Failure::usage(
+                "--periods names one period twice",
+                "name each period once, e.g. 365.25d,1d",
+            ));
         }
         let mut source = config::temperature_source(&self.flags.overrides(&["temperature"]))?;
         source.layout.wording = Wording::Flag;
-        let (column, start, repairs) = source.read(Origin::File(&self.data), ColumnQuantity::Temperature)?;
+        let (column, start, repairs) =
+            source.read(Origin::File(&self.data), ColumnQuantity::Temperature)?;
         repairs.iter().for_each(|repair| note(repair));
         let (usual, remarks) = usual(&column.times);
         let periods = if self.periods.is_empty() {
@@ -58,18 +67,32 @@ impl Arguments {
         } else {
             periods
         };
-        let found = fit(&column.times, &column.values, &periods, usize::from(self.processes), column.averaged)
-            .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
+        let found = fit(
+            &column.times,
+            &column.values,
+            &periods,
+            usize::from(self.processes),
+            column.averaged,
+        )
+        .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
             let start = start.and_then(|start| start.after(-0.5 * column.averaged));
-            let start = start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
+            let start =
+                start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
             let part = part(&found, &self.data, &start);
             store::write_whole(output, part.as_bytes(), self.force)?;
         }
-        print(&if self.json { json(&found) } else { text(&bearing::weather(&found)) })?;
+        print(&if self.json {
+            json(&found)
+        } else {
+            text(&bearing::weather(&found))
+        })?;
         if let Some(output) = &self.output {
-            note(&format!("{} holds the temperature, to be added to a scenario without one", output.display()));
+            note(&format!(
+                "{} holds the temperature, to be added to a scenario without one",
+                output.display()
+            ));
         }
         Ok(())
     }
@@ -131,5 +154,8 @@ fn period(text: &str) -> Result<f64, String> {
 }
 
 fn days(text: &str) -> Option<f64> {
-    text.parse::<f64>().ok().map(|days| 86_400.0 * days).filter(|seconds| *seconds > 0.0 && seconds.is_finite())
+    text.parse::<f64>()
+        .ok()
+        .map(|days| 86_400.0 * days)
+        .filter(|seconds| *seconds > 0.0 && seconds.is_finite())
 }

@@ -49,13 +49,24 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let scene = self.source.scene()?;
         for (i, output) in self.output.iter().enumerate() {
-            let is_same = |other: &PathBuf| std::path::absolute(other).ok() == std::path::absolute(output).ok();
+            let is_same = |other: &PathBuf| {
+                std::path::absolute(other).ok() == std::path::absolute(output).ok()
+            };
             if self.output[..i].iter().any(is_same) {
-                return Err(Failure::usage(format!("-o {} is given twice", output.display()), "give it once"));
+                return Err(Failure::usage(
+                    format!("-o {} is given twice", output.display()),
+                    "give it once",
+                ));
             }
             if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
-                let problem = format!("-o {}: the ending does not tell what to write", output.display());
-                return Err(Failure::usage(problem, "write a name that ends in .csv or .html"));
+                let problem = format!(
+                    "-o {}: the ending does not tell what to write",
+                    output.display()
+                );
+                return Err(Failure::usage(
+                    problem,
+                    "write a name that ends in .csv or .html",
+                ));
             }
             writable(output, self.force, self.source.inputs()?)?;
         }
@@ -70,9 +81,16 @@ impl Arguments {
             share: self.share,
         };
         let record = self.source.record(&scene)?;
-        let foreseen = Foreseen::of(&scene, &record, &question, usize::from(self.processes), threads, &stop)
-            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
-            .ok_or(Failure::Interrupted)?;
+        let foreseen = Foreseen::of(
+            &scene,
+            &record,
+            &question,
+            usize::from(self.processes),
+            threads,
+            &stop,
+        )
+        .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
+        .ok_or(Failure::Interrupted)?;
         let warnings = foreseen.warnings();
         warnings.iter().for_each(|(_, text)| warn(text));
         let found = &foreseen.forecast;
@@ -80,17 +98,25 @@ impl Arguments {
             true => report::of_forecast(&scene, &foreseen),
             false => csv(found),
         };
-        let files: Vec<(&Path, String)> =
-            self.output.iter().map(|output| (output.as_path(), content(output))).collect();
+        let files: Vec<(&Path, String)> = self
+            .output
+            .iter()
+            .map(|output| (output.as_path(), content(output)))
+            .collect();
         store::write_together(&files, self.force)?;
         match self.json {
-            true => {
-                print_data(&dataset::json_with(&Dataset::of_forecast(&scene.title, &scene.text, found), &warnings))?
-            }
+            true => print_data(&dataset::json_with(
+                &Dataset::of_forecast(&scene.title, &scene.text, found),
+                &warnings,
+            ))?,
             false => print(&text(&bearing::forecast(&scene.title, found)))?,
         }
         for output in &self.output {
-            let has = if is_page(output) { "is the page" } else { "has all years" };
+            let has = if is_page(output) {
+                "is the page"
+            } else {
+                "has all years"
+            };
             note(&format!("{} {has}", output.display()));
         }
         Ok(())
@@ -103,14 +129,20 @@ fn is_page(output: &Path) -> bool {
 
 /// All simulated years as CSV, one row for each.
 fn csv(found: &Forecast) -> String {
-    let headings = found.levels.iter().map(|level| match (level.quantity.name(), level.quantity.unit()) {
-        (name, "1") => format!(",{name}"),
-        (name, unit) => format!(",{name}_{unit}"),
-    });
+    let headings =
+        found.levels.iter().map(
+            |level| match (level.quantity.name(), level.quantity.unit()) {
+                (name, "1") => format!(",{name}"),
+                (name, unit) => format!(",{name}_{unit}"),
+            },
+        );
     let mut text = format!("draw,year{}\n", headings.collect::<String>());
     for (draw, years) in found.years.iter().enumerate() {
         for (number, year) in years.iter().enumerate() {
-            let cells = found.levels.iter().map(|level| format!(",{}", year[level.quantity as usize]));
+            let cells = found
+                .levels
+                .iter()
+                .map(|level| format!(",{}", year[level.quantity as usize]));
             text += &format!("{draw},{number}{}\n", cells.collect::<String>());
         }
     }

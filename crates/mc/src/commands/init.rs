@@ -34,34 +34,64 @@ pub struct Arguments {
 /// The examples, and the shipped scenarios with their titles.
 fn help() -> String {
     let row = |scenario: &Shipped| {
-        let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
-        vec![format!("  {}", scenario.name), title.unwrap_or_default().trim_matches('"').to_string()]
+        let title = scenario
+            .text
+            .lines()
+            .find_map(|line| line.strip_prefix("title = "));
+        vec![
+            format!("  {}", scenario.name),
+            title.unwrap_or_default().trim_matches('"').to_string(),
+        ]
     };
     format!(
         "{}\n\nShipped scenarios:\n{}",
         include_str!("help/init.txt"),
-        aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), &[true; 2], "  ")
+        aligned(
+            &SHIPPED.iter().map(row).collect::<Vec<_>>(),
+            &[true; 2],
+            "  "
+        )
     )
 }
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let start = self.from;
-        let title = self.title.iter().map(|title| Override::text("--title", "title", title));
-        let changes: Vec<Override> = self.overrides.without_goals()?.into_iter().chain(title).collect();
+        let title = self
+            .title
+            .iter()
+            .map(|title| Override::text("--title", "title", title));
+        let changes: Vec<Override> = self
+            .overrides
+            .without_goals()?
+            .into_iter()
+            .chain(title)
+            .collect();
         let title = retitled(start.name, &changes);
         let scenario = start.parse(&[changes.as_slice(), title.as_slice()].concat())?;
         let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
-        let output = self.output.clone().unwrap_or_else(|| format!("{}.toml", start.name).into());
+        let output = self
+            .output
+            .clone()
+            .unwrap_or_else(|| format!("{}.toml", start.name).into());
         if output == Path::new("-") {
             return print_data(&text);
         }
         // The data files that the scenario names are written beside it.
-        let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
-        let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
-        files.iter().try_for_each(|(path, _)| writable(path, self.force, [""; 0]))?;
+        let beside = start
+            .data
+            .iter()
+            .map(|(name, text)| (output.with_file_name(name), *text));
+        let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str()))
+            .chain(beside)
+            .collect();
+        files
+            .iter()
+            .try_for_each(|(path, _)| writable(path, self.force, [""; 0]))?;
         store::write_together(&files, self.force)?;
-        files[1..].iter().for_each(|(path, _)| note(&format!("wrote {}", path.display())));
+        files[1..]
+            .iter()
+            .for_each(|(path, _)| note(&format!("wrote {}", path.display())));
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
     }
@@ -70,19 +100,33 @@ impl Arguments {
 /// A title that lists the changes; none if nothing is changed or the changes contain a title.
 fn retitled(name: &str, changes: &[Override]) -> Option<Override> {
     let is_needed = !changes.is_empty() && !changes.iter().any(|change| change.sets("title"));
-    is_needed.then(|| Override::text("--title", "title", &format!("{name} with {}", listed(changes))))
+    is_needed.then(|| {
+        Override::text(
+            "--title",
+            "title",
+            &format!("{name} with {}", listed(changes)),
+        )
+    })
 }
 
 /// The changes as they were typed on the command line.
 fn listed(changes: &[Override]) -> String {
-    changes.iter().map(Override::to_string).collect::<Vec<_>>().join(" ")
+    changes
+        .iter()
+        .map(Override::to_string)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// The comment at the head of the file: that of the shipped scenario if nothing is changed, else a
 /// line that lists the changes.
 fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
     if changes.is_empty() {
-        return text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect();
+        return text
+            .lines()
+            .take_while(|line| line.starts_with('#'))
+            .map(|line| format!("{line}\n"))
+            .collect();
     }
     format!("# The shipped scenario {name}, with {}.\n", listed(changes))
 }

@@ -18,13 +18,22 @@ impl Arguments {
         let page = match &self.command {
             None => all,
             Some(name) => {
-                let found = all.get_subcommands().find(|verb| verb.get_name() == name && !verb.is_hide_set());
-                let unknown = || Failure::usage(format!("unknown command `{name}`"), "`mc --help` lists them");
+                let found = all
+                    .get_subcommands()
+                    .find(|verb| verb.get_name() == name && !verb.is_hide_set());
+                let unknown = || {
+                    Failure::usage(
+                        format!("unknown command `{name}`"),
+                        "`mc --help` lists them",
+                    )
+                };
                 found.ok_or_else(unknown)?.clone()
             }
         };
         let mut text = Vec::new();
-        clap_mangen::Man::new(page).render(&mut text).map_err(Failure::unprinted)?;
+        clap_mangen::Man::new(page)
+            .render(&mut text)
+            .map_err(Failure::unprinted)?;
         print_data(&String::from_utf8_lossy(&text))
     }
 }

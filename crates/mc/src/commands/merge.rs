@@ -27,7 +27,11 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        writable_hdf5(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
+        writable_hdf5(
+            &self.output,
+            self.force,
+            self.parts.iter().map(PathBuf::as_path),
+        )?;
         self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
@@ -35,7 +39,11 @@ impl Arguments {
         let stop = stop_on_signals()?;
         let mut file = parts.sink(&self.output, self.force);
         let session = Session::of(&self.options, scenario, &self.output, &stop);
-        Session { leaves: Leaves::Nothing, ..session }.simulate(asked, Some(parts.so_far.clone()), &mut file)
+        Session {
+            leaves: Leaves::Nothing,
+            ..session
+        }
+        .simulate(asked, Some(parts.so_far.clone()), &mut file)
     }
 }
 

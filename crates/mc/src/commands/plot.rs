@@ -35,7 +35,12 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     path: u64,
     /// Time at which the drawing of a path begins
-    #[arg(long, value_name = "T", allow_hyphen_values = true, default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        default_value_t = 0.0
+    )]
     from: f64,
     /// Time at which it ends
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
@@ -71,7 +76,11 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let output = self.output.clone().unwrap_or_else(|| self.default_output());
         writing(&output)?;
-        writable(&output, self.force, std::iter::once(&self.subject).chain(&self.beside))?;
+        writable(
+            &output,
+            self.force,
+            std::iter::once(&self.subject).chain(&self.beside),
+        )?;
         let scene = self.scene(&output)?;
         write(&scene, &output, self.force)?;
         note(&format!("{}: {}", output.display(), size(&scene)));
@@ -97,24 +106,32 @@ impl Arguments {
             }
             Some(FileKind::Sweep) => {}
             _ if !self.label.is_empty() => {
-                return refused(format!("--label applies to sweeps, but {shown} is not one"), "remove it");
+                return refused(
+                    format!("--label applies to sweeps, but {shown} is not one"),
+                    "remove it",
+                );
             }
             _ if !self.beside.is_empty() => {
-                let remedy = "several files can be drawn together only if they are sweeps over the same key";
+                let remedy =
+                    "several files can be drawn together only if they are sweeps over the same key";
                 return refused(format!("{shown} is not a sweep"), remedy);
             }
             _ => {}
         }
         if !self.set.list()?.is_empty() {
             let problem = format!("--set changes a scenario, but {shown} is a finished run");
-            return refused(problem, "give the scenario instead of the file, or remove --set");
+            return refused(
+                problem,
+                "give the scenario instead of the file, or remove --set",
+            );
         }
         match files::read(&self.subject, store::content)? {
             Content::Run(stored) => self.scene_of_run(&stored),
             Content::Sweep(_) => self.scene_of_sweeps(),
-            Content::Calibration(stored) => {
-                self.draw(&Subject::Calibration { title: &stored.title, calibration: &stored.calibration })
-            }
+            Content::Calibration(stored) => self.draw(&Subject::Calibration {
+                title: &stored.title,
+                calibration: &stored.calibration,
+            }),
             Content::Trade(stored) => {
                 let nothing = || {
                     Failure::run_of(
@@ -123,18 +140,33 @@ impl Arguments {
                         "measure again with a larger --budget",
                     )
                 };
-                self.draw(&Subject::Trade(&stored.prices(self.statistic).ok_or_else(nothing)?))
+                self.draw(&Subject::Trade(
+                    &stored.prices(self.statistic).ok_or_else(nothing)?,
+                ))
             }
         }
     }
 
     fn scene_of_sweeps(&self) -> Result<Drawing, Failure> {
         let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
-            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            Ok((name, sweep::stored(file, files::read(file, store::read_sweep)?)?))
+            let name = file
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            Ok((
+                name,
+                sweep::stored(file, files::read(file, store::read_sweep)?)?,
+            ))
         };
-        let sweeps = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
-        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: self.statistic.as_slice() })
+        let sweeps = std::iter::once(&self.subject)
+            .chain(&self.beside)
+            .map(read)
+            .collect::<Result<Vec<_>, _>>()?;
+        self.draw(&Subject::Sweep {
+            sweeps: &sweeps,
+            statistics: self.statistic.as_slice(),
+        })
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
@@ -142,17 +174,28 @@ impl Arguments {
         let name = self.subject.display().to_string();
         let scenario = results::scenario(&name, stored, &[])?;
         let shorter = results::scenario(&name, stored, &self.window())?;
-        self.draw(&Subject::Run { scenario: &scenario, summary: &stored.summary, path: self.drawn(&shorter)? })
+        self.draw(&Subject::Run {
+            scenario: &scenario,
+            summary: &stored.summary,
+            path: self.drawn(&shorter)?,
+        })
     }
 
     /// The path that is drawn, of this scenario.
     fn drawn<'a>(&self, scenario: &'a Scenario) -> Result<DrawnPath<'a>, Failure> {
         let (from, end) = (self.from, scenario.time.end);
         if (0.0..end.max(f64::MIN_POSITIVE)).contains(&from) {
-            return Ok(DrawnPath { scenario, number: self.path, from });
+            return Ok(DrawnPath {
+                scenario,
+                number: self.path,
+                from,
+            });
         }
         let problem = format!("--from {from:?} must be between 0 and {end:?}");
-        Err(Failure::usage(problem, "give an earlier time, or a later --until"))
+        Err(Failure::usage(
+            problem,
+            "give an earlier time, or a later --until",
+        ))
     }
 
     /// What ends a path at `--until`. Events do not depend on the end of the simulation, so it is the
@@ -161,20 +204,32 @@ impl Arguments {
         let until = self.until.iter();
         until
             .flat_map(|time| {
-                [Override::flag("--until", "time.end", time), Override::flag("--until", "statistics.after", "0")]
+                [
+                    Override::flag("--until", "time.end", time),
+                    Override::flag("--until", "statistics.after", "0"),
+                ]
             })
             .collect()
     }
 
     /// Refuses an option that would change nothing in the one figure that is asked for.
     fn check_only(&self) -> Result<(), Failure> {
-        let Some(Only { figure, .. }) = self.only else { return Ok(()) };
+        let Some(Only { figure, .. }) = self.only else {
+            return Ok(());
+        };
         let options = [
             ("--from", self.from != 0.0, &["path", "overview"][..]),
             ("--until", self.until.is_some(), &["path", "overview"]),
-            ("--log", self.log, &["sticks", "sub-phases", "laws", "density", "sweep"]),
+            (
+                "--log",
+                self.log,
+                &["sticks", "sub-phases", "laws", "density", "sweep"],
+            ),
         ];
-        match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
+        match options
+            .into_iter()
+            .find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name))
+        {
             None => Ok(()),
             Some((option, _, figures)) => Err(Failure::usage(
                 format!("{option} has no effect on the figure `{}`", figure.name),
@@ -185,13 +240,23 @@ impl Arguments {
 
     fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
-        let Arguments { theme, width, log, .. } = *self;
-        let style = Style { theme, width, log, title: self.title.as_deref(), labels: &self.label };
+        let Arguments {
+            theme, width, log, ..
+        } = *self;
+        let style = Style {
+            theme,
+            width,
+            log,
+            title: self.title.as_deref(),
+            labels: &self.label,
+        };
         stickslip_figure::draw(self.only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
             NoPage::Empty => Failure::Run("nothing to draw: every path was lost".to_string()),
             NoPage::Label(name, known) => {
-                let problem = format!("--label {name}=...: no key of the sweep and no statistic has this name");
+                let problem = format!(
+                    "--label {name}=...: no key of the sweep and no statistic has this name"
+                );
                 Failure::usage(problem, format!("name a statistic, or one of {known}"))
             }
         })
@@ -210,7 +275,9 @@ impl Arguments {
 
     /// `NAME.svg`, or `NAME-FIGURE.svg`, in the current directory.
     fn default_output(&self) -> PathBuf {
-        let figure = self.only.map_or_else(String::new, |only| format!("-{only}"));
+        let figure = self
+            .only
+            .map_or_else(String::new, |only| format!("-{only}"));
         results::default_output(&self.subject, &format!("{figure}.svg"))
     }
 }
@@ -218,7 +285,11 @@ impl Arguments {
 /// Width and height in words.
 fn size(scene: &Drawing) -> String {
     let millimetres = |points: f64| points * 25.4 / 72.0;
-    format!("{:.0} mm x {:.0} mm", millimetres(scene.width), millimetres(scene.height))
+    format!(
+        "{:.0} mm x {:.0} mm",
+        millimetres(scene.width),
+        millimetres(scene.height)
+    )
 }
 
 /// Resolution of a PNG.
@@ -230,8 +301,12 @@ type Writing = fn(&Drawing) -> Result<Vec<u8>, String>;
 fn writing(path: &Path) -> Result<Writing, Failure> {
     match crate::arguments::extension::ending(path).as_str() {
         "svg" => Ok(|scene| Ok(stickslip_figure::svg(scene).into_bytes())),
-        "png" => Ok(|scene| stickslip_figure::png(scene, DOTS_PER_INCH).map_err(|error| error.to_string())),
-        "pdf" => Ok(|scene| stickslip_figure::pdf(scene).ok_or_else(|| "internal error: no PDF".to_string())),
+        "png" => Ok(|scene| {
+            stickslip_figure::png(scene, DOTS_PER_INCH).map_err(|error| error.to_string())
+        }),
+        "pdf" => Ok(|scene| {
+            stickslip_figure::pdf(scene).ok_or_else(|| "internal error: no PDF".to_string())
+        }),
         _ => {
             let problem = format!("-o {}: unknown file extension", path.display());
             Err(Failure::usage(problem, "use .svg, .png or .pdf"))
@@ -264,5 +339,9 @@ fn label(text: &str) -> Result<(String, String), String> {
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {
-    parse_number_in(text, &WIDTHS, &format!("must be between {} and {} mm", WIDTHS.start(), WIDTHS.end()))
+    parse_number_in(
+        text,
+        &WIDTHS,
+        &format!("must be between {} and {} mm", WIDTHS.start(), WIDTHS.end()),
+    )
 }

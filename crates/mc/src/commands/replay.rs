@@ -51,15 +51,30 @@ impl Arguments {
             // A run that is not finished holds no rows of paths yet.
             return Ok(());
         }
-        let Some(held) = store::read_path(&self.file, self.path)? else { return Ok(()) };
-        let record = Record { paths: true, ..Record::NOTHING };
-        let made = Plan { record, ..scenario.plan() }.replay(self.path).rows.path_columns.unwrap_or_default();
+        let Some(held) = store::read_path(&self.file, self.path)? else {
+            return Ok(());
+        };
+        let record = Record {
+            paths: true,
+            ..Record::NOTHING
+        };
+        let made = Plan {
+            record,
+            ..scenario.plan()
+        }
+        .replay(self.path)
+        .rows
+        .path_columns
+        .unwrap_or_default();
         if held.is_same(&made) {
             return Ok(());
         }
         Err(Failure::run_of(
             &self.file,
-            format!("path {} of its scenario differs from the one in the file", self.path),
+            format!(
+                "path {} of its scenario differs from the one in the file",
+                self.path
+            ),
             "use the unmodified file (its scenario, seed or rows were changed), or the program that wrote it",
         ))
     }
@@ -75,17 +90,29 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     print(&format!("path {path}\n"))?;
     if replay.is_lost() {
         let why = scenario.plan().why_lost(path, &AtomicBool::new(false));
-        return print(&why.map_or("it diverged\n".to_string(), |why| format!("it was given up: {why}\n")));
+        return print(&why.map_or("it diverged\n".to_string(), |why| {
+            format!("it was given up: {why}\n")
+        }));
     }
     let events = replay.block.rows.events.unwrap_or_default();
-    print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
+    print(&format!(
+        "{:>6} {:>14} {:>14} {:>14}\n",
+        "event", "time", "displacement", "force b"
+    ))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
         let (time, displacement, force) = (events.time[i], events.displacement[i], events.force[i]);
-        print(&format!("{what:>6} {time:14.6} {displacement:14.6} {force:14.6}\n"))?;
+        print(&format!(
+            "{what:>6} {time:14.6} {displacement:14.6} {force:14.6}\n"
+        ))?;
     }
     let columns = replay.block.rows.path_columns.unwrap_or_default();
-    print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))
+    print(&format!(
+        "x(t_end) {}, {} sticks; in {}\n",
+        columns.displacement_end[0],
+        columns.sticks[0],
+        output.display()
+    ))
 }
 
 /// How fine the rows of the trajectory are, in words.

@@ -29,7 +29,10 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.file, ".html"));
+        let output = self
+            .output
+            .clone()
+            .unwrap_or_else(|| results::default_output(&self.file, ".html"));
         writable(&output, self.force, [self.file.as_path()])?;
         crate::arguments::extension::check_page(&output, &self.file)?;
         let page = self.page(files::read(&self.file, store::content)?)?;
@@ -42,43 +45,84 @@ impl Arguments {
         let scenario = content.scenario().0;
         let program = |other: Option<&str>| {
             let program = other.map_or_else(crate::version, str::to_string);
-            vec![("file", self.file.display().to_string()), ("program", format!("mc {program}"))]
+            vec![
+                ("file", self.file.display().to_string()),
+                ("program", format!("mc {program}")),
+            ]
         };
-        let digits = format!("`mc show {} --format csv` prints all digits.", self.file.display());
+        let digits = format!(
+            "`mc show {} --format csv` prints all digits.",
+            self.file.display()
+        );
         let mut words = vec![("All digits", digits)];
         let (report, warnings, pictures, provenance) = match content {
             Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
             Content::Run(stored) => {
                 let scenario = results::scenario("scenario", &stored, &[]).ok();
                 let info = show::info(&self.file, &stored, scenario.as_ref());
-                let path = |scenario| DrawnPath { scenario, number: 0, from: 0.0 };
+                let path = |scenario| DrawnPath {
+                    scenario,
+                    number: 0,
+                    from: 0.0,
+                };
                 let summary = &stored.summary;
                 let pictures = scenario.as_ref().map_or_else(Vec::new, |scenario| {
-                    pictures(&Subject::Run { scenario, summary, path: path(scenario) })
+                    pictures(&Subject::Run {
+                        scenario,
+                        summary,
+                        path: path(scenario),
+                    })
                 });
                 words.push(("Intervals", INTERVALS.into()));
                 words.push(("How to cite", report::citation(&stored).join(" ")));
                 let mut report = report::run(summary, &info, Chosen::All, true);
                 // The warnings say these.
-                report.remarks.retain(|(label, _)| !["drift", "few"].contains(label));
-                let warnings = results::warnings(summary, scenario.as_ref()).into_iter().map(|(_, text)| text);
+                report
+                    .remarks
+                    .retain(|(label, _)| !["drift", "few"].contains(label));
+                let warnings = results::warnings(summary, scenario.as_ref())
+                    .into_iter()
+                    .map(|(_, text)| text);
                 (report, warnings.collect(), pictures, Vec::new())
             }
             Content::Sweep(stored) => {
                 let by = program(stored.other_program.as_deref());
                 let sweeps = [(String::new(), sweep::stored(&self.file, *stored)?)];
                 let [(_, sweep)] = &sweeps;
-                let pictures = pictures(&Subject::Sweep { sweeps: &sweeps, statistics: &[] });
-                (report::sweep(sweep, Chosen::First, &self.file), report::warnings(sweep), pictures, by)
+                let pictures = pictures(&Subject::Sweep {
+                    sweeps: &sweeps,
+                    statistics: &[],
+                });
+                (
+                    report::sweep(sweep, Chosen::First, &self.file),
+                    report::warnings(sweep),
+                    pictures,
+                    by,
+                )
             }
             Content::Trade(stored) => {
                 let prices = stored.prices(None);
-                let pictures = prices.as_ref().map_or_else(Vec::new, |prices| pictures(&Subject::Trade(prices)));
+                let pictures = prices
+                    .as_ref()
+                    .map_or_else(Vec::new, |prices| pictures(&Subject::Trade(prices)));
                 let report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);
-                (report, Vec::new(), pictures, program(stored.other_program.as_deref()))
+                (
+                    report,
+                    Vec::new(),
+                    pictures,
+                    program(stored.other_program.as_deref()),
+                )
             }
         };
-        Ok(Page { report, warnings, words, pictures, scenario: &scenario, provenance }.html())
+        Ok(Page {
+            report,
+            warnings,
+            words,
+            pictures,
+            scenario: &scenario,
+            provenance,
+        }
+        .html())
     }
 }
 
@@ -101,16 +145,28 @@ pub fn of_forecast(scene: &BridgeScene, foreseen: &Foreseen) -> String {
 /// The page of a calibration, after a forecast if there is one, in words for readers who did not
 /// make them.
 fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String {
-    let StoredCalibration { title, scenario_text, calibration, .. } = stored;
+    let StoredCalibration {
+        title,
+        scenario_text,
+        calibration,
+        ..
+    } = stored;
     let mut report = report::bearing::calibration(title, calibration, true);
-    let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
+    let years =
+        foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
     let warnings = foreseen.map_or_else(|| stored.warnings.clone(), Foreseen::warnings);
     let program = stored.other_program.clone().unwrap_or_else(crate::version);
     let page = Page {
         report,
         warnings: warnings.into_iter().map(|(_, text)| text).collect(),
-        words: vec![("Results from the record", report::bearing::seen(calibration)), ("Not included", LEFT_OUT.into())],
+        words: vec![
+            (
+                "Results from the record",
+                report::bearing::seen(calibration),
+            ),
+            ("Not included", LEFT_OUT.into()),
+        ],
         pictures: pictures(&Subject::Calibration { title, calibration }),
         scenario: scenario_text,
         provenance: vec![("program", format!("mc {program}"))],
@@ -121,6 +177,10 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
 /// The figures of a subject, one after the other. The panels of an overview are in the others, and
 /// readers who did not calibrate do not need the residuals.
 fn pictures(subject: &Subject) -> Vec<Drawing> {
-    let figures = FIGURES.iter().filter(|figure| !["overview", "residuals"].contains(&figure.name));
-    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).collect()
+    let figures = FIGURES
+        .iter()
+        .filter(|figure| !["overview", "residuals"].contains(&figure.name));
+    figures
+        .filter_map(|figure| figure.draw(subject, &Style::default()).ok())
+        .collect()
 }

@@ -36,8 +36,16 @@ impl Arguments {
         if output.is_file() {
             files::look(&output);
         }
-        let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
-            note(&format!("{} is finished; nothing to resume", output.display()));
+        let Some(Unfinished {
+            question,
+            so_far,
+            sink,
+        }) = FileSink::go_on(&output, self.force)?
+        else {
+            note(&format!(
+                "{} is finished; nothing to resume",
+                output.display()
+            ));
             return Ok(());
         };
         let (scenario, asked) = (&question.scenario, &question.asked);
@@ -49,9 +57,18 @@ impl Arguments {
             note(&format!("continuing: {done} of {all} paths are done"));
         }
         let accuracy_goal = question.note.parse().ok();
-        let (leaves, mut sink) = if self.end { (Leaves::File, sink.ending()) } else { (Leaves::Run, sink) };
+        let (leaves, mut sink) = if self.end {
+            (Leaves::File, sink.ending())
+        } else {
+            (Leaves::Run, sink)
+        };
         let session = Session::of(&self.options, scenario, &output, &stop);
-        Session { accuracy_goal, leaves, ..session }.simulate(asked.clone(), Some(so_far), &mut sink)
+        Session {
+            accuracy_goal,
+            leaves,
+            ..session
+        }
+        .simulate(asked.clone(), Some(so_far), &mut sink)
     }
 
     /// Continues a sweep, of which the file of its points says what was asked.
@@ -60,14 +77,28 @@ impl Arguments {
         if self.end || self.options.watch.is_some() {
             let partial = partial.display();
             let problem = format!("{partial} is a sweep, which does not support --end or --watch");
-            return Err(Failure::usage(problem, format!("remove them; the finished points are in {partial}")));
+            return Err(Failure::usage(
+                problem,
+                format!("remove them; the finished points are in {partial}"),
+            ));
         }
         if output.symlink_metadata().is_ok() && !self.force {
-            return Err(StoreError::Appeared { partial, target: output.to_owned() }.into());
+            return Err(StoreError::Appeared {
+                partial,
+                target: output.to_owned(),
+            }
+            .into());
         }
         let question = sweep::stored(&partial, files::read(&partial, store::read_sweep)?)?.question;
         let RunOptions { quiet, json, .. } = self.options;
-        SweepSession { output, force: self.force, threads: &self.options.threads, statistics: &[], quiet, json }
-            .simulate(question)
+        SweepSession {
+            output,
+            force: self.force,
+            threads: &self.options.threads,
+            statistics: &[],
+            quiet,
+            json,
+        }
+        .simulate(question)
     }
 }

@@ -58,18 +58,32 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
-        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
+        let output = self
+            .output
+            .clone()
+            .unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
         writable_hdf5(&output, self.force, self.overrides.inputs(&self.scenario)?)?;
         let threads = self.options.threads();
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
-        let paths_of = |scenario: &Scenario| if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };
+        let paths_of = |scenario: &Scenario| {
+            if is_open_ended {
+                MOST_PATHS
+            } else {
+                scenario.ensemble.paths
+            }
+        };
         cost::check_memory(&scenario, paths_of(&scenario), threads)?;
         if self.accuracy.is_none() && !self.options.quiet {
             cost::announce(&scenario, scenario.ensemble.paths, threads);
         }
         let stop = stop_on_signals()?;
-        let decision = self.accuracy.map(|target| self.decide(target, &scenario, &goals, &stop)).transpose()?;
-        scenario = decision.as_ref().map_or(scenario, |chosen| chosen.scenario.clone());
+        let decision = self
+            .accuracy
+            .map(|target| self.decide(target, &scenario, &goals, &stop))
+            .transpose()?;
+        scenario = decision
+            .as_ref()
+            .map_or(scenario, |chosen| chosen.scenario.clone());
         self.check_part(&scenario, &goals)?;
         let paths = paths_of(&scenario);
         if self.verbose {
@@ -77,20 +91,44 @@ impl Arguments {
             note(&format!("kernel: {}", scenario.plan().simulation.kernel()));
         }
         let has_table = !self.options.json && !self.options.quiet;
-        results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok(), has_table);
+        results::warn(
+            &scenario,
+            !self.no_bias && scenario.bias_plan(paths).is_ok(),
+            has_table,
+        );
 
         let accuracy_goal = decision.map(|decision| decision.accuracy_goal());
-        let note = accuracy_goal.map_or_else(String::new, |accuracy_goal| accuracy_goal.to_string());
+        let note =
+            accuracy_goal.map_or_else(String::new, |accuracy_goal| accuracy_goal.to_string());
         let mut file = FileSink::new(&output, self.force).with_note(note);
-        let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
-        let run = if self.no_bias { run.without_bias() } else { run };
+        let run = engine::Run::of(&scenario)
+            .paths(paths)
+            .part(self.part)
+            .until(goals)
+            .within(self.max_time);
+        let run = if self.no_bias {
+            run.without_bias()
+        } else {
+            run
+        };
         let name = self.scenario.display().to_string();
         let session = Session::of(&self.options, &scenario, &output, &stop);
-        Session { name, accuracy_goal, ..session }.simulate(run.question(), None, &mut file)
+        Session {
+            name,
+            accuracy_goal,
+            ..session
+        }
+        .simulate(run.question(), None, &mut file)
     }
 
     /// Chooses how to run a scenario for this relative error.
-    fn decide(&self, target: f64, scenario: &Scenario, goals: &[Goal], stop: &AtomicBool) -> Result<Decision, Failure> {
+    fn decide(
+        &self,
+        target: f64,
+        scenario: &Scenario,
+        goals: &[Goal],
+        stop: &AtomicBool,
+    ) -> Result<Decision, Failure> {
         let conflict = |problem: String| Err(Failure::usage(problem, "remove one of them"));
         if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
             return conflict(format!(
@@ -98,10 +136,17 @@ impl Arguments {
             ));
         }
         if !goals.is_empty() {
-            return conflict("--accuracy and a goal of --until both set the number of paths".to_string());
+            return conflict(
+                "--accuracy and a goal of --until both set the number of paths".to_string(),
+            );
         }
         let (threads, max_time) = (self.options.threads(), self.max_time);
-        let accuracy = Accuracy { target, named: &self.statistic, max_time, threads };
+        let accuracy = Accuracy {
+            target,
+            named: &self.statistic,
+            max_time,
+            threads,
+        };
         accuracy::choose(&accuracy, self.options.quiet, scenario, stop)
     }
 
@@ -110,15 +155,26 @@ impl Arguments {
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {
         let Some(part) = self.part else { return Ok(()) };
         let refuse = |what: &str, why: &str, remedy: &str| {
-            Err(Failure::usage(format!("--part {part} cannot be combined with {what}: {why}"), remedy))
+            Err(Failure::usage(
+                format!("--part {part} cannot be combined with {what}: {why}"),
+                remedy,
+            ))
         };
         let number = "give the number of paths of the whole run with --paths";
         if !goals.is_empty() {
-            return refuse("a goal of --until", "whether it is reached depends on all parts together", number);
+            return refuse(
+                "a goal of --until",
+                "whether it is reached depends on all parts together",
+                number,
+            );
         }
         if self.accuracy.is_some() {
             let why = "each part would make its own choice";
-            return refuse("--accuracy", why, "choose once with `mc trade`, then give --scheme and --paths");
+            return refuse(
+                "--accuracy",
+                why,
+                "choose once with `mc trade`, then give --scheme and --paths",
+            );
         }
         if self.max_time.is_some() {
             let why = "a part that ends early cannot be merged with the others";
@@ -127,9 +183,14 @@ impl Arguments {
         }
         let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
         if part.of() > blocks {
-            let problem =
-                format!("--part {part}: {} paths are {blocks} blocks of {BLOCK_SIZE}", scenario.ensemble.paths);
-            return Err(Failure::usage(problem, format!("use at most {blocks} parts")));
+            let problem = format!(
+                "--part {part}: {} paths are {blocks} blocks of {BLOCK_SIZE}",
+                scenario.ensemble.paths
+            );
+            return Err(Failure::usage(
+                problem,
+                format!("use at most {blocks} parts"),
+            ));
         }
         Ok(())
     }

@@ -37,7 +37,12 @@ pub struct Arguments {
     /// Print a table for other programs: CSV with all digits, one line per statistic of each file
     /// or point (all statistics unless --statistics selects some); or a table for a paper, with the
     /// digits that the error supports
-    #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
+    #[arg(
+        long,
+        value_name = "csv|markdown|latex",
+        conflicts_with = "json",
+        hide_possible_values = true
+    )]
     format: Option<TableFormat>,
     /// Print how to cite a run: program, scenario, scheme, seed, paths, and the paper of the model
     #[arg(long, conflicts_with_all = ["json", "format"])]
@@ -56,7 +61,11 @@ impl Arguments {
             return self.print_scenario();
         }
         if self.json {
-            let objects = self.files.iter().map(|file| json(file)).collect::<Result<Vec<_>, _>>()?;
+            let objects = self
+                .files
+                .iter()
+                .map(|file| json(file))
+                .collect::<Result<Vec<_>, _>>()?;
             let [object] = objects.as_slice() else {
                 let objects: Vec<&str> = objects.iter().map(|object| object.trim_end()).collect();
                 return print_data(&format!("[{}]\n", objects.join(",\n")));
@@ -66,7 +75,12 @@ impl Arguments {
         match self.format {
             Some(TableFormat::Csv) => {
                 let named = |file: &PathBuf| Ok((file.display().to_string(), self.report(file)?));
-                print_data(&report::comma_separated(self.files.iter().map(named).collect::<Result<_, Failure>>()?))
+                print_data(&report::comma_separated(
+                    self.files
+                        .iter()
+                        .map(named)
+                        .collect::<Result<_, Failure>>()?,
+                ))
             }
             Some(TableFormat::Markdown) => print_data(&report::markdown(self.all()?)),
             Some(TableFormat::Latex) => print_data(&report::latex(self.all()?)),
@@ -76,7 +90,9 @@ impl Arguments {
                     && let [file] = self.files.as_slice()
                 {
                     let scenario = files::read(file, store::content)?.scenario().0;
-                    let lines = scenario.lines().map(|line| format!("  {line}").trim_end().to_string() + "\n");
+                    let lines = scenario
+                        .lines()
+                        .map(|line| format!("  {line}").trim_end().to_string() + "\n");
                     text += &format!("\nscenario:\n{}", lines.collect::<String>());
                 }
                 print(&text)
@@ -87,14 +103,30 @@ impl Arguments {
     /// The report of one file, or of several runs beside each other.
     fn all(&self) -> Result<Report, Failure> {
         let [file] = self.files.as_slice() else {
-            let is_run =
-                |file: &&PathBuf| matches!(files::read(file, store::kind), Ok(Some(FileKind::Run) | None) | Err(_));
+            let is_run = |file: &&PathBuf| {
+                matches!(
+                    files::read(file, store::kind),
+                    Ok(Some(FileKind::Run) | None) | Err(_)
+                )
+            };
             if let Some(file) = self.files.iter().find(|file| !is_run(file)) {
                 let problem = format!("{} is not a run; only runs can be compared", file.display());
-                return Err(Failure::usage(problem, "show it alone, or use --format csv for several files"));
+                return Err(Failure::usage(
+                    problem,
+                    "show it alone, or use --format csv for several files",
+                ));
             }
-            let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
-            let infos: Vec<RunInfo> = self.files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
+            let runs = self
+                .files
+                .iter()
+                .map(|file| files::read(file, store::read))
+                .collect::<Result<Vec<_>, _>>()?;
+            let infos: Vec<RunInfo> = self
+                .files
+                .iter()
+                .zip(&runs)
+                .map(|(file, run)| info(file, run, None))
+                .collect();
             let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
             return Ok(report::comparison(&summaries, &infos, self.chosen()));
         };
@@ -111,21 +143,38 @@ impl Arguments {
                     results::warn(scenario, stored.summary.has_bias(), true);
                 }
                 note_unfinished(&stored);
-                report::run(&stored.summary, &info(file, &stored, scenario.as_ref()), chosen, self.notes)
+                report::run(
+                    &stored.summary,
+                    &info(file, &stored, scenario.as_ref()),
+                    chosen,
+                    self.notes,
+                )
             }
             Content::Calibration(_) if !self.statistics.is_empty() => {
-                let problem = format!("--statistics: {} is a calibration, which has no statistics", file.display());
+                let problem = format!(
+                    "--statistics: {} is a calibration, which has no statistics",
+                    file.display()
+                );
                 return Err(Failure::usage(problem, "remove it"));
             }
             Content::Calibration(stored) => {
-                stored.warnings.iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
+                stored
+                    .warnings
+                    .iter()
+                    .filter(|_| is_text)
+                    .for_each(|(_, text)| warn(text));
                 report::bearing::calibration(&stored.title, &stored.calibration, false)
             }
-            Content::Trade(stored) if self.all && is_text => report::trade(&stored.scenario.title, &stored.trade, None),
+            Content::Trade(stored) if self.all && is_text => {
+                report::trade(&stored.scenario.title, &stored.trade, None)
+            }
             Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
             Content::Sweep(stored) => {
                 let sweep = sweep::stored(file, *stored)?;
-                report::warnings(&sweep).into_iter().filter(|_| is_text).for_each(warn);
+                report::warnings(&sweep)
+                    .into_iter()
+                    .filter(|_| is_text)
+                    .for_each(warn);
                 report::sweep(&sweep, chosen, file)
             }
         })
@@ -133,7 +182,10 @@ impl Arguments {
 
     /// The statistics that a table has.
     fn chosen(&self) -> Chosen<'_> {
-        match (self.statistics.as_slice(), self.all || self.format == Some(TableFormat::Csv)) {
+        match (
+            self.statistics.as_slice(),
+            self.all || self.format == Some(TableFormat::Csv),
+        ) {
             ([], false) => Chosen::First,
             ([], true) => Chosen::All,
             (statistics, _) => Chosen::These(statistics),
@@ -147,13 +199,18 @@ impl Arguments {
         let content = files::read(file, store::content)?;
         let (text, is_measured) = content.scenario();
         if is_measured {
-            note("measured values are in the result file, not in this text: to run it, keep the data files it names");
+            note(
+                "measured values are in the result file, not in this text: to run it, keep the data files it names",
+            );
         }
         print_data(&text)
     }
 
     fn print_citations(&self) -> Result<(), Failure> {
-        let sentences = self.files.iter().map(|file| Ok(report::citation(&files::read(file, store::read)?)));
+        let sentences = self
+            .files
+            .iter()
+            .map(|file| Ok(report::citation(&files::read(file, store::read)?)));
         let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
         let paper = sentences.first().map(|[_, paper]| paper.clone());
         let lines = sentences.into_iter().map(|[run, _]| run).chain(paper);
@@ -171,20 +228,33 @@ fn json(file: &Path) -> Result<String, Failure> {
             }
             note_unfinished(&stored);
             let warnings = results::warnings(&stored.summary, scenario.as_ref());
-            report::json::of_run(&stored.summary, &info(file, &stored, scenario.as_ref()), &warnings)
+            report::json::of_run(
+                &stored.summary,
+                &info(file, &stored, scenario.as_ref()),
+                &warnings,
+            )
         }
         Content::Calibration(stored) => {
             stored.warnings.iter().for_each(|(_, text)| warn(text));
             report::json::of_calibration(&stored)
         }
-        Content::Trade(stored) => dataset::json(&Dataset::of_trade(&stored.scenario, &stored.trade), Some(file)),
-        Content::Sweep(stored) => dataset::json(&Dataset::of_sweep(&sweep::stored(file, *stored)?), Some(file)),
+        Content::Trade(stored) => dataset::json(
+            &Dataset::of_trade(&stored.scenario, &stored.trade),
+            Some(file),
+        ),
+        Content::Sweep(stored) => dataset::json(
+            &Dataset::of_sweep(&sweep::stored(file, *stored)?),
+            Some(file),
+        ),
     })
 }
 
 fn note_unfinished(stored: &Stored) {
     if let Some(unfinished) = &stored.unfinished {
-        note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
+        note(&format!(
+            "this run is not finished; continue it with: mc resume {}",
+            unfinished.display()
+        ));
     }
 }
 
@@ -197,7 +267,13 @@ enum TableFormat {
 }
 
 pub(crate) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
-    let Stored { header, status, part, ended_by, .. } = stored;
+    let Stored {
+        header,
+        status,
+        part,
+        ended_by,
+        ..
+    } = stored;
     RunInfo {
         scenario: header.title.clone(),
         provenance: header.clone(),

@@ -53,36 +53,63 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut overrides = self.set.list()?;
-        overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
+        overrides.extend(
+            self.seed
+                .iter()
+                .map(|seed| Override::flag("--seed", "ensemble.seed", seed)),
+        );
         let scenario = Scenario::read(&self.scenario, &overrides)?;
         if let Some(output) = &self.output {
             self.refuse_to_lose(output, &input_files(&self.scenario, &overrides))?;
         }
         let used = scenario.run_bytes(scenario.ensemble.paths, self.threads.number());
         let threads = self.threads.ready("a measurement of this scenario", used)?;
-        note(&format!("measuring for about {} s on {}", self.budget.as_secs(), counted(threads as u64, "thread")));
+        note(&format!(
+            "measuring for about {} s on {}",
+            self.budget.as_secs(),
+            counted(threads as u64, "thread")
+        ));
         let stop = stop_on_signals()?;
-        let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
+        let measure =
+            |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
         let trade = measuring(self.budget, false, &stop, measure)?;
-        let shown = self.statistic.or_else(|| trade.answerable().first().copied());
+        let shown = self
+            .statistic
+            .or_else(|| trade.answerable().first().copied());
         let asked = shown.map(|statistic| (self.scenario.as_path(), statistic));
         if let Some(output) = &self.output {
             self.write(output, &scenario, &trade, shown)?;
         }
         match self.json {
-            true => print_data(&dataset::json(&Dataset::of_trade(&scenario, &trade), self.output.as_deref()))?,
-            false => print(&report::text(&report::trade(&scenario.title, &trade, asked)))?,
+            true => print_data(&dataset::json(
+                &Dataset::of_trade(&scenario, &trade),
+                self.output.as_deref(),
+            ))?,
+            false => print(&report::text(&report::trade(
+                &scenario.title,
+                &trade,
+                asked,
+            )))?,
         }
-        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+        if stop.load(Ordering::Relaxed) {
+            Err(Failure::Interrupted)
+        } else {
+            Ok(())
+        }
     }
 
     fn refuse_to_lose(&self, output: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
         if pictures(output).iter().any(|picture| picture == output) {
             let problem = format!("{} has the extension of a picture", output.display());
-            return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
+            return Err(Failure::usage(
+                problem,
+                "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it",
+            ));
         }
         writable_hdf5(output, self.force, inputs)?;
-        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
+        pictures(output)
+            .iter()
+            .try_for_each(|picture| writable(picture, self.force, inputs))
     }
 
     fn write(
@@ -94,9 +121,13 @@ impl Arguments {
     ) -> Result<(), Failure> {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
         let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
-        let draw = |prices: &Prices| stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok();
+        let draw = |prices: &Prices| {
+            stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok()
+        };
         let Some(scene) = prices.as_ref().and_then(draw) else {
-            let why = shown.map_or("no statistic can be estimated".to_string(), |s| trade.standing(s).to_string());
+            let why = shown.map_or("no statistic can be estimated".to_string(), |s| {
+                trade.standing(s).to_string()
+            });
             warn(format!("no picture: {why}"));
             return Ok(());
         };
@@ -117,7 +148,9 @@ const LONGEST: Duration = Duration::from_secs(7 * 86_400);
 /// Reads a time: 60s, 5m, 1h, or plain seconds.
 fn budget(text: &str) -> Result<Duration, String> {
     let sensible = Duration::from_secs(1)..=LONGEST;
-    let budget = parse_duration(text).ok().filter(|budget| sensible.contains(budget));
+    let budget = parse_duration(text)
+        .ok()
+        .filter(|budget| sensible.contains(budget));
     budget.ok_or_else(|| "must be between one second and a week, e.g. 60s, 5m or 1h".to_string())
 }
 
@@ -139,10 +172,19 @@ mod tests {
 
     #[test]
     fn a_budget_is_a_number_with_a_unit() {
-        for (text, seconds) in [("60s", 60), ("5m", 300), ("1h", 3600), ("90", 90), ("1.5m", 90), ("2 days", 172_800)] {
+        for (text, seconds) in [
+            ("60s", 60),
+            ("5m", 300),
+            ("1h", 3600),
+            ("90", 90),
+            ("1.5m", 90),
+            ("2 days", 172_800),
+        ] {
             assert_eq!(budget(text), Ok(Duration::from_secs(seconds)), "{text}");
         }
-        for text in ["", "s", "0", "-3s", "0.5", "nan", "inf", "1e9h", "5 years", "s5"] {
+        for text in [
+            "", "s", "0", "-3s", "0.5", "nan", "inf", "1e9h", "5 years", "s5",
+        ] {
             assert!(budget(text).is_err(), "{text}");
         }
     }

@@ -85,11 +85,16 @@ impl Arguments {
             ("--duration", self.duration.is_some()),
             ("--every", self.every.is_some()),
         ];
-        let (start, air) = match (&scene.temperature_source.file, of_drawn.iter().find(|(_, is_given)| *is_given)) {
+        let (start, air) = match (
+            &scene.temperature_source.file,
+            of_drawn.iter().find(|(_, is_given)| *is_given),
+        ) {
             (Some(_), Some((flag, _))) => {
-                let problem =
-                    format!("{flag} is given, and the measured temperature of the scenario has times of its own");
-                let remedy = format!("leave {flag} out, or take [temperature.series] out of the scenario");
+                let problem = format!(
+                    "{flag} is given, and the measured temperature of the scenario has times of its own"
+                );
+                let remedy =
+                    format!("leave {flag} out, or take [temperature.series] out of the scenario");
                 return Err(Failure::usage(problem, remedy));
             }
             (Some(file), None) => measured(&self.scenario, file, &scene)?,
@@ -108,11 +113,19 @@ impl Arguments {
             ..self.sensor_noise
         };
         let made = twin(&response, &air, &flaws, self.seed);
-        store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
+        store::write_whole(
+            &self.output,
+            csv(&made, start, &scene)?.as_bytes(),
+            self.force,
+        )?;
         let truth = values(&response, scene.shear_stiffness);
         print(&text(&bearing::truth(&truth)))?;
         let samples = grouped(made.times.len() as u64);
-        note(&format!("{}: {samples} samples, {} slips", self.output.display(), made.slips));
+        note(&format!(
+            "{}: {samples} samples, {} slips",
+            self.output.display(),
+            made.slips
+        ));
         Ok(())
     }
 
@@ -123,20 +136,34 @@ impl Arguments {
         let count = self.duration.unwrap_or(300.0 * 86_400.0) / every;
         if !(2.0..=MOST).contains(&count) {
             let problem = format!("{count:.0} samples are not between 2 and 1e7");
-            return Err(Failure::usage(problem, "choose other --duration and --every"));
+            return Err(Failure::usage(
+                problem,
+                "choose other --duration and --every",
+            ));
         }
-        Ok(Air::drawn(&scenario.model.temperature, count as usize, every, self.seed))
+        Ok(Air::drawn(
+            &scenario.model.temperature,
+            count as usize,
+            every,
+            self.seed,
+        ))
     }
 }
 
 /// The measured temperature that a scenario names, and the time of its first sample if it is known.
-fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<Start>, Air), Failure> {
+fn measured(
+    scenario: &Path,
+    file: &str,
+    scene: &BridgeScene,
+) -> Result<(Option<Start>, Air), Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let origin = match shipped_at(scenario).and_then(|shipped| shipped.file(file)) {
         Some(text) => Origin::Text(file, text),
         None => Origin::File(&path),
     };
-    let (column, start, repairs) = scene.temperature_source.read(origin, ColumnQuantity::Temperature)?;
+    let (column, start, repairs) = scene
+        .temperature_source
+        .read(origin, ColumnQuantity::Temperature)?;
     repairs.iter().for_each(|repair| note(repair));
     Ok((start, Air::measured(column.times, column.values)))
 }
@@ -145,15 +172,34 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<
 /// millimetres.
 fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
-    let start = start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
+    let start = start
+        .or_else(|| Start::parse(EPOCH))
+        .ok_or_else(out_of_calendar)?;
     // A measured temperature is in the file in degrees Celsius, whatever its unit was.
-    let column = scene.temperature_source.column.as_deref().filter(|_| scene.temperature_source.unit.is_none());
-    let time = scene.temperature_source.layout.time.as_deref().filter(|name| !name.contains(',')).unwrap_or("time");
-    let mut text = format!("{time},{},displacement_mm\n", column.unwrap_or("temperature_degC"));
+    let column = scene
+        .temperature_source
+        .column
+        .as_deref()
+        .filter(|_| scene.temperature_source.unit.is_none());
+    let time = scene
+        .temperature_source
+        .layout
+        .time
+        .as_deref()
+        .filter(|name| !name.contains(','))
+        .unwrap_or("time");
+    let mut text = format!(
+        "{time},{},displacement_mm\n",
+        column.unwrap_or("temperature_degC")
+    );
     for i in 0..made.times.len() {
         let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
         let shown = made.temperatures[i];
-        let shown = if shown.is_nan() { String::new() } else { format!("{shown:.3}") };
+        let shown = if shown.is_nan() {
+            String::new()
+        } else {
+            format!("{shown:.3}")
+        };
         text += &format!("{stamp},{shown},{:.5}\n", 1e3 * made.readings[i]);
     }
     Ok(text)
@@ -166,7 +212,12 @@ fn sensor_noise(text: &str) -> Result<Flaws, String> {
     let (white, red) = (number(0.0)?, number(0.0)?);
     let memory = parts.next().map_or(Ok(86_400.0), parse_seconds)?;
     match parts.next() {
-        None => Ok(Flaws { white, red, memory, ..Flaws::NONE }),
+        None => Ok(Flaws {
+            white,
+            red,
+            memory,
+            ..Flaws::NONE
+        }),
         Some(_) => Err("write at most three, e.g. 30e-6,150e-6,1d".to_string()),
     }
 }
@@ -188,10 +239,13 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 fn zero_set(text: &str) -> Result<(f64, f64), String> {
-    let parts = text.split_once(':').and_then(|(when, by)| Some((parse_seconds(when).ok()?, number(by).ok()?)));
+    let parts = text
+        .split_once(':')
+        .and_then(|(when, by)| Some((parse_seconds(when).ok()?, number(by).ok()?)));
     parts.ok_or_else(|| "write when and by how many metres, e.g. 150d:1e-3".to_string())
 }
 
 fn start(text: &str) -> Result<Start, String> {
-    Start::of_calendar(text).ok_or_else(|| "write a date such as 2024-06-01, also with a time and a zone".to_string())
+    Start::of_calendar(text)
+        .ok_or_else(|| "write a date such as 2024-06-01, also with a time and a zone".to_string())
 }

@@ -8,7 +8,10 @@ use std::sync::{Mutex, PoisonError};
 use stickslip_files::store::{self, FileKind, StoreError};
 
 /// What one of the readers of the store reads from a file.
-pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>) -> Result<T, Failure> {
+pub fn read<T>(
+    path: &Path,
+    reader: impl FnOnce(&Path) -> Result<T, StoreError>,
+) -> Result<T, Failure> {
     look(path);
     reader(path).map_err(|error| explained(path, error))
 }
@@ -17,8 +20,14 @@ pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>)
 /// something is missing from a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
     let other = |what: &str, resume: &str| {
-        let problem = format!("{} is {what}, which this command cannot read", path.display());
-        Failure::usage(problem, format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` accept it"))
+        let problem = format!(
+            "{} is {what}, which this command cannot read",
+            path.display()
+        );
+        Failure::usage(
+            problem,
+            format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` accept it"),
+        )
     };
     match error {
         StoreError::Foreign { .. } => match store::kind(path) {
@@ -33,7 +42,10 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
                 "{}: {cause}; another program removed or changed it, or the file was truncated",
                 path.display()
             );
-            Failure::run(problem, "save all variables with it, or use the file as mc wrote it")
+            Failure::run(
+                problem,
+                "save all variables with it, or use the file as mc wrote it",
+            )
         }
         error => error.into(),
     }

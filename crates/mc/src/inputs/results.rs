@@ -17,15 +17,28 @@ use stickslip_files::store::{StoreError, Stored};
 /// directory, under the name of the scenario with this ending.
 pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     let is_standard_input = scenario == Path::new(STANDARD_INPUT);
-    let stem = if is_standard_input { "stdin".as_ref() } else { scenario.file_stem().unwrap_or("run".as_ref()) };
+    let stem = if is_standard_input {
+        "stdin".as_ref()
+    } else {
+        scenario.file_stem().unwrap_or("run".as_ref())
+    };
     let mut name = stem.to_os_string();
     name.push(ending);
     PathBuf::from(name)
 }
 
 /// The scenario of a file of results, with its measured temperature, after these overrides.
-pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-    Scenario::parse_stored(name, &stored.header.scenario_text, overrides, &stored.header.samples)
+pub fn scenario(
+    name: &str,
+    stored: &Stored,
+    overrides: &[Override],
+) -> Result<Scenario, ScenarioError> {
+    Scenario::parse_stored(
+        name,
+        &stored.header.scenario_text,
+        overrides,
+        &stored.header.samples,
+    )
 }
 
 /// Checks that the ensemble of a file has a path of this number. Any number names a path that can
@@ -36,7 +49,10 @@ pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
         return Ok(());
     }
     let problem = format!("--path {path}: the ensemble has {}", counted(paths, "path"));
-    Err(Failure::usage(problem, format!("give a number from 0 to {}", paths.saturating_sub(1))))
+    Err(Failure::usage(
+        problem,
+        format!("give a number from 0 to {}", paths.saturating_sub(1)),
+    ))
 }
 
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
@@ -44,19 +60,29 @@ pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
 /// will say it at the drift.
 pub fn warn(scenario: &Scenario, measures_bias: bool, has_table: bool) {
     let due = scenario.warnings_of_run(measures_bias);
-    due.iter().filter(|warning| !(has_table && warning.name() == "few-periods")).for_each(failure::warn);
+    due.iter()
+        .filter(|warning| !(has_table && warning.name() == "few-periods"))
+        .for_each(failure::warn);
 }
 
 /// All warnings about results: those of the scenario and those that follow from the statistics.
 /// Each is a name and a sentence.
 pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<(String, String)> {
-    let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
-    named(&due).into_iter().chain(report::found(summary)).collect()
+    let due = scenario.map_or(Vec::new(), |scenario| {
+        scenario.warnings_of_run(summary.has_bias())
+    });
+    named(&due)
+        .into_iter()
+        .chain(report::found(summary))
+        .collect()
 }
 
 /// Names and sentences of warnings about a scenario.
 pub fn named(warnings: &[Warning]) -> Vec<(String, String)> {
-    warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect()
+    warnings
+        .iter()
+        .map(|warning| (warning.name().to_string(), warning.to_string()))
+        .collect()
 }
 
 impl From<RunError> for Failure {
@@ -111,6 +137,9 @@ mod tests {
         assert_eq!(named("scenarios/rho025.toml"), Path::new("rho025.h5"));
         assert_eq!(named("my.study.toml"), Path::new("my.study.h5"));
         assert_eq!(named("-"), Path::new("stdin.h5"));
-        assert_eq!(default_output(Path::new("-"), "-sweep.h5"), Path::new("stdin-sweep.h5"));
+        assert_eq!(
+            default_output(Path::new("-"), "-sweep.h5"),
+            Path::new("stdin-sweep.h5")
+        );
     }
 }

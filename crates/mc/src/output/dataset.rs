@@ -19,9 +19,13 @@ pub fn json_with(dataset: &Dataset, warnings: &[(String, String)]) -> String {
 
 fn object(dataset: &Dataset, file: Option<&Path>) -> Value {
     let is_coordinate = |entry: &&Entry| entry.axes == [entry.name.as_str()];
-    let (coordinates, others): (Vec<&Entry>, Vec<&Entry>) = dataset.entries.iter().partition(is_coordinate);
+    let (coordinates, others): (Vec<&Entry>, Vec<&Entry>) =
+        dataset.entries.iter().partition(is_coordinate);
     let all = |entries: Vec<&Entry>| -> Map<String, Value> {
-        entries.into_iter().map(|entry| (entry.name.clone(), variable(dataset, entry))).collect()
+        entries
+            .into_iter()
+            .map(|entry| (entry.name.clone(), variable(dataset, entry)))
+            .collect()
     };
     json!({
         "file": file.map(|file| file.display().to_string()),
@@ -40,7 +44,9 @@ fn variable(dataset: &Dataset, entry: &Entry) -> Value {
         Column::U8(values) => json!(values),
         Column::Text(values) => json!(values),
     };
-    let Value::Array(values) = values else { return Value::Null };
+    let Value::Array(values) = values else {
+        return Value::Null;
+    };
     let data = nested(&mut values.into_iter(), &dataset.shape(entry));
     json!({ "dims": entry.axes, "attrs": attributes(&entry.attributes), "data": data })
 }
@@ -60,5 +66,7 @@ fn attributes(of: &[(String, Attribute)]) -> Map<String, Value> {
         Attribute::Count(number) => json!(number),
         Attribute::Flags(numbers) => json!(numbers),
     };
-    of.iter().map(|(name, attribute)| (name.clone(), value(attribute))).collect()
+    of.iter()
+        .map(|(name, attribute)| (name.clone(), value(attribute)))
+        .collect()
 }

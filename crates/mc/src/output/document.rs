@@ -10,7 +10,10 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// Warnings as JSON, each with a name that programs can compare.
 pub fn named(warnings: &[(String, String)]) -> Value {
-    warnings.iter().map(|(name, text)| json!({ "name": name, "text": text })).collect()
+    warnings
+        .iter()
+        .map(|(name, text)| json!({ "name": name, "text": text }))
+        .collect()
 }
 
 /// One object of this kind as text with a line break at its end. Numbers that are not finite are
@@ -31,7 +34,10 @@ pub fn joined(mut object: Value, more: Value) -> Value {
 
 /// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.
 pub fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(text.as_bytes())
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 #[cfg(test)]
@@ -49,8 +55,14 @@ mod tests {
     fn an_object_says_what_it_is_before_what_it_holds() {
         let text = document("sample", json!({ "answer": 42.0, "nothing": f64::NAN }));
         let value: Value = serde_json::from_str(&text).expect("valid JSON");
-        assert!(text.starts_with("{\n  \"document\": \"sample\",\n  \"schema_version\": 1,"), "{text}");
+        assert!(
+            text.starts_with("{\n  \"document\": \"sample\",\n  \"schema_version\": 1,"),
+            "{text}"
+        );
         assert_eq!(value["program"]["version"], PROGRAM_VERSION);
-        assert_eq!((&value["answer"], &value["nothing"]), (&42.0.into(), &Value::Null));
+        assert_eq!(
+            (&value["answer"], &value["nothing"]),
+            (&42.0.into(), &Value::Null)
+        );
     }
 }

@@ -66,7 +66,11 @@ fn with_remedy(problem: impl Display, remedy: impl Display) -> String {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Failure::Refused(match error {
-            ScenarioError::Invalid(faults) => faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\nerror: "),
+            ScenarioError::Invalid(faults) => faults
+                .iter()
+                .map(Fault::to_string)
+                .collect::<Vec<_>>()
+                .join("\nerror: "),
             error => error.to_string(),
         })
     }
@@ -103,10 +107,19 @@ pub fn note(text: &str) {
     let text = safe::text(text);
     // A terminal gets colours unless NO_COLOR is set; elsewhere they are left out.
     let lines = text.split('\n').map(|line| {
-        let marked = MARKS.iter().find_map(|(mark, style)| Some((mark, style, line.strip_prefix(mark)?)));
-        marked.map_or_else(|| line.to_string(), |(mark, style, rest)| format!("{style}{mark}{style:#}{rest}"))
+        let marked = MARKS
+            .iter()
+            .find_map(|(mark, style)| Some((mark, style, line.strip_prefix(mark)?)));
+        marked.map_or_else(
+            || line.to_string(),
+            |(mark, style, rest)| format!("{style}{mark}{style:#}{rest}"),
+        )
     });
-    drop(writeln!(anstream::stderr(), "{}", lines.collect::<Vec<_>>().join("\n")));
+    drop(writeln!(
+        anstream::stderr(),
+        "{}",
+        lines.collect::<Vec<_>>().join("\n")
+    ));
 }
 
 /// The words at the beginning of a line that have a colour, as those of the argument parser have.
@@ -124,7 +137,11 @@ pub fn warn(warning: impl Display) {
 /// Checks that a file may be written at `path`: its directory exists, and it replaces at most a
 /// regular file, and that only with `force`. A file among `inputs`, from which the results are
 /// made, is never replaced, and none of the names that are taken while the file is made is one.
-pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoIterator<Item = P>) -> Result<(), Failure> {
+pub fn writable<P: AsRef<Path>>(
+    path: &Path,
+    force: bool,
+    inputs: impl IntoIterator<Item = P>,
+) -> Result<(), Failure> {
     let shown = path.display();
     let refuse = |problem: String| Err(Failure::usage(problem, "choose another file with -o"));
     if path == Path::new("-") {
@@ -136,25 +153,49 @@ pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoItera
     let taken = [path.to_owned(), partial_path(path), lock_path(path)];
     for input in inputs {
         if let Some(name) = taken.iter().find(|name| is_same(name, input.as_ref())) {
-            let need = if name == path { String::new() } else { format!(", which mc needs to write {shown},") };
-            return refuse(format!("{}{need} is an input of this command", name.display()));
+            let need = if name == path {
+                String::new()
+            } else {
+                format!(", which mc needs to write {shown},")
+            };
+            return refuse(format!(
+                "{}{need} is an input of this command",
+                name.display()
+            ));
         }
     }
     if path.is_dir() {
-        return Err(Failure::usage(format!("{shown} is a directory"), "give the name of a file with -o"));
+        return Err(Failure::usage(
+            format!("{shown} is a directory"),
+            "give the name of a file with -o",
+        ));
     }
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let parent = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if !parent.is_dir() {
-        let problem = format!("the directory {} of {shown} does not exist", parent.display());
-        return Err(Failure::usage(problem, "create it, or choose another place with -o"));
+        let problem = format!(
+            "the directory {} of {shown} does not exist",
+            parent.display()
+        );
+        return Err(Failure::usage(
+            problem,
+            "create it, or choose another place with -o",
+        ));
     }
     // `symlink_metadata` also finds a dangling link. Writing through it would create a file at its
     // target.
     match path.symlink_metadata() {
-        Ok(there) if !there.is_file() => refuse(format!("{shown} is not a regular file and cannot be replaced")),
+        Ok(there) if !there.is_file() => refuse(format!(
+            "{shown} is not a regular file and cannot be replaced"
+        )),
         Ok(_) if !force => {
             let problem = format!("{shown} already exists");
-            Err(Failure::usage(problem, "choose another name with -o FILE, or overwrite it with --force"))
+            Err(Failure::usage(
+                problem,
+                "choose another name with -o FILE, or overwrite it with --force",
+            ))
         }
         _ => Ok(()),
     }

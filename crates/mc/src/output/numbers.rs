@@ -13,7 +13,9 @@ pub fn counted(n: u64, thing: &str) -> String {
 /// Names in a row, or a few of them where there are many.
 pub fn some_of(names: &[&str]) -> String {
     match names {
-        [first, second, third, _, _, ..] => format!("{first}, {second}, {third} and {} more", names.len() - 3),
+        [first, second, third, _, _, ..] => {
+            format!("{first}, {second}, {third} and {} more", names.len() - 3)
+        }
         _ => names.join(", "),
     }
 }
@@ -24,7 +26,11 @@ pub fn duration(seconds: f64) -> String {
         s if s < 10.0 => format!("{s:.2} s"),
         s if s < 120.0 => format!("{s:.1} s"),
         s if s < 7200.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), (s % 60.0).floor()),
-        s => format!("{:.0} h {:.0} min", (s / 3600.0).floor(), (s % 3600.0 / 60.0).floor()),
+        s => format!(
+            "{:.0} h {:.0} min",
+            (s / 3600.0).floor(),
+            (s % 3600.0 / 60.0).floor()
+        ),
     }
 }
 
@@ -47,15 +53,29 @@ pub fn percent(share: f64) -> String {
 
 /// Reads a duration: 90, 90s, 15m, 1.5h, 4h50m, 1d 2h. A number without a unit is in seconds.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
-    let seconds = text.trim().parse().ok().or_else(|| stickslip_data::seconds(text));
-    let duration =
-        seconds.filter(|seconds| *seconds > 0.0).and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    duration.ok_or_else(|| "must be a positive duration, such as 90, 90s, 15m, 2h or 4h50m".to_string())
+    let seconds = text
+        .trim()
+        .parse()
+        .ok()
+        .or_else(|| stickslip_data::seconds(text));
+    let duration = seconds
+        .filter(|seconds| *seconds > 0.0)
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration
+        .ok_or_else(|| "must be a positive duration, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
 /// Reads a finite number that lies in a range; if it does not, `wrong` says what to write.
-pub fn parse_number_in(text: &str, range: &impl RangeBounds<f64>, wrong: &str) -> Result<f64, String> {
-    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && range.contains(x));
+pub fn parse_number_in(
+    text: &str,
+    range: &impl RangeBounds<f64>,
+    wrong: &str,
+) -> Result<f64, String> {
+    let number = text
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|x| x.is_finite() && range.contains(x));
     number.ok_or_else(|| wrong.to_string())
 }
 
@@ -69,8 +89,14 @@ fn parse_share(text: &str) -> Option<f64> {
 }
 
 /// Reads a share that lies in a range; if it does not, `wrong` says what to write.
-pub fn parse_share_in(text: &str, range: &impl RangeBounds<f64>, wrong: &str) -> Result<f64, String> {
-    parse_share(text).filter(|share| range.contains(share)).ok_or_else(|| wrong.to_string())
+pub fn parse_share_in(
+    text: &str,
+    range: &impl RangeBounds<f64>,
+    wrong: &str,
+) -> Result<f64, String> {
+    parse_share(text)
+        .filter(|share| range.contains(share))
+        .ok_or_else(|| wrong.to_string())
 }
 
 /// The longest line of prose, in characters.
@@ -81,7 +107,11 @@ const SHORTEST: usize = 40;
 /// A sentence broken into lines no wider than the terminal. Every line but the first begins with
 /// `indent`.
 pub fn wrapped(sentence: &str, indent: &str) -> String {
-    broken(sentence, indent, columns().map_or(LINE, |columns| columns.clamp(SHORTEST, LINE)))
+    broken(
+        sentence,
+        indent,
+        columns().map_or(LINE, |columns| columns.clamp(SHORTEST, LINE)),
+    )
 }
 
 /// Like [`wrapped`], but as wide as the terminal, or the 80 columns of a page where there is none.
@@ -126,9 +156,17 @@ impl Digits {
         let error = if sure { standard_error } else { 0.0 };
         let largest = power_of_ten(estimate.abs().max(error));
         // A double has no more than sixteen significant digits.
-        let last = if sure { power_of_ten(error) - 1 } else { largest - EXACT_DIGITS + 1 }.max(largest - 15);
+        let last = if sure {
+            power_of_ten(error) - 1
+        } else {
+            largest - EXACT_DIGITS + 1
+        }
+        .max(largest - 15);
         let exponent = if PLAIN.contains(&largest) { 0 } else { largest };
-        Digits { exponent, decimals: (exponent - last).max(0) as usize }
+        Digits {
+            exponent,
+            decimals: (exponent - last).max(0) as usize,
+        }
     }
 
     /// A number in this format; `none` if it is not finite.
@@ -144,7 +182,11 @@ impl Digits {
             Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
             _ => text,
         };
-        if self.exponent == 0 { text } else { format!("{text}e{}", self.exponent) }
+        if self.exponent == 0 {
+            text
+        } else {
+            format!("{text}e{}", self.exponent)
+        }
     }
 }
 
@@ -153,7 +195,10 @@ fn power_of_ten(x: f64) -> i32 {
     if x == 0.0 || !x.is_finite() {
         return 0;
     }
-    format!("{x:e}").split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)
+    format!("{x:e}")
+        .split_once('e')
+        .and_then(|(_, power)| power.parse().ok())
+        .unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -166,11 +211,20 @@ mod tests {
             let digits = Digits::of(x, e);
             (digits.show(x), digits.show(e))
         };
-        assert_eq!(shown(0.538572, 0.000266), ("0.53857".into(), "0.00027".into()));
+        assert_eq!(
+            shown(0.538572, 0.000266),
+            ("0.53857".into(), "0.00027".into())
+        );
         assert_eq!(shown(14.1226, 0.0073), ("14.1226".into(), "0.0073".into()));
         assert_eq!(shown(-4.2316, 12.0), ("-4".into(), "12".into()));
-        assert_eq!(shown(1.88841e8, 9.67e6), ("1.888e8".into(), "0.097e8".into()));
-        assert_eq!(shown(3.06398e-4, 1.3427e-5), ("3.06e-4".into(), "0.13e-4".into()));
+        assert_eq!(
+            shown(1.88841e8, 9.67e6),
+            ("1.888e8".into(), "0.097e8".into())
+        );
+        assert_eq!(
+            shown(3.06398e-4, 1.3427e-5),
+            ("3.06e-4".into(), "0.13e-4".into())
+        );
     }
 
     #[test]
@@ -195,7 +249,10 @@ mod tests {
         ] {
             assert_eq!(read(text), Some(seconds), "{text}");
         }
-        for text in ["", "0", "-5", "-5m", "50m4h", "4h4h", "4h50", "h", "4x", "1m\u{b5}", "nan", "1e400s", "inf"] {
+        for text in [
+            "", "0", "-5", "-5m", "50m4h", "4h4h", "4h50", "h", "4x", "1m\u{b5}", "nan", "1e400s",
+            "inf",
+        ] {
             assert_eq!(read(text), None, "{text}");
         }
     }
@@ -207,7 +264,10 @@ mod tests {
         assert_eq!(significant(1.5e-9, 3), "1.5e-9");
         assert_eq!(grouped(60_000_000), "60 000 000");
         assert_eq!(grouped(12), "12");
-        assert_eq!([0, 1, 10_000].map(|n| counted(n, "path")), ["0 paths", "1 path", "10 000 paths"]);
+        assert_eq!(
+            [0, 1, 10_000].map(|n| counted(n, "path")),
+            ["0 paths", "1 path", "10 000 paths"]
+        );
         assert_eq!(broken("one two three", "  ", 8), "one two\n  three\n");
         assert_eq!(bytes(1_234_567.0), "1.23 MB");
         assert_eq!(duration(200.0), "3 min 20 s");

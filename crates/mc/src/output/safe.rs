@@ -56,15 +56,25 @@ mod tests {
     #[test]
     fn nothing_moves_the_cursor_or_turns_the_text_around() {
         assert_eq!(text("plain \u{b5}m\tx\n"), "plain \u{b5}m\tx\n");
-        assert_eq!(text("\u{1b}[2J\u{7}\r\u{9b}"), "\\u001b[2J\\u0007\\u000d\\u009b");
-        assert_eq!(data("a\u{202e}b\u{2066}c\u{e0041}"), "a\\u202eb\\u2066c\\U000e0041");
+        assert_eq!(
+            text("\u{1b}[2J\u{7}\r\u{9b}"),
+            "\\u001b[2J\\u0007\\u000d\\u009b"
+        );
+        assert_eq!(
+            data("a\u{202e}b\u{2066}c\u{e0041}"),
+            "a\\u202eb\\u2066c\\U000e0041"
+        );
     }
 
     #[test]
     fn lines_for_people_end() {
         let long = "x".repeat(800_000);
         let shown = text(&format!("{long}\nshort\n{long}"));
-        assert!(shown.len() < 2100 && shown.contains(" ...\nshort\n"), "{}", shown.len());
+        assert!(
+            shown.len() < 2100 && shown.contains(" ...\nshort\n"),
+            "{}",
+            shown.len()
+        );
         assert_eq!(data(&long), long);
         let exact = "y".repeat(LINE) + "\n";
         assert_eq!(text(&exact), exact);

@@ -6,6 +6,8 @@ use std::io::IsTerminal as _;
 /// so that what programs read does not depend on a window.
 pub fn columns() -> Option<usize> {
     let out = std::io::stdout();
-    let size = rustix::termios::tcgetwinsize(&out).ok().filter(|_| out.is_terminal())?;
+    let size = rustix::termios::tcgetwinsize(&out)
+        .ok()
+        .filter(|_| out.is_terminal())?;
     Some(usize::from(size.ws_col)).filter(|columns| *columns > 0)
 }

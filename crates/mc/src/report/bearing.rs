@@ -22,22 +22,44 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
         Column::unit(""),
     ];
     let row = |quantity: &Quantity| {
-        let ParameterEstimate { estimate, low, high } = calibration.estimate(*quantity);
-        let names = [quantity.words(), quantity.symbol()].map(Cell::from).into_iter();
-        let (factor, unit) = if is_page { millimetres(quantity.unit()) } else { (1.0, quantity.unit().into()) };
-        let numbers = Cell::all([estimate, low, high].map(|number| factor * number), factor * (high - low) / 4.0);
-        Row::of(quantity.key(), names.chain(numbers).chain([unit.as_str().into()]))
+        let ParameterEstimate {
+            estimate,
+            low,
+            high,
+        } = calibration.estimate(*quantity);
+        let names = [quantity.words(), quantity.symbol()]
+            .map(Cell::from)
+            .into_iter();
+        let (factor, unit) = if is_page {
+            millimetres(quantity.unit())
+        } else {
+            (1.0, quantity.unit().into())
+        };
+        let numbers = Cell::all(
+            [estimate, low, high].map(|number| factor * number),
+            factor * (high - low) / 4.0,
+        );
+        Row::of(
+            quantity.key(),
+            names.chain(numbers).chain([unit.as_str().into()]),
+        )
     };
     let rows = Quantity::ALL.iter().map(row).collect();
     let of_100 = significant(100.0 * calibration.question.level, 4);
-    let below =
-        format!("In {of_100} of 100 records the truth lies between the two ends, if the bearing is as the model says.");
+    let below = format!(
+        "In {of_100} of 100 records the truth lies between the two ends, if the bearing is as the model says."
+    );
     let has_starts = !calibration.starts.is_empty();
     Report {
         title: title.into(),
-        tables: std::iter::once(Table { columns, rows, below, ..Table::default() })
-            .chain(has_starts.then(|| starts(calibration)))
-            .collect(),
+        tables: std::iter::once(Table {
+            columns,
+            rows,
+            below,
+            ..Table::default()
+        })
+        .chain(has_starts.then(|| starts(calibration)))
+        .collect(),
         remarks: sources(calibration),
         ..Report::default()
     }
@@ -46,24 +68,47 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
 /// Where the numbers come from.
 fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
     let record = &calibration.record;
-    let samples = record.readings.iter().filter(|reading| reading.is_finite()).count();
+    let samples = record
+        .readings
+        .iter()
+        .filter(|reading| reading.is_finite())
+        .count();
     let samples = grouped(samples as u64);
     let last = record.times.last().copied().unwrap_or(0.0);
     let day = |instant: Start| instant.to_string().split('T').take(1).collect::<String>();
-    let dates = record.start.and_then(|start| Some(format!(", from {} to {}", day(start), day(start.after(last)?))));
+    let dates = record.start.and_then(|start| {
+        Some(format!(
+            ", from {} to {}",
+            day(start),
+            day(start.after(last)?)
+        ))
+    });
     let slips = calibration.slips.len();
-    let usual = calibration.slips.iter().filter(|slip| slip.is_usual).count();
+    let usual = calibration
+        .slips
+        .iter()
+        .filter(|slip| slip.is_usual)
+        .count();
     let method = match calibration.question.method {
         CalibrationMethod::Err => "least squares",
         _ if calibration.slips.is_empty() => "least squares",
         _ => "slips",
     };
     let minutes = |seconds: f64| significant(seconds / 60.0, 3);
-    let ParameterEstimate { estimate, low, high } = calibration.lag;
+    let ParameterEstimate {
+        estimate,
+        low,
+        high,
+    } = calibration.lag;
     let lag = match (calibration.question.lag, &calibration.lag_profile) {
         (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
         (Lag::Auto, Some(_)) if estimate > 0.0 => {
-            format!("{} min ({} to {}), estimated", minutes(estimate), minutes(low), minutes(high))
+            format!(
+                "{} min ({} to {}), estimated",
+                minutes(estimate),
+                minutes(low),
+                minutes(high)
+            )
         }
         (Lag::Auto, Some(_)) => "none: no lag describes the record clearly better".to_string(),
         (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
@@ -72,12 +117,21 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         0.0 => "in straight lines".to_string(),
         roughness => {
             let gained = significant((3600.0 * roughness).sqrt(), 3);
-            format!("as weather, with a standard deviation of {gained} K in an hour; slips begin between samples")
+            format!(
+                "as weather, with a standard deviation of {gained} K in an hour; slips begin between samples"
+            )
         }
     };
     let correlation = |hours: f64| {
-        let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
-        found.map_or_else(|| "none".to_string(), |(_, correlation)| significant(*correlation, 2))
+        let found = calibration
+            .residuals
+            .autocorrelation
+            .iter()
+            .find(|(delay, _)| *delay == hours);
+        found.map_or_else(
+            || "none".to_string(),
+            |(_, correlation)| significant(*correlation, 2),
+        )
     };
     let rest = significant(calibration.residuals.rms, 3);
     let (hour, day) = (correlation(1.0), correlation(24.0));
@@ -86,11 +140,24 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         "{rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day"
     );
     vec![
-        ("data", format!("{samples} samples in {}{}", time(last), dates.unwrap_or_default())),
-        ("slips", format!("{slips} seen, {usual} of them alone and of the usual size")),
+        (
+            "data",
+            format!(
+                "{samples} samples in {}{}",
+                time(last),
+                dates.unwrap_or_default()
+            ),
+        ),
+        (
+            "slips",
+            format!("{slips} seen, {usual} of them alone and of the usual size"),
+        ),
         ("method", method),
         ("lag", lag),
-        ("moves", format!("the temperature moves between samples {between}")),
+        (
+            "moves",
+            format!("the temperature moves between samples {between}"),
+        ),
         ("rest", rest),
     ]
 }
@@ -107,15 +174,39 @@ fn starts(calibration: &Calibration) -> Table {
         Quantity::Displacement,
     ];
     let symbols = COLUMNS.map(Quantity::symbol).into_iter();
-    let columns = ["start"].into_iter().chain(symbols).chain(["err"]).map(|name| Column::of(name, name)).collect();
+    let columns = ["start"]
+        .into_iter()
+        .chain(symbols)
+        .chain(["err"])
+        .map(|name| Column::of(name, name))
+        .collect();
     let values = calibration.start_values();
-    let column = |quantity: &Quantity| values.iter().map(|values| values[*quantity as usize]).collect::<Vec<f64>>();
-    let cell = |x: f64| if x.is_finite() { format!("{x:.5e}") } else { "none".to_string() };
+    let column = |quantity: &Quantity| {
+        values
+            .iter()
+            .map(|values| values[*quantity as usize])
+            .collect::<Vec<f64>>()
+    };
+    let cell = |x: f64| {
+        if x.is_finite() {
+            format!("{x:.5e}")
+        } else {
+            "none".to_string()
+        }
+    };
     let of_start = |(i, (values, start)): (usize, (&Values, &SearchStart))| {
-        let cells = COLUMNS.iter().map(|quantity| cell(values[*quantity as usize])).chain([cell(start.err)]);
+        let cells = COLUMNS
+            .iter()
+            .map(|quantity| cell(values[*quantity as usize]))
+            .chain([cell(start.err)]);
         Row::of((i + 1).to_string(), cells)
     };
-    let mut rows: Vec<Row> = values.iter().zip(&calibration.starts).enumerate().map(of_start).collect();
+    let mut rows: Vec<Row> = values
+        .iter()
+        .zip(&calibration.starts)
+        .enumerate()
+        .map(of_start)
+        .collect();
     let moments = |values: &[f64]| {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -123,14 +214,25 @@ fn starts(calibration: &Calibration) -> Table {
         [mean, variance.sqrt(), variance.sqrt() / mean.abs()]
     };
     let errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
-    let all: Vec<[f64; 3]> = COLUMNS.iter().map(column).chain([errs]).map(|values| moments(&values)).collect();
+    let all: Vec<[f64; 3]> = COLUMNS
+        .iter()
+        .map(column)
+        .chain([errs])
+        .map(|values| moments(&values))
+        .collect();
     for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
         rows.push(Row::of(name, all.iter().map(|moments| cell(moments[k]))));
     }
     let below = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
                  how far the minimum is from the truth.";
     let heading = "Starts of the least squares (err in m2):".into();
-    Table { heading, columns, rows, below: below.into(), not_in: NO_TEXT }
+    Table {
+        heading,
+        columns,
+        rows,
+        below: below.into(),
+        not_in: NO_TEXT,
+    }
 }
 
 /// Slips and sliding path of the record, and what they are in a year.
@@ -163,12 +265,25 @@ fn millimetres(unit: &str) -> (f64, String) {
 pub fn truth(values: &Values) -> Report {
     let row = |quantity: &Quantity| {
         let value = values[*quantity as usize];
-        let value = if value.is_finite() { Cell::significant(value, 7) } else { Cell::missing("none") };
+        let value = if value.is_finite() {
+            Cell::significant(value, 7)
+        } else {
+            Cell::missing("none")
+        };
         Row::of(quantity.key(), [quantity.symbol().into(), value])
     };
-    let columns = ["quantity", "symbol", "value"].map(|name| Column::of(name, "")).to_vec();
+    let columns = ["quantity", "symbol", "value"]
+        .map(|name| Column::of(name, ""))
+        .to_vec();
     let rows = Quantity::ALL.iter().map(row).collect();
-    Report { tables: vec![Table { columns, rows, ..Table::default() }], ..Report::default() }
+    Report {
+        tables: vec![Table {
+            columns,
+            rows,
+            ..Table::default()
+        }],
+        ..Report::default()
+    }
 }
 
 /// The report of a forecast.
@@ -187,12 +302,20 @@ pub fn forecast(title: &str, found: &Forecast) -> Report {
         let ([[low, high], [least, most]], (factor, unit)) = (ranges, millimetres(unit));
         let numbers = [value, low, high, least, most].map(|number| factor * number);
         let mut cells = Cell::all(numbers, factor * (high - low) / 4.0);
-        cells[3..].iter_mut().filter(|_| least.is_nan()).for_each(|cell| cell.text.clear());
+        cells[3..]
+            .iter_mut()
+            .filter(|_| least.is_nan())
+            .for_each(|cell| cell.text.clear());
         Row::of(label, cells.into_iter().chain([unit.as_str().into()]))
     };
     let levels = found.levels.iter().map(|level| {
         let ranges = [level.expected_interval, level.year_interval];
-        row(words(level.quantity, found.question.share), level.expected, ranges, level.quantity.unit())
+        row(
+            words(level.quantity, found.question.share),
+            level.expected,
+            ranges,
+            level.quantity.unit(),
+        )
     });
     let returns = found.return_levels.iter().map(|level| {
         let label = format!("|z| exceeded in one of {} years", level.years);
@@ -204,11 +327,21 @@ pub fn forecast(title: &str, found: &Forecast) -> Report {
         significant(100.0 * found.question.level, 4)
     );
     let years: usize = found.years.iter().map(Vec::len).sum();
-    let years = format!("{} with {} draws of the parameters", grouped(years as u64), found.years.len());
+    let years = format!(
+        "{} with {} draws of the parameters",
+        grouped(years as u64),
+        found.years.len()
+    );
     let (heading, rows) = ("What a year brings".into(), levels.chain(returns).collect());
     Report {
         title: title.into(),
-        tables: vec![Table { heading, columns, rows, below, ..Table::default() }],
+        tables: vec![Table {
+            heading,
+            columns,
+            rows,
+            below,
+            ..Table::default()
+        }],
         remarks: vec![("years", years)],
         ..Report::default()
     }
@@ -232,29 +365,73 @@ pub fn weather(found: &WeatherFit) -> Report {
         let [value, _] = Cell::all([value, error], error);
         Row::of(name, [value, Cell::significant(error, 2), unit.into()])
     };
-    let mut rows = vec![row("mean", found.mean().0, found.mean().1, "degrees".into())];
+    let mut rows = vec![row(
+        "mean",
+        found.mean().0,
+        found.mean().1,
+        "degrees".into(),
+    )];
     rows.extend(found.cycles().iter().map(|cycle| {
         let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
-        row(&name, cycle.amplitude, cycle.error, format!("K, phase {}", significant(cycle.phase, 4)))
+        row(
+            &name,
+            cycle.amplitude,
+            cycle.error,
+            format!("K, phase {}", significant(cycle.phase, 4)),
+        )
     }));
     for process in found.processes() {
         let sd = process.sd;
-        rows.push(row("standard deviation of weather", sd, sd * process.sd_error, "K".into()));
+        rows.push(row(
+            "standard deviation of weather",
+            sd,
+            sd * process.sd_error,
+            "K".into(),
+        ));
         let hours = 1.0 / process.relaxation_rate / 3600.0;
-        rows.push(row("  which it remembers for", hours, hours * process.rate_error, "h".into()));
+        rows.push(row(
+            "  which it remembers for",
+            hours,
+            hours * process.rate_error,
+            "h".into(),
+        ));
     }
     let smoothing = found.smoothing().map(|(tau, error)| (tau / 3600.0, error));
-    rows.extend(smoothing.map(|(tau, error)| row("time constant that smooths it", tau, tau * error, "h".into())));
+    rows.extend(smoothing.map(|(tau, error)| {
+        row(
+            "time constant that smooths it",
+            tau,
+            tau * error,
+            "h".into(),
+        )
+    }));
     let white = match found.white {
         0.0 => "none: adding it does not raise the likelihood".to_string(),
-        white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
+        white => format!(
+            "{} K in every sample, not part of the weather",
+            significant(white, 3)
+        ),
     };
-    let [name, estimate, error] =
-        super::columns([("quantity", ""), ("estimate", "estimate"), ("standard_error", "standard error")]);
+    let [name, estimate, error] = super::columns([
+        ("quantity", ""),
+        ("estimate", "estimate"),
+        ("standard_error", "standard error"),
+    ]);
     Report {
-        tables: vec![Table { columns: vec![name, estimate, error, Column::unit("")], rows, ..Table::default() }],
+        tables: vec![Table {
+            columns: vec![name, estimate, error, Column::unit("")],
+            rows,
+            ..Table::default()
+        }],
         remarks: vec![
-            ("data", format!("{} samples in {}", grouped(found.samples as u64), time(found.duration))),
+            (
+                "data",
+                format!(
+                    "{} samples in {}",
+                    grouped(found.samples as u64),
+                    time(found.duration)
+                ),
+            ),
             ("sensor", white),
             ("log L", format!("{:.1}", found.log_likelihood)),
         ],
@@ -273,8 +450,17 @@ mod tests {
         let mut calibration = Calibration::default();
         calibration.estimates[Quantity::Shear as usize].estimate = 0.5;
         calibration.record.times = vec![0.0, YEAR];
-        let slip = |jump| SeenSlip { time: 1.0, temperature: 0.0, jump, is_usual: true };
+        let slip = |jump| SeenSlip {
+            time: 1.0,
+            temperature: 0.0,
+            jump,
+            is_usual: true,
+        };
         calibration.slips = vec![slip(0.01), slip(-0.01)];
-        assert!(seen(&calibration).contains("Together they are 40 mm of sliding path"), "{}", seen(&calibration));
+        assert!(
+            seen(&calibration).contains("Together they are 40 mm of sliding path"),
+            "{}",
+            seen(&calibration)
+        );
     }
 }

@@ -16,10 +16,17 @@ const DIGITS: usize = 16;
 /// and number of paths have the same data.
 pub fn citation(stored: &Stored) -> [String; 2] {
     let header = &stored.header;
-    let step = header.step.map(|step| format!(", step {}", short(step))).unwrap_or_default();
+    let step = header
+        .step
+        .map(|step| format!(", step {}", short(step)))
+        .unwrap_or_default();
     let paths = match stored.completed_paths == header.paths {
         true => counted(header.paths, "path"),
-        false => format!("{} of {}", grouped(stored.completed_paths), counted(header.paths, "path")),
+        false => format!(
+            "{} of {}",
+            grouped(stored.completed_paths),
+            counted(header.paths, "path")
+        ),
     };
     let program = format!(
         "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme {}{step}, seed {}, {paths}.",

@@ -11,9 +11,19 @@ use stickslip::stats::{Statistic, Summary};
 pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> Report {
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     let about = letters.iter().zip(infos).map(|(letter, info)| {
-        let Provenance { scheme, step, seed, paths, .. } = &info.provenance;
+        let Provenance {
+            scheme,
+            step,
+            seed,
+            paths,
+            ..
+        } = &info.provenance;
         let step = of_step(*step);
-        format!("{letter:<3}{}: {scheme}{step}, seed {seed}, {}", info.file, counted(*paths, "path"))
+        format!(
+            "{letter:<3}{}: {scheme}{step}, seed {seed}, {}",
+            info.file,
+            counted(*paths, "path")
+        )
     });
     let of = |name: String| {
         let error = Column::of(format!("{name} error"), "std. error");
@@ -22,46 +32,81 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> 
     let mut columns = vec![Column::of("statistic", "statistic")];
     columns.extend(of(letters[0].clone()));
     for letter in &letters[1..] {
-        columns.extend(of(letter.clone()).into_iter().chain(of(format!("{letter} - {}", letters[0]))));
+        columns.extend(
+            of(letter.clone())
+                .into_iter()
+                .chain(of(format!("{letter} - {}", letters[0]))),
+        );
         columns.push(Column::of(format!("{letter} differs"), ""));
     }
     let mut asked: Vec<Statistic> = Vec::new();
-    for statistic in summaries.iter().flat_map(|summary| chosen.of(&FIRST, &summary.asked)) {
+    for statistic in summaries
+        .iter()
+        .flat_map(|summary| chosen.of(&FIRST, &summary.asked))
+    {
         if !asked.contains(statistic) {
             asked.push(*statistic);
         }
     }
     let row = |statistic: Statistic| {
-        let of =
-            |summary: &&Summary| (summary.estimate(statistic).estimate, summary.estimate(statistic).standard_error);
+        let of = |summary: &&Summary| {
+            (
+                summary.estimate(statistic).estimate,
+                summary.estimate(statistic).standard_error,
+            )
+        };
         let (first, error) = of(&summaries[0]);
         let mut cells = Cell::all([first, error], error).to_vec();
         for (other, other_error) in summaries[1..].iter().map(of) {
             let (difference, both) = (other - first, error.hypot(other_error));
             cells.extend(Cell::all([other, other_error], other_error));
             cells.extend(Cell::all([difference, both], both));
-            cells.push(if difference.abs() > INTERVAL * both { "*" } else { "" }.into());
+            cells.push(
+                if difference.abs() > INTERVAL * both {
+                    "*"
+                } else {
+                    ""
+                }
+                .into(),
+            );
         }
         Row::of(statistic.name(), cells)
     };
     let rows = asked.into_iter().map(row).collect();
-    let table = Table { columns, rows, below: legend(infos, &letters), ..Table::default() };
-    Report { title: about.collect::<Vec<_>>().join("\n"), tables: vec![table], ..Report::default() }
+    let table = Table {
+        columns,
+        rows,
+        below: legend(infos, &letters),
+        ..Table::default()
+    };
+    Report {
+        title: about.collect::<Vec<_>>().join("\n"),
+        tables: vec![table],
+        ..Report::default()
+    }
 }
 
 /// The label of file i: a, b, ..., z, then numbers.
 fn letter(i: usize) -> String {
-    let letter = u8::try_from(i).ok().filter(|i| *i < 26).map(|i| char::from(b'a' + i));
+    let letter = u8::try_from(i)
+        .ok()
+        .filter(|i| *i < 26)
+        .map(|i| char::from(b'a' + i));
     letter.map_or_else(|| format!("{}", i + 1), String::from)
 }
 
 /// States what the errors of the differences assume.
 fn legend(infos: &[RunInfo], letters: &[String]) -> String {
-    let mut legend = "errors of differences assume independent runs; * marks differences above 1.96 errors, \
+    let mut legend =
+        "errors of differences assume independent runs; * marks differences above 1.96 errors, \
                       which chance alone produces once in twenty"
-        .to_string();
+            .to_string();
     let first = &infos[0].provenance;
-    let same = letters.iter().zip(infos).skip(1).filter(|(_, info)| info.provenance.seed == first.seed);
+    let same = letters
+        .iter()
+        .zip(infos)
+        .skip(1)
+        .filter(|(_, info)| info.provenance.seed == first.seed);
     let same: Vec<&str> = same.map(|(letter, _)| letter.as_str()).collect();
     if !same.is_empty() {
         legend += &format!(
@@ -95,15 +140,34 @@ mod tests {
             summary.estimates[Statistic::SubPhasesMean.index()].standard_error = error;
         }
         set(&mut b, Statistic::JumpMean, f64::NAN);
-        let provenance = Provenance { seed: 2, ..info().provenance };
-        let other = RunInfo { provenance, ..info() };
-        let table = text(&comparison(&[&a, &b, &a], &[info(), other, info()], Chosen::All));
-        let cells: Vec<&str> = row(&table, "sub_phases_mean").split_whitespace().skip(1).collect();
+        let provenance = Provenance {
+            seed: 2,
+            ..info().provenance
+        };
+        let other = RunInfo {
+            provenance,
+            ..info()
+        };
+        let table = text(&comparison(
+            &[&a, &b, &a],
+            &[info(), other, info()],
+            Chosen::All,
+        ));
+        let cells: Vec<&str> = row(&table, "sub_phases_mean")
+            .split_whitespace()
+            .skip(1)
+            .collect();
         assert_eq!(
             cells,
-            ["3.000", "0.030", "4.000", "0.040", "1.000", "0.050", "*", "3.000", "0.030", "0.000", "0.042"]
+            [
+                "3.000", "0.030", "4.000", "0.040", "1.000", "0.050", "*", "3.000", "0.030",
+                "0.000", "0.042"
+            ]
         );
-        let cells: Vec<&str> = row(&table, "slips_per_path").split_whitespace().skip(1).collect();
+        let cells: Vec<&str> = row(&table, "slips_per_path")
+            .split_whitespace()
+            .skip(1)
+            .collect();
         assert!(!cells.contains(&"*"), "{table}");
         assert!(row(&table, "jump_mean").contains("none"), "{table}");
         let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -23,20 +23,42 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let Page { report, warnings, words, pictures, scenario, provenance } = self;
-        let section =
-            |heading: &str, inside: &str| format!("<section><h2>{}</h2>{inside}</section>\n", marked(heading));
-        let warnings: String = warnings.iter().map(|warning| format!("<li>{}</li>", marked(warning))).collect();
+        let Page {
+            report,
+            warnings,
+            words,
+            pictures,
+            scenario,
+            provenance,
+        } = self;
+        let section = |heading: &str, inside: &str| {
+            format!("<section><h2>{}</h2>{inside}</section>\n", marked(heading))
+        };
+        let warnings: String = warnings
+            .iter()
+            .map(|warning| format!("<li>{}</li>", marked(warning)))
+            .collect();
         let warnings = match warnings.is_empty() {
             true => String::new(),
-            false => format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{warnings}</ul></section>"),
+            false => format!(
+                "<section class=\"warnings\"><h2>Warnings</h2><ul>{warnings}</ul></section>"
+            ),
         };
-        let tables = report.tables.iter().filter(|table| !table.not_in.contains(&Format::Html));
+        let tables = report
+            .tables
+            .iter()
+            .filter(|table| !table.not_in.contains(&Format::Html));
         let tables = tables.map(|table| {
-            let heading = if table.heading.is_empty() { "Results" } else { &table.heading };
+            let heading = if table.heading.is_empty() {
+                "Results"
+            } else {
+                &table.heading
+            };
             section(heading, &of_table(table))
         });
-        let words = words.iter().map(|(heading, words)| section(heading, &format!("<p>{}</p>", marked(words))));
+        let words = words
+            .iter()
+            .map(|(heading, words)| section(heading, &format!("<p>{}</p>", marked(words))));
         let pictures: String = pictures.iter().map(picture).collect();
         // Pictures next to each other fill columns, whatever their heights.
         let pictures = format!("<div class=\"pictures\">{pictures}</div>\n");
@@ -61,15 +83,26 @@ fn of_table(table: &Table) -> String {
             Ok(_) => text.replace('-', "\u{2212}"),
             Err(_) => text.replace("+-", "\u{b1}"),
         };
-        let cells = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&in_words(&sign(&cell.text)))));
+        let cells = cells
+            .iter()
+            .map(|cell| format!("<{tag}>{}</{tag}>", escaped(&in_words(&sign(&cell.text)))));
         format!("<tr>{}</tr>", cells.collect::<String>())
     };
     let mut rows = table.shown(Format::Html).0.into_iter();
-    let head: String = rows.next().map(|cells| row(cells, "th")).into_iter().collect();
+    let head: String = rows
+        .next()
+        .map(|cells| row(cells, "th"))
+        .into_iter()
+        .collect();
     let body: String = rows.take(MOST_ROWS).map(|cells| row(cells, "td")).collect();
-    let below =
-        if table.below.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", marked(&table.below)) };
-    format!("<div class=\"wide\"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>{below}")
+    let below = if table.below.is_empty() {
+        String::new()
+    } else {
+        format!("<p class=\"note\">{}</p>", marked(&table.below))
+    };
+    format!(
+        "<div class=\"wide\"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>{below}"
+    )
 }
 
 fn picture(drawing: &Drawing) -> String {
@@ -83,7 +116,9 @@ fn in_words(text: &str) -> String {
     let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let words = text.split_inclusive(|c| !is_of_name(c)).map(|word| {
         let name = word.trim_end_matches(|c| !is_of_name(c));
-        Statistic::from_name(name).map_or(word.to_string(), |statistic| word.replacen(name, statistic.words(), 1))
+        Statistic::from_name(name).map_or(word.to_string(), |statistic| {
+            word.replacen(name, statistic.words(), 1)
+        })
     });
     words.collect()
 }
@@ -100,7 +135,11 @@ fn marked(text: &str) -> String {
         _ if i.is_multiple_of(2) => "<code>",
         _ => "</code>",
     };
-    parts.iter().enumerate().map(|(i, part)| format!("{part}{}", tag(i))).collect()
+    parts
+        .iter()
+        .enumerate()
+        .map(|(i, part)| format!("{part}{}", tag(i)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -110,12 +149,21 @@ mod tests {
     #[test]
     fn marks_of_code_come_in_pairs() {
         let code = marked("raise `a<b` or `c` by 1 +- 2, drift_velocity");
-        assert_eq!(code, "raise <code>a&lt;b</code> or <code>c</code> by 1 \u{b1} 2, drift velocity");
-        assert_eq!([marked("a`b"), marked("`a` b`c")], ["a`b", "<code>a</code> b`c"]);
+        assert_eq!(
+            code,
+            "raise <code>a&lt;b</code> or <code>c</code> by 1 \u{b1} 2, drift velocity"
+        );
+        assert_eq!(
+            [marked("a`b"), marked("`a` b`c")],
+            ["a`b", "<code>a</code> b`c"]
+        );
     }
 
     #[test]
     fn texts_cannot_end_what_they_stand_in() {
-        assert_eq!(escaped("</script>&\"'\u{0}\u{7f}\n"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}\u{fffd}\n");
+        assert_eq!(
+            escaped("</script>&\"'\u{0}\u{7f}\n"),
+            "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}\u{fffd}\n"
+        );
     }
 }

@@ -40,7 +40,11 @@ impl RunInfo {
     /// A scheme without a step gives up a path that takes more work than is allowed or meets a
     /// number that is not finite.
     pub(super) fn loss(&self) -> &'static str {
-        if self.provenance.step.is_some() { "diverged" } else { "given up" }
+        if self.provenance.step.is_some() {
+            "diverged"
+        } else {
+            "given up"
+        }
     }
 
     /// Wall-clock time of the simulation without the estimate of the bias.

@@ -13,9 +13,21 @@ use stickslip_files::dataset::StoredCalibration;
 /// A run. Each warning is a name and a sentence.
 pub fn of_run(summary: &Summary, info: &RunInfo, warnings: &[(String, String)]) -> String {
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
-    let Units { time, length, force, temperature } = &run.units;
-    let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
-    let statistics = summary.reported().map(|e| (e.statistic.name().to_string(), estimate(e)));
+    let Units {
+        time,
+        length,
+        force,
+        temperature,
+    } = &run.units;
+    let unsettled = summary.unsettled().map(|unsettled| {
+        unsettled
+            .into_iter()
+            .map(Statistic::name)
+            .collect::<Vec<_>>()
+    });
+    let statistics = summary
+        .reported()
+        .map(|e| (e.statistic.name().to_string(), estimate(e)));
     let report = json!({
         "scenario": info.scenario,
         "title": run.title,
@@ -77,7 +89,15 @@ fn cycle(cycle: &LimitCycle) -> Value {
     json!({ "amplitude": cycle.amplitude, "repeats": repeats, "section": cycle.section })
 }
 
-fn start(Transient { end, sticks, slips, displacement, .. }: Transient) -> Value {
+fn start(
+    Transient {
+        end,
+        sticks,
+        slips,
+        displacement,
+        ..
+    }: Transient,
+) -> Value {
     json!({
         "end": end,
         "sticks": sticks,
@@ -107,16 +127,31 @@ fn estimate(e: &Estimate) -> Value {
 }
 
 /// A calibration.
-pub fn of_calibration(StoredCalibration { calibration, warnings, .. }: &StoredCalibration) -> String {
+pub fn of_calibration(
+    StoredCalibration {
+        calibration,
+        warnings,
+        ..
+    }: &StoredCalibration,
+) -> String {
     let of = |quantities: &[Quantity]| -> BTreeMap<&str, Value> {
-        quantities.iter().map(|quantity| (quantity.key(), parameter(calibration.estimate(*quantity)))).collect()
+        quantities
+            .iter()
+            .map(|quantity| (quantity.key(), parameter(calibration.estimate(*quantity))))
+            .collect()
     };
     let (parameters, derived) = Quantity::ALL.split_at(Quantity::PARAMETERS);
     let (lag, profile) = (&calibration.lag, calibration.lag_profile.as_ref());
-    let starts = calibration.starts.iter().zip(calibration.start_values()).map(|(start, values)| {
-        let of_start = parameters.iter().map(|quantity| (quantity.key(), values[*quantity as usize]));
-        json!({ "err": start.err, "parameters": of_start.collect::<BTreeMap<_, _>>() })
-    });
+    let starts = calibration
+        .starts
+        .iter()
+        .zip(calibration.start_values())
+        .map(|(start, values)| {
+            let of_start = parameters
+                .iter()
+                .map(|quantity| (quantity.key(), values[*quantity as usize]));
+            json!({ "err": start.err, "parameters": of_start.collect::<BTreeMap<_, _>>() })
+        });
     let slips = calibration.slips.iter().map(
         |slip| json!({ "time": slip.time, "temperature": slip.temperature, "jump": slip.jump, "usual": slip.is_usual }),
     );
@@ -147,7 +182,13 @@ pub fn of_calibration(StoredCalibration { calibration, warnings, .. }: &StoredCa
     document("calibration", object)
 }
 
-fn parameter(ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Value {
+fn parameter(
+    ParameterEstimate {
+        estimate,
+        low,
+        high,
+    }: ParameterEstimate,
+) -> Value {
     json!({ "estimate": estimate, "low": low, "high": high })
 }
 
@@ -166,34 +207,63 @@ mod tests {
         set(&mut summary, Statistic::JumpMean, f64::INFINITY);
         let text = of_run(&summary, &info(), &[]);
         let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
-        for key in ["scenario", "scheme", "step", "seed", "paths", "completed_paths", "diverged_paths", "threads"] {
+        for key in [
+            "scenario",
+            "scheme",
+            "step",
+            "seed",
+            "paths",
+            "completed_paths",
+            "diverged_paths",
+            "threads",
+        ] {
             assert!(!value[key].is_null(), "{key}");
         }
         assert_eq!(value["seconds"], 0.6);
-        assert_eq!((value["us_per_path"].as_f64(), value["file"].as_str()), (Some(60.0), Some("rho025.h5")));
+        assert_eq!(
+            (value["us_per_path"].as_f64(), value["file"].as_str()),
+            (Some(60.0), Some("rho025.h5"))
+        );
         assert!((value["ns_per_path_step"].as_f64().unwrap_or(0.0) - 10.0).abs() < 1e-9);
         let statistics = value["statistics"].as_object().expect("an object");
         assert_eq!(statistics.len(), summary.asked.len());
         assert_eq!(statistics["stick_duration_mean"]["estimate"], 0.538572);
         for name in ["drift_velocity", "jump_mean"] {
             for key in ["estimate", "standard_error", "low", "high", "bias"] {
-                assert!(statistics[name].get(key).is_some_and(serde_json::Value::is_null), "{name}.{key}");
+                assert!(
+                    statistics[name]
+                        .get(key)
+                        .is_some_and(serde_json::Value::is_null),
+                    "{name}.{key}"
+                );
             }
         }
         let place = |name: &str| text.find(&format!("\"{name}\"")).expect("every name");
-        assert!(summary.asked.windows(2).all(|pair| place(pair[0].name()) < place(pair[1].name())), "in order");
+        assert!(
+            summary
+                .asked
+                .windows(2)
+                .all(|pair| place(pair[0].name()) < place(pair[1].name())),
+            "in order"
+        );
     }
 
     #[test]
     fn a_corrected_estimate_stands_beside_its_bias() {
         let mut summary = summary();
-        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: None });
-        let value: serde_json::Value = serde_json::from_str(&of_run(&summary, &info(), &[])).expect("valid JSON");
+        summary.estimates[0].bias = Some(Bias {
+            estimate: 0.0955,
+            uncertainty: 0.0311,
+            order: None,
+        });
+        let value: serde_json::Value =
+            serde_json::from_str(&of_run(&summary, &info(), &[])).expect("valid JSON");
         let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
         // The correction takes off 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends of the
         // interval are 0.0311044 from 0.538572 - 0.0955.
         for (key, expected) in [("", 0.444146), ("_low", 0.411968), ("_high", 0.474176)] {
-            let reported = entry("stick_duration_mean", &format!("estimate_corrected{key}")).expect("it has a bias");
+            let reported = entry("stick_duration_mean", &format!("estimate_corrected{key}"))
+                .expect("it has a bias");
             assert!((reported - expected).abs() < 2e-6, "{key}: {reported}");
         }
         assert_eq!(entry("jump_mean", "estimate_corrected"), None);
@@ -201,11 +271,21 @@ mod tests {
 
     #[test]
     fn a_stored_run_has_no_times() {
-        let stored =
-            RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
+        let stored = RunInfo {
+            seconds: None,
+            bias_seconds: None,
+            threads: None,
+            status: Status::Interrupted,
+            ..info()
+        };
         assert!(table(&summary(), &stored).contains("interrupted"));
-        let value: serde_json::Value = serde_json::from_str(&of_run(&summary(), &stored, &[])).expect("valid JSON");
-        assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());
+        let value: serde_json::Value =
+            serde_json::from_str(&of_run(&summary(), &stored, &[])).expect("valid JSON");
+        assert!(
+            value["seconds"].is_null()
+                && value["ns_per_path_step"].is_null()
+                && value["threads"].is_null()
+        );
         assert_eq!(value["status"], "interrupted");
     }
 }

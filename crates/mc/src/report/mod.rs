@@ -113,16 +113,27 @@ const INTERVAL: f64 = 1.96;
 impl Column {
     /// A column of numbers.
     fn of(name: impl Into<String>, words: impl Into<String>) -> Self {
-        Column { name: name.into(), words: words.into(), is_left: false, not_in: &[] }
+        Column {
+            name: name.into(),
+            words: words.into(),
+            is_left: false,
+            not_in: &[],
+        }
     }
 
     /// The column of units.
     fn unit(words: &str) -> Self {
-        Column { is_left: true, ..Column::of("unit", words) }
+        Column {
+            is_left: true,
+            ..Column::of("unit", words)
+        }
     }
 
     fn not_in(self, formats: &'static [Format]) -> Self {
-        Column { not_in: formats, ..self }
+        Column {
+            not_in: formats,
+            ..self
+        }
     }
 }
 
@@ -133,7 +144,12 @@ fn columns<const N: usize>(named: [(&str, &str); N]) -> [Column; N] {
 
 /// The columns of an estimate.
 fn of_estimate() -> [Column; 4] {
-    columns([("estimate", "estimate"), ("standard_error", "std. error"), ("low", "95 % from"), ("high", "to")])
+    columns([
+        ("estimate", "estimate"),
+        ("standard_error", "std. error"),
+        ("low", "95 % from"),
+        ("high", "to"),
+    ])
 }
 
 /// The step of a scheme that has one, behind the name of the scheme.
@@ -145,20 +161,29 @@ impl Row {
     /// A row with this label and these cells to its right.
     fn of(label: impl Into<Cell>, cells: impl IntoIterator<Item = impl Into<Cell>>) -> Self {
         let cells = cells.into_iter().map(Into::into);
-        Row { cells: std::iter::once(label.into()).chain(cells).collect(), why: String::new() }
+        Row {
+            cells: std::iter::once(label.into()).chain(cells).collect(),
+            why: String::new(),
+        }
     }
 }
 
 impl<T: Into<String>> From<T> for Cell {
     fn from(text: T) -> Self {
-        Cell { text: text.into(), number: None }
+        Cell {
+            text: text.into(),
+            number: None,
+        }
     }
 }
 
 impl Cell {
     /// A number, and its text.
     fn number(number: f64, text: impl Into<String>) -> Self {
-        Cell { text: text.into(), number: Some(number) }
+        Cell {
+            text: text.into(),
+            number: Some(number),
+        }
     }
 
     /// A number that does not exist, with this text.
@@ -182,23 +207,43 @@ impl Table {
     /// The cells that a format shows, headings first, and the places of the columns that stand to
     /// the left.
     fn shown(&self, format: Format) -> (Vec<Vec<Cell>>, Vec<bool>) {
-        let has_text =
-            |i: usize| self.rows.iter().any(|row| row.cells.get(i).is_some_and(|cell| !cell.text.is_empty()));
-        let is_shown =
-            |i: &usize| !self.columns[*i].not_in.contains(&format) && (format == Format::Csv || has_text(*i));
+        let has_text = |i: usize| {
+            self.rows
+                .iter()
+                .any(|row| row.cells.get(i).is_some_and(|cell| !cell.text.is_empty()))
+        };
+        let is_shown = |i: &usize| {
+            !self.columns[*i].not_in.contains(&format) && (format == Format::Csv || has_text(*i))
+        };
         let shown: Vec<usize> = (0..self.columns.len()).filter(is_shown).collect();
         let has_reasons = format != Format::Csv && self.rows.iter().any(|row| !row.why.is_empty());
         let heading = |i: &usize| match format {
             Format::Csv => self.columns[*i].name.as_str().into(),
             _ => self.columns[*i].words.as_str().into(),
         };
-        let head = shown.iter().map(heading).chain(has_reasons.then(Cell::default)).collect();
+        let head = shown
+            .iter()
+            .map(heading)
+            .chain(has_reasons.then(Cell::default))
+            .collect();
         let rows = self.rows.iter().map(|row| {
-            let why = if row.why.is_empty() { String::new() } else { format!("({})", row.why) };
-            let cells = shown.iter().map(|i| row.cells.get(*i).cloned().unwrap_or_default());
+            let why = if row.why.is_empty() {
+                String::new()
+            } else {
+                format!("({})", row.why)
+            };
+            let cells = shown
+                .iter()
+                .map(|i| row.cells.get(*i).cloned().unwrap_or_default());
             cells.chain(has_reasons.then(|| why.into())).collect()
         });
-        let is_left = shown.iter().enumerate().map(|(place, i)| place == 0 || self.columns[*i].is_left);
-        (std::iter::once(head).chain(rows).collect(), is_left.chain([true]).collect())
+        let is_left = shown
+            .iter()
+            .enumerate()
+            .map(|(place, i)| place == 0 || self.columns[*i].is_left);
+        (
+            std::iter::once(head).chain(rows).collect(),
+            is_left.chain([true]).collect(),
+        )
     }
 }

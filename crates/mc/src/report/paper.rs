@@ -7,24 +7,45 @@ use stickslip::stats::Statistic;
 /// The tables as one, whose columns are those of all of them by name.
 fn joined(tables: Vec<Table>, format: Format) -> Vec<Vec<Cell>> {
     let mut all = Table::default();
-    for table in tables.into_iter().filter(|table| !table.not_in.contains(&format)) {
+    for table in tables
+        .into_iter()
+        .filter(|table| !table.not_in.contains(&format))
+    {
         for column in &table.columns {
             if all.columns.iter().all(|known| known.name != column.name) {
                 all.columns.push(column.clone());
             }
         }
-        let place = |known: &Column| table.columns.iter().position(|column| column.name == known.name);
+        let place = |known: &Column| {
+            table
+                .columns
+                .iter()
+                .position(|column| column.name == known.name)
+        };
         let places: Vec<Option<usize>> = all.columns.iter().map(place).collect();
-        let taken = |row: &Row, at: &Option<usize>| at.and_then(|at| row.cells.get(at)).cloned().unwrap_or_default();
-        let row = |row: Row| Row { cells: places.iter().map(|at| taken(&row, at)).collect(), ..row };
+        let taken = |row: &Row, at: &Option<usize>| {
+            at.and_then(|at| row.cells.get(at))
+                .cloned()
+                .unwrap_or_default()
+        };
+        let row = |row: Row| Row {
+            cells: places.iter().map(|at| taken(&row, at)).collect(),
+            ..row
+        };
         all.rows.extend(table.rows.into_iter().map(row));
     }
     all.shown(format).0
 }
 
-fn written(rows: &[Vec<Cell>], cell: impl Fn(&Cell) -> String, [first, between, last]: [&str; 3]) -> Vec<String> {
+fn written(
+    rows: &[Vec<Cell>],
+    cell: impl Fn(&Cell) -> String,
+    [first, between, last]: [&str; 3],
+) -> Vec<String> {
     let line = |row: &Vec<Cell>| row.iter().map(&cell).collect::<Vec<_>>().join(between);
-    rows.iter().map(|row| format!("{first}{}{last}\n", line(row))).collect()
+    rows.iter()
+        .map(|row| format!("{first}{}{last}\n", line(row)))
+        .collect()
 }
 
 /// The tables of these files. A missing number is an empty cell, and the end of an interval without
@@ -34,7 +55,10 @@ pub fn comma_separated(reports: Vec<(String, Report)>) -> String {
     for (file, report) in reports {
         for mut table in report.tables {
             table.columns.insert(0, Column::of("file", ""));
-            table.rows.iter_mut().for_each(|row| row.cells.insert(0, file.as_str().into()));
+            table
+                .rows
+                .iter_mut()
+                .for_each(|row| row.cells.insert(0, file.as_str().into()));
             tables.push(table);
         }
     }
@@ -49,17 +73,33 @@ pub fn comma_separated(reports: Vec<(String, Report)>) -> String {
 /// A text as one cell of comma-separated values. What a spreadsheet would take for a formula, and
 /// is no number, is marked as a text in the way of spreadsheets.
 fn quoted(text: &str) -> String {
-    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.contains(char::is_alphanumeric);
-    let mark = if is_formula && text.parse::<f64>().is_err() { "'" } else { "" };
+    let is_formula =
+        text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.contains(char::is_alphanumeric);
+    let mark = if is_formula && text.parse::<f64>().is_err() {
+        "'"
+    } else {
+        ""
+    };
     let is_plain = !text.contains([',', '"', '\n', '\r']);
-    if is_plain { format!("{mark}{text}") } else { format!("\"{mark}{}\"", text.replace('"', "\"\"")) }
+    if is_plain {
+        format!("{mark}{text}")
+    } else {
+        format!("\"{mark}{}\"", text.replace('"', "\"\""))
+    }
 }
 
 /// The tables as one of Markdown.
 pub fn markdown(report: Report) -> String {
     let rows = joined(report.tables, Format::Paper);
-    let mut lines = written(&rows, |cell| cell.text.replace('|', "\\|"), ["| ", " | ", " |"]);
-    lines.insert(1, format!("|---|{}\n", "---:|".repeat(rows[0].len().saturating_sub(1))));
+    let mut lines = written(
+        &rows,
+        |cell| cell.text.replace('|', "\\|"),
+        ["| ", " | ", " |"],
+    );
+    lines.insert(
+        1,
+        format!("|---|{}\n", "---:|".repeat(rows[0].len().saturating_sub(1))),
+    );
     lines.concat()
 }
 
@@ -69,7 +109,10 @@ pub fn latex(report: Report) -> String {
     let lines = written(&rows, |cell| latex_cell(&cell.text), ["", " & ", " \\\\"]);
     let columns = "r".repeat(rows[0].len().saturating_sub(1));
     let body = lines[1..].concat();
-    format!("\\begin{{tabular}}{{l{columns}}}\n\\hline\n{}\\hline\n{body}\\hline\n\\end{{tabular}}\n", lines[0])
+    format!(
+        "\\begin{{tabular}}{{l{columns}}}\n\\hline\n{}\\hline\n{body}\\hline\n\\end{{tabular}}\n",
+        lines[0]
+    )
 }
 
 /// A number as mathematics, a statistic in words, and anything else as text.
@@ -89,7 +132,11 @@ fn latex_cell(cell: &str) -> String {
         '^' | '~' => format!("\\{letter}{{}}"),
         _ => letter.to_string(),
     };
-    Statistic::from_name(cell).map_or(cell, |statistic| statistic.words()).chars().map(escaped).collect()
+    Statistic::from_name(cell)
+        .map_or(cell, |statistic| statistic.words())
+        .chars()
+        .map(escaped)
+        .collect()
 }
 
 #[cfg(test)]
@@ -103,7 +150,10 @@ mod tests {
     fn what_a_spreadsheet_would_compute_is_marked_as_a_text() {
         for (text, cell) in [
             ("=cmd.h5", "'=cmd.h5"),
-            ("=HYPERLINK(\"http://a.b\",\"c\")", "\"'=HYPERLINK(\"\"http://a.b\"\",\"\"c\"\")\""),
+            (
+                "=HYPERLINK(\"http://a.b\",\"c\")",
+                "\"'=HYPERLINK(\"\"http://a.b\"\",\"\"c\"\")\"",
+            ),
             ("+1+cmd|' /C calc'!A0", "'+1+cmd|' /C calc'!A0"),
             ("-2+3", "'-2+3"),
             ("@SUM(A1)", "'@SUM(A1)"),
@@ -130,8 +180,18 @@ mod tests {
                 Column::of("pm", "+-"),
                 Column::unit("unit"),
             ];
-            let rows = vec![Row::of("x|y", ["-0.9e-4", "none", "m"]), Row::of("z", ["1", "2", ""])];
-            Report { tables: vec![Table { columns, rows, ..Table::default() }], ..Report::default() }
+            let rows = vec![
+                Row::of("x|y", ["-0.9e-4", "none", "m"]),
+                Row::of("z", ["1", "2", ""]),
+            ];
+            Report {
+                tables: vec![Table {
+                    columns,
+                    rows,
+                    ..Table::default()
+                }],
+                ..Report::default()
+            }
         };
         assert_eq!(
             markdown(report()),
@@ -150,12 +210,28 @@ mod tests {
         let mut summary = summary();
         set(&mut summary, Statistic::DriftVelocity, f64::NAN);
         summary.estimates[0].estimate = 0.1 + 0.2;
-        summary.estimates[0].bias = Some(Bias { estimate: 0.05, uncertainty: 0.01, order: None });
+        summary.estimates[0].bias = Some(Bias {
+            estimate: 0.05,
+            uncertainty: 0.01,
+            order: None,
+        });
         summary.estimates[1].high = f64::INFINITY;
-        let whole = ("a, \"b\".h5".to_string(), run(&summary, &info(), Chosen::All, false));
-        let mut point = run(&summary, &info(), Chosen::These(&[Statistic::StickDurationMean]), false);
-        point.tables[0].columns.insert(0, Column::of("friction.static", "f_s"));
-        point.tables[0].rows[0].cells.insert(0, Cell::number(1.25, "1.2"));
+        let whole = (
+            "a, \"b\".h5".to_string(),
+            run(&summary, &info(), Chosen::All, false),
+        );
+        let mut point = run(
+            &summary,
+            &info(),
+            Chosen::These(&[Statistic::StickDurationMean]),
+            false,
+        );
+        point.tables[0]
+            .columns
+            .insert(0, Column::of("friction.static", "f_s"));
+        point.tables[0].rows[0]
+            .cells
+            .insert(0, Cell::number(1.25, "1.2"));
         let text = comma_separated(vec![whole, ("point.h5".to_string(), point)]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2 + summary.asked.len());
@@ -164,14 +240,30 @@ mod tests {
                 "file,statistic,estimate,standard_error,low,high,bias,bias_uncertainty,estimate_corrected,"
             )
         );
-        assert!(lines[1].starts_with("\"a, \"\"b\"\".h5\",stick_duration_mean,0.30000000000000004,"), "{}", lines[1]);
-        let cells = |line: &str| line.rsplitn(12, ',').map(String::from).collect::<Vec<_>>();
-        let column = |name: &str| cells(lines[0]).iter().position(|cell| cell == name).expect("a column");
-        assert_eq!(["bias", "bias_uncertainty"].map(|name| cells(lines[1])[column(name)].clone()), ["0.05", "0.01"]);
-        assert_eq!(cells(lines[2])[column("high")], "inf");
-        assert_eq!(cells(lines[1 + Statistic::DriftVelocity.index()])[column("estimate")], "");
         assert!(
-            lines[22].starts_with("point.h5,stick_duration_mean,0.30000000000000004,") && lines[22].ends_with(",1.25")
+            lines[1].starts_with("\"a, \"\"b\"\".h5\",stick_duration_mean,0.30000000000000004,"),
+            "{}",
+            lines[1]
+        );
+        let cells = |line: &str| line.rsplitn(12, ',').map(String::from).collect::<Vec<_>>();
+        let column = |name: &str| {
+            cells(lines[0])
+                .iter()
+                .position(|cell| cell == name)
+                .expect("a column")
+        };
+        assert_eq!(
+            ["bias", "bias_uncertainty"].map(|name| cells(lines[1])[column(name)].clone()),
+            ["0.05", "0.01"]
+        );
+        assert_eq!(cells(lines[2])[column("high")], "inf");
+        assert_eq!(
+            cells(lines[1 + Statistic::DriftVelocity.index()])[column("estimate")],
+            ""
+        );
+        assert!(
+            lines[22].starts_with("point.h5,stick_duration_mean,0.30000000000000004,")
+                && lines[22].ends_with(",1.25")
         );
     }
 }

@@ -1,7 +1,10 @@
 //! The report of a run: a row for each statistic, with its interval, its bias and its unit.
 
 use super::remarks::remarks;
-use super::{Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate, of_step};
+use super::{
+    Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate,
+    of_step,
+};
 use crate::output::numbers::{Digits, counted, significant};
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::{Period, PeriodSource};
@@ -46,17 +49,49 @@ impl<'a> Chosen<'a> {
 
 /// The report of these statistics, with all remarks or with what nobody must miss.
 pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> Report {
-    let Provenance { title, scheme, step, seed, paths, antithetic, units, .. } = &info.provenance;
+    let Provenance {
+        title,
+        scheme,
+        step,
+        seed,
+        paths,
+        antithetic,
+        units,
+        ..
+    } = &info.provenance;
     let step = of_step(*step);
-    let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { *paths }, "path");
-    let pairs = if *antithetic { " in antithetic pairs" } else { "" };
+    let paths = counted(
+        if info.status == Status::Ended {
+            summary.completed_paths
+        } else {
+            *paths
+        },
+        "path",
+    );
+    let pairs = if *antithetic {
+        " in antithetic pairs"
+    } else {
+        ""
+    };
     let rows = chosen.of(&FIRST, &summary.asked).iter().map(|statistic| {
         let e = summary.estimate(*statistic);
-        let cells = cells(e, summary.has_bias()).into_iter().chain([statistic.dimension().label(units).into()]);
-        let absence = summary.absence(e).map(String::from).or_else(|| of_period(summary, *statistic, info.period));
-        Row { why: absence.unwrap_or_default(), ..Row::of(statistic.name(), cells) }
+        let cells = cells(e, summary.has_bias())
+            .into_iter()
+            .chain([statistic.dimension().label(units).into()]);
+        let absence = summary
+            .absence(e)
+            .map(String::from)
+            .or_else(|| of_period(summary, *statistic, info.period));
+        Row {
+            why: absence.unwrap_or_default(),
+            ..Row::of(statistic.name(), cells)
+        }
     });
-    let table = Table { columns: columns(), rows: rows.collect(), ..Table::default() };
+    let table = Table {
+        columns: columns(),
+        rows: rows.collect(),
+        ..Table::default()
+    };
     Report {
         title: title.clone(),
         about: format!("{scheme}{step}, seed {seed}, {paths}{pairs}"),
@@ -71,7 +106,8 @@ pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -
 fn columns() -> Vec<Column> {
     let [estimate, standard_error, low, high] = of_estimate();
     let corrected = Column::of("estimate_corrected", "corrected").not_in(&[Format::Narrow]);
-    let ends = ["low", "high"].map(|end| Column::of(format!("estimate_corrected_{end}"), "").not_in(FOR_PEOPLE));
+    let ends = ["low", "high"]
+        .map(|end| Column::of(format!("estimate_corrected_{end}"), "").not_in(FOR_PEOPLE));
     let [low_corrected, high_corrected] = ends;
     vec![
         Column::of("statistic", "statistic"),
@@ -91,14 +127,21 @@ fn columns() -> Vec<Column> {
 /// The numbers of a statistic, with as many digits as its standard error justifies.
 fn cells(e: &Estimate, has_bias: bool) -> Vec<Cell> {
     let mut cells = estimate_cells(e).to_vec();
-    cells.extend(if has_bias { bias_cells(e.bias) } else { Default::default() });
+    cells.extend(if has_bias {
+        bias_cells(e.bias)
+    } else {
+        Default::default()
+    });
     cells.extend(corrected_cells(e));
     cells
 }
 
 /// An estimate, its standard error and its interval, if it has one.
 pub(super) fn estimate_cells(e: &Estimate) -> [Cell; 4] {
-    let mut cells = Cell::all([e.estimate, e.standard_error, e.low, e.high], e.standard_error);
+    let mut cells = Cell::all(
+        [e.estimate, e.standard_error, e.low, e.high],
+        e.standard_error,
+    );
     if !(e.low.is_finite() && e.high.is_finite()) {
         cells[2].text = "none".into();
         cells[3].text.clear();
@@ -110,7 +153,11 @@ pub(super) fn estimate_cells(e: &Estimate) -> [Cell; 4] {
 /// known.
 pub(super) fn bias_cells(bias: Option<Bias>) -> [Cell; 2] {
     match bias {
-        Some(Bias { estimate, uncertainty, .. }) => Cell::all([estimate, uncertainty], uncertainty),
+        Some(Bias {
+            estimate,
+            uncertainty,
+            ..
+        }) => Cell::all([estimate, uncertainty], uncertainty),
         None => [Cell::missing("none"), Cell::missing("")],
     }
 }
@@ -118,17 +165,28 @@ pub(super) fn bias_cells(bias: Option<Bias>) -> [Cell; 2] {
 /// The corrected estimate to two digits of its own error, and its interval. Without text where the
 /// correction does not improve the plain estimate.
 pub(super) fn corrected_cells(e: &Estimate) -> [Cell; 3] {
-    let Some(c) = e.corrected() else { return [""; 3].map(Cell::missing) };
+    let Some(c) = e.corrected() else {
+        return [""; 3].map(Cell::missing);
+    };
     let digits = Digits::of(c.estimate, (c.high - c.low) / 2.0 / INTERVAL);
     let is_better = e.bias.is_some_and(|bias| bias.weight() > 0.0);
-    let text = |x| if is_better { digits.show(x) } else { String::new() };
+    let text = |x| {
+        if is_better {
+            digits.show(x)
+        } else {
+            String::new()
+        }
+    };
     [c.estimate, c.low, c.high].map(|x| Cell::number(x, text(x)))
 }
 
 /// What the period is from which the numbers at its ends follow, where no forcing sets it or the run
 /// has few of them.
 fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) -> Option<String> {
-    let is_of_periods = matches!(statistic, Statistic::DriftVelocity | Statistic::DiffusionCoefficient);
+    let is_of_periods = matches!(
+        statistic,
+        Statistic::DriftVelocity | Statistic::DiffusionCoefficient
+    );
     let Period { length, source } = period.filter(|_| is_of_periods)?;
     let (periods, least) = (summary.counted_periods(), Timeline::FEWEST_PERIODS);
     if (1..least).contains(&periods) {
@@ -136,7 +194,13 @@ fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) ->
         return Some(format!("of {periods}; below {least} it may be a transient"));
     }
     let is_preset = source == PeriodSource::Share;
-    is_preset.then(|| format!("from the ends of periods P = {}, {}", significant(length, 4), source.words()))
+    is_preset.then(|| {
+        format!(
+            "from the ends of periods P = {}, {}",
+            significant(length, 4),
+            source.words()
+        )
+    })
 }
 
 #[cfg(test)]
@@ -154,45 +218,105 @@ mod tests {
         for statistic in summary().asked.iter().copied() {
             row(&table, statistic.name());
         }
-        let cells: Vec<&str> = row(&table, "stick_duration_mean").split_whitespace().collect();
-        assert_eq!(cells, ["stick_duration_mean", "0.53857", "0.53805", "0.53909"]);
-        let ends: Vec<usize> = table.lines().skip(3).take(17).map(|line| line.trim_end().len()).collect();
-        assert!(ends[1..].iter().all(|end| *end == ends[1]), "the columns are aligned:\n{table}");
-        assert!(!table.contains("bias") && !table.contains("diverged"), "{table}");
+        let cells: Vec<&str> = row(&table, "stick_duration_mean")
+            .split_whitespace()
+            .collect();
+        assert_eq!(
+            cells,
+            ["stick_duration_mean", "0.53857", "0.53805", "0.53909"]
+        );
+        let ends: Vec<usize> = table
+            .lines()
+            .skip(3)
+            .take(17)
+            .map(|line| line.trim_end().len())
+            .collect();
+        assert!(
+            ends[1..].iter().all(|end| *end == ends[1]),
+            "the columns are aligned:\n{table}"
+        );
+        assert!(
+            !table.contains("bias") && !table.contains("diverged"),
+            "{table}"
+        );
     }
 
     #[test]
     fn known_bias_gets_a_column() {
         let mut summary = summary();
-        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
+        summary.estimates[0].bias = Some(Bias {
+            estimate: 0.0955,
+            uncertainty: 0.0311,
+            order: Some(0.58),
+        });
         let index = Statistic::SlipsPerPath.index();
-        summary.estimates[index].bias = Some(Bias { estimate: 0.03, uncertainty: 0.1, order: None });
+        summary.estimates[index].bias = Some(Bias {
+            estimate: 0.03,
+            uncertainty: 0.1,
+            order: None,
+        });
         let table = table(&summary, &info());
-        let cells = |name| row(&table, name).split_whitespace().skip(4).map(str::to_string).collect::<Vec<_>>();
+        let cells = |name| {
+            row(&table, name)
+                .split_whitespace()
+                .skip(4)
+                .map(str::to_string)
+                .collect::<Vec<_>>()
+        };
         assert_eq!(cells("stick_duration_mean"), ["0.096", "0.031", "0.444"]);
         assert_eq!(cells("sticks_per_path"), ["none"]);
         // A bias smaller than its uncertainty is not corrected.
         assert_eq!(cells("slips_per_path"), ["0.03", "0.10"]);
-        assert!(table.lines().take(20).all(|line| line.chars().count() <= 80), "{table}");
+        assert!(
+            table
+                .lines()
+                .take(20)
+                .all(|line| line.chars().count() <= 80),
+            "{table}"
+        );
     }
 
     #[test]
     fn a_narrow_terminal_leaves_out_what_follows_from_the_rest() {
         let mut summary = summary();
-        summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
+        summary.estimates[0].bias = Some(Bias {
+            estimate: 0.0955,
+            uncertainty: 0.0311,
+            order: Some(0.58),
+        });
         let table = &super::run(&summary, &info(), Chosen::All, false).tables[0];
         let [wide, narrow] = [200, 70].map(|columns| of_table(table, Some(columns)));
-        assert!(wide.contains("corrected") && !wide.contains("no room"), "{wide}");
-        assert!(narrow.lines().all(|line| line.chars().count() <= 70), "{narrow}");
-        let cells: Vec<&str> = row(&narrow, "stick_duration_mean").split_whitespace().collect();
-        assert_eq!(cells[..4], ["stick_duration_mean", "0.53857", "0.53805", "0.53909"], "{narrow}");
-        assert!(narrow.contains("not all columns fit") && !narrow.contains("corrected"), "{narrow}");
+        assert!(
+            wide.contains("corrected") && !wide.contains("no room"),
+            "{wide}"
+        );
+        assert!(
+            narrow.lines().all(|line| line.chars().count() <= 70),
+            "{narrow}"
+        );
+        let cells: Vec<&str> = row(&narrow, "stick_duration_mean")
+            .split_whitespace()
+            .collect();
+        assert_eq!(
+            cells[..4],
+            ["stick_duration_mean", "0.53857", "0.53805", "0.53909"],
+            "{narrow}"
+        );
+        assert!(
+            narrow.contains("not all columns fit") && !narrow.contains("corrected"),
+            "{narrow}"
+        );
     }
 
     #[test]
     fn units_get_a_column_where_they_have_labels() {
         let (time, length, force) = ("s".to_string(), "m".to_string(), "N".to_string());
-        let units = Units { time, length, force, temperature: String::new() };
+        let units = Units {
+            time,
+            length,
+            force,
+            temperature: String::new(),
+        };
         let table = table(&summary(), &info_in(units));
         let unit = |name| row(&table, name).rsplit("  ").next().unwrap_or_default();
         assert_eq!(unit("stick_duration_mean"), "s");
@@ -200,9 +324,16 @@ mod tests {
         assert_eq!(unit("diffusion_coefficient"), "m^2/s");
         assert_eq!(unit("friction_work_mean"), "N m");
         // A label of a unit may contain brackets, which are not the brackets of a reason.
-        let units = Units { length: "(mm)".to_string(), ..Units::default() };
+        let units = Units {
+            length: "(mm)".to_string(),
+            ..Units::default()
+        };
         assert!(
-            row(&super::super::sample_tests::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)")
+            row(
+                &super::super::sample_tests::table(&self::summary(), &info_in(units)),
+                "jump_mean"
+            )
+            .ends_with("(mm)")
         );
     }
 
@@ -214,17 +345,24 @@ mod tests {
         summary.sub_phases.counts = vec![];
         summary.periods.time.truncate(1);
         for (statistic, why) in [
-            (Statistic::StickDurationMean, "no stick after the first ended"),
+            (
+                Statistic::StickDurationMean,
+                "no stick after the first ended",
+            ),
             (Statistic::FirstStickDurationMean, "no first stick ended"),
             (Statistic::SubPhasesMean, "no slip was completed"),
             (Statistic::JumpAbsMean, "no slip was completed"),
             (Statistic::DriftVelocity, "needs the ends of two periods"),
-            (Statistic::PeriodDisplacementCorrelation, "needs the ends of three periods"),
+            (
+                Statistic::PeriodDisplacementCorrelation,
+                "needs the ends of three periods",
+            ),
         ] {
             set(&mut summary, statistic, f64::NAN);
             let table = table(&summary, &info());
             assert!(
-                row(&table, statistic.name()).contains(" none") && reason(&table, statistic.name()) == why,
+                row(&table, statistic.name()).contains(" none")
+                    && reason(&table, statistic.name()) == why,
                 "{table}"
             );
         }
@@ -238,8 +376,14 @@ mod tests {
             let rows = &super::run(&summary(), &info(), chosen, false).tables[0].rows;
             rows.iter().map(|row| row.cells[0].text.clone()).collect()
         };
-        assert_eq!(names(Chosen::These(&chosen)), ["jump_mean", "stick_duration_mean"]);
-        assert_eq!((names(Chosen::First).len(), names(Chosen::All).len()), (9, summary().asked.len()));
+        assert_eq!(
+            names(Chosen::These(&chosen)),
+            ["jump_mean", "stick_duration_mean"]
+        );
+        assert_eq!(
+            (names(Chosen::First).len(), names(Chosen::All).len()),
+            (9, summary().asked.len())
+        );
     }
 
     /// A drift says of how few periods it is, or that nothing but the length of the run sets P.
@@ -248,19 +392,41 @@ mod tests {
         let drift = |count: usize, source| {
             let mut summary = summary();
             summary.periods.time = (1..=count).map(|n| 25.0 * n as f64).collect();
-            let info = RunInfo { period: Some(Period { length: 25.0, source }), ..info() };
+            let info = RunInfo {
+                period: Some(Period {
+                    length: 25.0,
+                    source,
+                }),
+                ..info()
+            };
             reason(&table(&summary, &info), "drift_velocity").to_string()
         };
-        assert_eq!(drift(2, PeriodSource::Forcing), "of 1 whole period; below 3 it may be a transient");
+        assert_eq!(
+            drift(2, PeriodSource::Forcing),
+            "of 1 whole period; below 3 it may be a transient"
+        );
         assert_eq!(drift(4, PeriodSource::Forcing), "");
-        assert_eq!(drift(10, PeriodSource::Share), "from the ends of periods P = 25, a tenth of the counted time");
+        assert_eq!(
+            drift(10, PeriodSource::Share),
+            "from the ends of periods P = 25, a tenth of the counted time"
+        );
     }
 
     #[test]
     fn paths_that_agree_by_chance_have_no_interval_and_the_table_says_why() {
         let mut summary = summary();
-        for e in summary.estimates.iter_mut().filter(|e| e.statistic == Statistic::SlipsPerPath) {
-            *e = Estimate { estimate: 0.0, standard_error: 0.0, low: 0.0, high: f64::INFINITY, ..*e };
+        for e in summary
+            .estimates
+            .iter_mut()
+            .filter(|e| e.statistic == Statistic::SlipsPerPath)
+        {
+            *e = Estimate {
+                estimate: 0.0,
+                standard_error: 0.0,
+                low: 0.0,
+                high: f64::INFINITY,
+                ..*e
+            };
         }
         let table = table(&summary, &info());
         assert!(row(&table, "slips_per_path").contains("none"), "{table}");
@@ -273,8 +439,18 @@ mod tests {
         summary.completed_paths = 1;
         set(&mut summary, Statistic::SticksPerPath, 4.0);
         let table = table(&summary, &info());
-        assert!(row(&table, "sticks_per_path").contains("4.000000"), "{table}");
-        assert_eq!(reason(&table, "sticks_per_path"), "an interval needs two paths");
-        assert_eq!(table.matches("an interval needs two paths").count(), 1, "said once:\n{table}");
+        assert!(
+            row(&table, "sticks_per_path").contains("4.000000"),
+            "{table}"
+        );
+        assert_eq!(
+            reason(&table, "sticks_per_path"),
+            "an interval needs two paths"
+        );
+        assert_eq!(
+            table.matches("an interval needs two paths").count(),
+            1,
+            "said once:\n{table}"
+        );
     }
 }

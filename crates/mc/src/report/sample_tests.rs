@@ -5,8 +5,8 @@ use ndarray::Array2;
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::{Scenario, Units};
 use stickslip::stats::{
-    Band, Bands, Distribution, Estimate, FirstSticks, Histogram, PeriodMoments, QUANTILE_LEVELS, Record, Statistic,
-    SubPhaseCounts, Summary,
+    Band, Bands, Distribution, Estimate, FirstSticks, Histogram, PeriodMoments, QUANTILE_LEVELS,
+    Record, Statistic, SubPhaseCounts, Summary,
 };
 use stickslip::sums::Ends;
 
@@ -27,8 +27,18 @@ pub fn summary() -> Summary {
             Statistic::DisplacementEndMean => (-4.2316, 0.016),
             _ => (1.0, 0.01),
         };
-        let (low, high) = (estimate - 1.96 * standard_error, estimate + 1.96 * standard_error);
-        Estimate { statistic, estimate, standard_error, low, high, bias: None }
+        let (low, high) = (
+            estimate - 1.96 * standard_error,
+            estimate + 1.96 * standard_error,
+        );
+        Estimate {
+            statistic,
+            estimate,
+            standard_error,
+            low,
+            high,
+            bias: None,
+        }
     });
     Summary {
         completed_paths: 10_000,
@@ -38,14 +48,20 @@ pub fn summary() -> Summary {
             step: None,
             completed: 141_226,
             censored: 812,
-            histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
+            histogram: Histogram {
+                edges: vec![0.0, 1.0],
+                counts: vec![141_226],
+            },
             censored_counts: vec![812],
             survival: vec![0.0],
             survival_ends: Ends::default(),
             quantiles: vec![0.5; QUANTILE_LEVELS.len()],
             quantile_ends: Ends::default(),
         },
-        first_sticks: FirstSticks { completed: 10_000, censored: 0 },
+        first_sticks: FirstSticks {
+            completed: 10_000,
+            censored: 0,
+        },
         laws: None,
         densities: None,
         spectrum: None,
@@ -104,7 +120,13 @@ pub fn info() -> RunInfo {
 
 /// The same run with other units.
 pub fn info_in(units: Units) -> RunInfo {
-    RunInfo { provenance: Provenance { units, ..info().provenance }, ..info() }
+    RunInfo {
+        provenance: Provenance {
+            units,
+            ..info().provenance
+        },
+        ..info()
+    }
 }
 
 /// The table with everything in it.
@@ -113,8 +135,18 @@ pub fn table(summary: &Summary, info: &RunInfo) -> String {
 }
 
 pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
-    for e in summary.estimates.iter_mut().filter(|e| e.statistic == statistic) {
-        *e = Estimate { estimate, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN, ..*e };
+    for e in summary
+        .estimates
+        .iter_mut()
+        .filter(|e| e.statistic == statistic)
+    {
+        *e = Estimate {
+            estimate,
+            standard_error: f64::NAN,
+            low: f64::NAN,
+            high: f64::NAN,
+            ..*e
+        };
     }
 }
 
@@ -123,11 +155,20 @@ pub fn reason<'a>(table: &'a str, name: &str) -> &'a str {
     let row = row(table, name);
     let mark = row.rsplit(' ').next().unwrap_or_default();
     if mark.len() != 3 {
-        return row.split_once('(').map_or("", |(_, reason)| reason.trim_end_matches(')'));
+        return row
+            .split_once('(')
+            .map_or("", |(_, reason)| reason.trim_end_matches(')'));
     }
-    table.lines().find_map(|line| line.strip_prefix(mark)).unwrap_or_else(|| panic!("{mark}:\n{table}")).trim()
+    table
+        .lines()
+        .find_map(|line| line.strip_prefix(mark))
+        .unwrap_or_else(|| panic!("{mark}:\n{table}"))
+        .trim()
 }
 
 pub fn row<'a>(table: &'a str, name: &str) -> &'a str {
-    table.lines().find(|line| line.split(' ').next() == Some(name)).unwrap_or_else(|| panic!("{name}:\n{table}"))
+    table
+        .lines()
+        .find(|line| line.split(' ').next() == Some(name))
+        .unwrap_or_else(|| panic!("{name}:\n{table}"))
 }

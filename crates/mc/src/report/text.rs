@@ -15,15 +15,34 @@ const LONG: usize = 40;
 
 /// The report as text.
 pub fn text(report: &Report) -> String {
-    let Report { title, about, tables, commands, remarks } = report;
-    let head = if title.is_empty() { String::new() } else { format!("{title}\n{}", paragraph(about)) };
-    let tables = tables.iter().filter(|table| !table.not_in.contains(&Format::Text));
-    let mut parts: Vec<String> = std::iter::once(head).chain(tables.map(|table| of_table(table, columns()))).collect();
+    let Report {
+        title,
+        about,
+        tables,
+        commands,
+        remarks,
+    } = report;
+    let head = if title.is_empty() {
+        String::new()
+    } else {
+        format!("{title}\n{}", paragraph(about))
+    };
+    let tables = tables
+        .iter()
+        .filter(|table| !table.not_in.contains(&Format::Text));
+    let mut parts: Vec<String> = std::iter::once(head)
+        .chain(tables.map(|table| of_table(table, columns())))
+        .collect();
     if let Some(last) = parts.last_mut() {
         last.extend(commands.iter().map(|command| format!("{command}\n")));
     }
-    let width = remarks.iter().map(|(label, _)| label.len()).fold(7, usize::max);
-    let line = |(label, text): &(&str, String)| fitted(&format!("{label:<width$} {text}"), &" ".repeat(width + 1));
+    let width = remarks
+        .iter()
+        .map(|(label, _)| label.len())
+        .fold(7, usize::max);
+    let line = |(label, text): &(&str, String)| {
+        fitted(&format!("{label:<width$} {text}"), &" ".repeat(width + 1))
+    };
     parts.push(remarks.iter().map(line).collect());
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
@@ -31,7 +50,11 @@ pub fn text(report: &Report) -> String {
 
 /// A sentence in lines; nothing if there is none.
 fn paragraph(sentence: &str) -> String {
-    if sentence.is_empty() { String::new() } else { wrapped(sentence, "") }
+    if sentence.is_empty() {
+        String::new()
+    } else {
+        wrapped(sentence, "")
+    }
 }
 
 /// A table without the columns that do not fit.
@@ -42,29 +65,53 @@ pub(super) fn of_table(table: &Table, columns: Option<usize>) -> String {
     let more = table.rows.len().saturating_sub(MOST_ROWS);
     if more > 0 {
         table.rows.truncate(MOST_ROWS);
-        below = format!("... and {} more rows in the file\n{below}", grouped(more as u64));
+        below = format!(
+            "... and {} more rows in the file\n{below}",
+            grouped(more as u64)
+        );
     }
     let has_no_room = columns.is_some() && is_narrow(&table, Format::Text);
     let reasons = footnotes(&mut table, has_no_room);
     let mut format = Format::Text;
-    if columns.is_some() && is_narrow(&table, format) && width(&table, Format::Narrow) < width(&table, format) {
+    if columns.is_some()
+        && is_narrow(&table, format)
+        && width(&table, Format::Narrow) < width(&table, format)
+    {
         format = Format::Narrow;
         below.insert_str(0, "(not all columns fit; use a wider terminal or --json)\n");
     }
-    let heading = if table.heading.is_empty() { String::new() } else { format!("{}\n", table.heading) };
-    heading + &drawn(&table, format, if is_narrow(&table, format) { " " } else { GAP }) + &reasons + &below
+    let heading = if table.heading.is_empty() {
+        String::new()
+    } else {
+        format!("{}\n", table.heading)
+    };
+    heading
+        + &drawn(
+            &table,
+            format,
+            if is_narrow(&table, format) { " " } else { GAP },
+        )
+        + &reasons
+        + &below
 }
 
 fn drawn(table: &Table, format: Format, gap: &str) -> String {
     let (rows, is_left) = table.shown(format);
-    let rows: Vec<Vec<String>> = rows.into_iter().map(|row| row.into_iter().map(|cell| cell.text).collect()).collect();
+    let rows: Vec<Vec<String>> = rows
+        .into_iter()
+        .map(|row| row.into_iter().map(|cell| cell.text).collect())
+        .collect();
     let has_head = rows[0].iter().any(|cell| !cell.is_empty());
     aligned(&rows[usize::from(!has_head)..], &is_left, gap)
 }
 
 /// The length of the longest line of a table.
 fn width(table: &Table, format: Format) -> usize {
-    drawn(table, format, GAP).lines().map(|line| line.chars().count()).max().unwrap_or(0)
+    drawn(table, format, GAP)
+        .lines()
+        .map(|line| line.chars().count())
+        .max()
+        .unwrap_or(0)
 }
 
 /// Puts letters in the place of reasons, and returns each reason once as a footnote. A reason that
@@ -73,16 +120,29 @@ fn footnotes(table: &mut Table, is_narrow: bool) -> String {
     let all: Vec<String> = table.rows.iter().map(|row| row.why.clone()).collect();
     let is_shared = |reason: &String| all.iter().filter(|other| *other == reason).count() > 1;
     let mut below: Vec<&String> = Vec::new();
-    for (row, reason) in table.rows.iter_mut().zip(&all).filter(|(_, reason)| !reason.is_empty()) {
+    for (row, reason) in table
+        .rows
+        .iter_mut()
+        .zip(&all)
+        .filter(|(_, reason)| !reason.is_empty())
+    {
         if is_narrow || reason.len() > LONG || is_shared(reason) {
             if !below.contains(&reason) {
                 below.push(reason);
             }
-            row.why = mark(below.iter().position(|known| *known == reason).unwrap_or_default()).to_string();
+            row.why = mark(
+                below
+                    .iter()
+                    .position(|known| *known == reason)
+                    .unwrap_or_default(),
+            )
+            .to_string();
         }
     }
     let numbered = below.iter().enumerate();
-    numbered.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect()
+    numbered
+        .map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    "))
+        .collect()
 }
 
 /// The mark of a footnote: a, b, c, ... There are fewer reasons than letters.
@@ -94,13 +154,23 @@ fn mark(number: usize) -> char {
 /// to the right. Lines do not end with spaces.
 pub fn aligned(rows: &[Vec<String>], is_left: &[bool], gap: &str) -> String {
     let length = |cell: &String| cell.chars().count();
-    let width = |column| rows.iter().filter_map(|row| row.get(column)).map(length).max().unwrap_or(0);
+    let width = |column| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(length)
+            .max()
+            .unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..is_left.len()).map(width).collect();
     let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).zip(is_left).map(|((cell, width), is_left)| match is_left {
-            true => format!("{cell:<width$}"),
-            false => format!("{cell:>width$}"),
-        });
+        let cells = row
+            .iter()
+            .zip(&widths)
+            .zip(is_left)
+            .map(|((cell, width), is_left)| match is_left {
+                true => format!("{cell:<width$}"),
+                false => format!("{cell:>width$}"),
+            });
         cells.collect::<Vec<_>>().join(gap).trim_end().to_string() + "\n"
     };
     rows.iter().map(line).collect()
@@ -112,8 +182,12 @@ mod tests {
 
     #[test]
     fn cells_stand_under_each_other_and_lines_end_without_spaces() {
-        let rows = [["name", "value", "sd", "unit"], ["x", "1.25", "\u{b1}0.5", "\u{b5}m"], ["longer", "7", "", ""]]
-            .map(|row| row.map(String::from).to_vec());
+        let rows = [
+            ["name", "value", "sd", "unit"],
+            ["x", "1.25", "\u{b1}0.5", "\u{b5}m"],
+            ["longer", "7", "", ""],
+        ]
+        .map(|row| row.map(String::from).to_vec());
         let expected = "name    value    sd  unit\n\
                         x        1.25  \u{b1}0.5  \u{b5}m\n\
                         longer      7\n";

@@ -24,17 +24,24 @@ pub const STUDY_BYTES: f64 = 30e6;
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
 /// that is not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
-    seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
+    seconds_per_path(scenario, MEASURING_TIME)
+        .map(|each| each * paths as f64)
+        .or_else(|| cpu_seconds(scenario, paths))
 }
 
 /// CPU seconds of so many paths. None if the number of steps is not known beforehand.
 fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
-    scenario.steps().map(|steps| steps as f64 * paths as f64 * PATH_STEP)
+    scenario
+        .steps()
+        .map(|steps| steps as f64 * paths as f64 * PATH_STEP)
 }
 
 /// Refuses a run that does not fit into the memory.
 pub fn check_memory(scenario: &Scenario, paths: u64, threads: usize) -> Result<(), Failure> {
-    let run = format!("a run of {}", counted(scenario.timeline().rows() as u64, "row"));
+    let run = format!(
+        "a run of {}",
+        counted(scenario.timeline().rows() as u64, "row")
+    );
     enough_memory(&run, scenario.run_bytes(paths, threads), threads)
 }
 
@@ -44,7 +51,10 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize) {
         None if paths >= MANY => measured_cpu_seconds(scenario, paths),
         known => known,
     };
-    if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
+    if let Some(seconds) = seconds
+        .map(|seconds| seconds / threads as f64)
+        .filter(|seconds| *seconds > LONG)
+    {
         note(&format!(
             "this takes about {} on {}; bound it with --max-time, or press Ctrl-C to save and stop",
             time(seconds),

@@ -9,7 +9,10 @@ pub fn hopeless(reason: &Hopeless) -> String {
     match reason {
         Hopeless::Zero { estimate, paths } => {
             let name = estimate.statistic.name();
-            let (value, error) = (significant(estimate.estimate, 3), significant(estimate.standard_error, 2));
+            let (value, error) = (
+                significant(estimate.estimate, 3),
+                significant(estimate.standard_error, 2),
+            );
             format!(
                 "{name} is {value} with a standard error of {error} after {} paths: zero within its error, so \
                  a relative bound cannot be reached\n  fix: give an absolute bound, such as --until \"{name} \
@@ -23,7 +26,11 @@ pub fn hopeless(reason: &Hopeless) -> String {
             statistic.name(),
             grouped(*paths)
         ),
-        Hopeless::TooFar { goal, needed, least_error } => format!(
+        Hopeless::TooFar {
+            goal,
+            needed,
+            least_error,
+        } => format!(
             "{goal} needs about {needed:.1e} paths, but a run has at most {}, which give about {}\n  fix: use \
                 a wider bound",
             grouped(MOST_PATHS),
@@ -33,12 +40,22 @@ pub fn hopeless(reason: &Hopeless) -> String {
 }
 
 /// Says that a goal was missed, and how many paths it would need if that is known.
-pub fn missed(MissedGoal { goal, paths, verdict }: &MissedGoal, needed: Option<u64>) -> String {
+pub fn missed(
+    MissedGoal {
+        goal,
+        paths,
+        verdict,
+    }: &MissedGoal,
+    needed: Option<u64>,
+) -> String {
     match (verdict, needed) {
         (Verdict::Zero, _) => {
             format!("{goal} was not reached: the estimate may be zero; give an absolute bound")
         }
-        (_, Some(needed)) => format!("{goal} was not reached after {} paths; try --paths {needed}", grouped(*paths)),
+        (_, Some(needed)) => format!(
+            "{goal} was not reached after {} paths; try --paths {needed}",
+            grouped(*paths)
+        ),
         (_, None) => format!("{goal} was not reached: the statistic does not exist"),
     }
 }

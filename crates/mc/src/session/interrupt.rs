@@ -34,10 +34,14 @@ pub fn refuse_large_files() {
 pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let ignored = ignored();
-    let heard = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    let heard = ENDING
+        .into_iter()
+        .filter(|signal| ignored >> (signal - 1) & 1 == 0);
     // If the handlers cannot be installed, a signal still ends the process, but the run is not
     // stopped and saved.
-    let Ok(mut signals) = Signals::new(heard) else { return Ok(stop) };
+    let Ok(mut signals) = Signals::new(heard) else {
+        return Ok(stop);
+    };
     let raised = Arc::clone(&stop);
     let listening = std::thread::Builder::new().spawn(move || {
         for signal in signals.forever() {
@@ -58,5 +62,6 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let bits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    bits.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok()).unwrap_or(0)
+    bits.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok())
+        .unwrap_or(0)
 }

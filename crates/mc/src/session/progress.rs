@@ -37,7 +37,12 @@ impl Progress {
     /// For a run of this many paths, on standard error. Shows also the running estimate of a
     /// statistic if one is given; with a plan and the number of the first path, which path takes
     /// long.
-    pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>, plan: Option<(Plan, u64)>) -> Self {
+    pub fn new(
+        paths: u64,
+        quiet: bool,
+        watched: Option<Statistic>,
+        plan: Option<(Plan, u64)>,
+    ) -> Self {
         let watched = watched.filter(|_| !quiet).map(Watched::new);
         let place = if quiet {
             ShownAs::Nowhere
@@ -54,7 +59,11 @@ impl Progress {
         if !quiet {
             tell_long_paths(&ended, plan);
         }
-        Progress { place, watched, ended }
+        Progress {
+            place,
+            watched,
+            ended,
+        }
     }
 
     /// The run is over: removes the bar. Lines stay.
@@ -86,14 +95,19 @@ impl stickslip::engine::Progress for Progress {
     }
 
     fn watches(&mut self) -> Option<Statistic> {
-        self.watched.as_mut().filter(|watched| watched.last.elapsed() >= LOOK).map(|watched| {
-            watched.last = Instant::now();
-            watched.statistic
-        })
+        self.watched
+            .as_mut()
+            .filter(|watched| watched.last.elapsed() >= LOOK)
+            .map(|watched| {
+                watched.last = Instant::now();
+                watched.statistic
+            })
     }
 
     fn estimate(&mut self, estimate: &Estimate) {
-        let Some(watched) = &mut self.watched else { return };
+        let Some(watched) = &mut self.watched else {
+            return;
+        };
         watched.latest = Some(*estimate);
         if let (ShownAs::Bar(bar), Some(words)) = (&self.place, watched.words()) {
             bar.set_message(words);
@@ -128,8 +142,14 @@ fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>
             } else if since.elapsed() >= next {
                 next *= 2;
                 let time = duration(since.elapsed().as_secs_f64());
-                let which = plan.as_ref().and_then(|(plan, first)| long_path(plan, first + done)).unwrap_or_default();
-                note(&format!("after {} paths, the next {BLOCK_SIZE} have taken {time} so far{which}", grouped(done)));
+                let which = plan
+                    .as_ref()
+                    .and_then(|(plan, first)| long_path(plan, first + done))
+                    .unwrap_or_default();
+                note(&format!(
+                    "after {} paths, the next {BLOCK_SIZE} have taken {time} so far{which}",
+                    grouped(done)
+                ));
             }
         }
     };
@@ -142,7 +162,10 @@ fn long_path(plan: &Plan, first: u64) -> Option<String> {
     (first..plan.paths.min(first + BLOCK_SIZE)).find_map(|path| {
         let reached = plan.why_lost(path, TimeLimit::of(LONG_PATH))?;
         let is_long = matches!(reached.why, Unresolved::Stopped | Unresolved::TooLong);
-        let (t, x) = (significant(reached.time, 4), significant(reached.displacement, 4));
+        let (t, x) = (
+            significant(reached.time, 4),
+            significant(reached.displacement, 4),
+        );
         is_long.then(|| format!("; path {path} reached t = {t}, x = {x} in one second"))
     })
 }
@@ -159,7 +182,11 @@ const LOOK: Duration = Duration::from_millis(500);
 
 impl Watched {
     fn new(statistic: Statistic) -> Self {
-        Watched { statistic, last: Instant::now(), latest: None }
+        Watched {
+            statistic,
+            last: Instant::now(),
+            latest: None,
+        }
     }
 
     /// The estimate and its relative error as text; none before the first estimate.
@@ -167,8 +194,16 @@ impl Watched {
         let e = self.latest.filter(|e| e.estimate.is_finite())?;
         let digits = Digits::of(e.estimate, e.standard_error);
         let error = (e.standard_error / e.estimate).abs();
-        let error = if error.is_finite() { percent_of(error) } else { "unknown".into() };
-        Some(format!("{} {}, error {error}", self.statistic.name(), digits.show(e.estimate)))
+        let error = if error.is_finite() {
+            percent_of(error)
+        } else {
+            "unknown".into()
+        };
+        Some(format!(
+            "{} {}, error {error}",
+            self.statistic.name(),
+            digits.show(e.estimate)
+        ))
     }
 }
 
@@ -183,16 +218,32 @@ fn style(template: &str) -> ProgressStyle {
 
 /// Measures something, which takes about this time, and shows meanwhile on a terminal what is being
 /// measured and for how long; shows nothing elsewhere.
-pub fn measuring<T>(budget: Duration, quiet: bool, stop: &AtomicBool, measure: impl FnOnce(Limits<'_>) -> T) -> T {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+pub fn measuring<T>(
+    budget: Duration,
+    quiet: bool,
+    stop: &AtomicBool,
+    measure: impl FnOnce(Limits<'_>) -> T,
+) -> T {
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
     let line = ProgressBar::with_draw_target(None, target);
-    line.set_style(style(&format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs())));
+    line.set_style(style(&format!(
+        "{{elapsed}} of about {} s: {{msg}}",
+        budget.as_secs()
+    )));
     // The crate panics where the system starts no thread for it. The line then stands still.
     if check_threads(2).is_ok() {
         line.enable_steady_tick(TICK);
     }
     let begins = |what: &str| line.set_message(what.to_string());
-    let measured = measure(Limits { time: None, stop: Some(stop), begins: Some(&begins) });
+    let measured = measure(Limits {
+        time: None,
+        stop: Some(stop),
+        begins: Some(&begins),
+    });
     line.finish_and_clear();
     measured
 }
@@ -216,7 +267,10 @@ struct Lines {
 
 impl Lines {
     fn new(paths: u64) -> Self {
-        Lines { paths, last: Duration::ZERO }
+        Lines {
+            paths,
+            last: Duration::ZERO,
+        }
     }
 
     /// The line to print now; none if no line is due.
@@ -226,9 +280,16 @@ impl Lines {
         }
         self.last = elapsed;
         let rate = done as f64 / elapsed.as_secs_f64();
-        let left = if rate > 0.0 { duration((self.paths - done) as f64 / rate) } else { "unknown time".into() };
+        let left = if rate > 0.0 {
+            duration((self.paths - done) as f64 / rate)
+        } else {
+            "unknown time".into()
+        };
         let (done, paths) = (grouped(done), grouped(self.paths));
-        Some(format!("{done} of {paths} paths, {} paths/s, {left} left", significant(rate, 3)))
+        Some(format!(
+            "{done} of {paths} paths, {} paths/s, {left} left",
+            significant(rate, 3)
+        ))
     }
 }
 
@@ -245,13 +306,22 @@ mod tests {
     #[test]
     fn a_long_run_prints_every_thirty_seconds() {
         let mut lines = Lines::new(1_000_000);
-        let printed: Vec<u64> = (1..=100).filter(|s| lines.at(*s, Duration::from_secs(*s)).is_some()).collect();
+        let printed: Vec<u64> = (1..=100)
+            .filter(|s| lines.at(*s, Duration::from_secs(*s)).is_some())
+            .collect();
         assert_eq!(printed, [30, 60, 90]);
     }
 
     fn estimate(estimate: f64, standard_error: f64) -> Estimate {
         let (low, high) = (estimate - standard_error, estimate + standard_error);
-        Estimate { statistic: Statistic::StickDurationMean, estimate, standard_error, low, high, bias: None }
+        Estimate {
+            statistic: Statistic::StickDurationMean,
+            estimate,
+            standard_error,
+            low,
+            high,
+            bias: None,
+        }
     }
 
     #[test]
@@ -261,12 +331,18 @@ mod tests {
         watched.latest = Some(estimate(f64::NAN, f64::NAN));
         assert_eq!(watched.words(), None);
         watched.latest = Some(estimate(0.5398, 0.0014));
-        assert_eq!(watched.words().as_deref(), Some("stick_duration_mean 0.5398, error 0.26 %"));
+        assert_eq!(
+            watched.words().as_deref(),
+            Some("stick_duration_mean 0.5398, error 0.26 %")
+        );
     }
 
     #[test]
     fn a_line_tells_rate_and_time_left() {
         let line = Lines::new(10_000).at(2_500, Duration::from_secs(50));
-        assert_eq!(line.as_deref(), Some("2 500 of 10 000 paths, 50 paths/s, 2 min 30 s left"));
+        assert_eq!(
+            line.as_deref(),
+            Some("2 500 of 10 000 paths, 50 paths/s, 2 min 30 s left")
+        );
     }
 }

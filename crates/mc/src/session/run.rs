@@ -71,19 +71,45 @@ pub enum Leaves {
 
 impl<'a> Session<'a> {
     /// A session under the title of the scenario, without `--accuracy`, which leaves a run.
-    pub fn of(options: &'a RunOptions, scenario: &'a Scenario, output: &'a Path, stop: &'a AtomicBool) -> Self {
+    pub fn of(
+        options: &'a RunOptions,
+        scenario: &'a Scenario,
+        output: &'a Path,
+        stop: &'a AtomicBool,
+    ) -> Self {
         let name = scenario.title.clone();
-        Session { options, name, scenario, output, accuracy_goal: None, stop, leaves: Leaves::Run }
+        Session {
+            options,
+            name,
+            scenario,
+            output,
+            accuracy_goal: None,
+            stop,
+            leaves: Leaves::Run,
+        }
     }
 
     /// Simulates a run from its beginning, or continues it from where an earlier session has left
     /// it.
-    pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
+    pub fn simulate(
+        &self,
+        asked: Asked,
+        so_far: Option<SoFar>,
+        file: &mut dyn Sink,
+    ) -> Result<(), Failure> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
-        let of_accuracy_goal = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
-        let watched = self.options.watch.or_else(of_goal).or_else(of_accuracy_goal);
+        let of_accuracy_goal = || {
+            self.accuracy_goal
+                .map(|accuracy_goal| accuracy_goal.decisive)
+        };
+        let watched = self
+            .options
+            .watch
+            .or_else(of_goal)
+            .or_else(of_accuracy_goal);
         let plan = (asked.plan(self.scenario), asked.blocks().start * BLOCK_SIZE);
-        let mut progress = Progress::new(asked.own_paths(), self.options.quiet, watched, Some(plan));
+        let mut progress =
+            Progress::new(asked.own_paths(), self.options.quiet, watched, Some(plan));
         let run = Run::of(self.scenario)
             .asked(asked)
             .threads(self.options.threads())
@@ -104,7 +130,11 @@ impl<'a> Session<'a> {
                 {
                     unprinted.report();
                 }
-                Err(RunError::Sink { error, outcome: None }.into())
+                Err(RunError::Sink {
+                    error,
+                    outcome: None,
+                }
+                .into())
             }
             Err(RunError::Flaw { flaw, outcome }) => {
                 if outcome.summary.completed_paths == 0 {
@@ -113,7 +143,10 @@ impl<'a> Session<'a> {
                 let info = self.print(&outcome)?;
                 let kept = match self.leaves {
                     Leaves::Run => {
-                        format!("the paths before it are saved; print them with mc show {}", self.output.display())
+                        format!(
+                            "the paths before it are saved; print them with mc show {}",
+                            self.output.display()
+                        )
                     }
                     Leaves::File => format!("the paths before it are in {}", info.file),
                     Leaves::Nothing => "nothing was written".to_string(),
@@ -133,8 +166,9 @@ impl<'a> Session<'a> {
             }
             let first = BLOCK_SIZE.min(outcome.paths);
             let takes = cost::measured_cpu_seconds(self.scenario, first);
-            let takes =
-                takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
+            let takes = takes.map_or_else(String::new, |seconds| {
+                format!(", which take about {} on a thread", time(seconds))
+            });
             let problem = format!(
                 "the time limit was reached before the first {first} paths were done{takes}; nothing was \
                  written, because results consist of whole blocks of {BLOCK_SIZE} paths"
@@ -145,7 +179,10 @@ impl<'a> Session<'a> {
         let info = self.print(outcome)?;
         if outcome.status == Status::Interrupted && self.leaves != Leaves::File {
             note(&match self.leaves {
-                Leaves::Run => format!("interrupted; continue it with: mc resume {}", self.output.display()),
+                Leaves::Run => format!(
+                    "interrupted; continue it with: mc resume {}",
+                    self.output.display()
+                ),
                 _ => "interrupted: nothing was written; run the same command again".to_string(),
             });
             return Err(Failure::Interrupted);
@@ -155,7 +192,10 @@ impl<'a> Session<'a> {
             _ if outcome.is_all_lost() => self.all_lost(outcome),
             _ => return Ok(()),
         };
-        Err(Failure::Run(format!("{reason}\n  the results so far are in {}", info.file)))
+        Err(Failure::Run(format!(
+            "{reason}\n  the results so far are in {}",
+            info.file
+        )))
     }
 
     /// Whether the run was interrupted and can be continued.
@@ -167,16 +207,32 @@ impl<'a> Session<'a> {
         let (summary, info) = (&outcome.summary, self.info(outcome));
         let (json, quiet) = (self.options.json, self.options.quiet);
         if json {
-            print_data(&report::json::of_run(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
+            print_data(&report::json::of_run(
+                summary,
+                &info,
+                &results::warnings(summary, Some(self.scenario)),
+            ))?;
         } else if !quiet {
-            print(&report::text(&report::run(summary, &info, Chosen::First, false)))?;
+            print(&report::text(&report::run(
+                summary,
+                &info,
+                Chosen::First,
+                false,
+            )))?;
         }
         // The table has these lines as remarks.
         let found = report::found(summary).into_iter().map(|(_, text)| text);
-        let remarks = report::lost(summary, &info).into_iter().chain(found).filter(|_| json || quiet);
-        let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
-        let broken =
-            self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
+        let remarks = report::lost(summary, &info)
+            .into_iter()
+            .chain(found)
+            .filter(|_| json || quiet);
+        let missed = outcome
+            .missed
+            .iter()
+            .map(|missed| ending::missed(missed, missed.paths_needed()));
+        let broken = self
+            .accuracy_goal
+            .and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
         for line in remarks.chain(missed).chain(broken) {
             note(&format!("warning: {line}"));
         }
@@ -184,9 +240,15 @@ impl<'a> Session<'a> {
     }
 
     fn info(&self, outcome: &Outcome) -> RunInfo {
-        let Session { scenario, output, .. } = self;
+        let Session {
+            scenario, output, ..
+        } = self;
         let saved = store::partial_path(output);
-        let file = if self.is_unfinished(outcome) { saved.as_path() } else { output };
+        let file = if self.is_unfinished(outcome) {
+            saved.as_path()
+        } else {
+            output
+        };
         RunInfo {
             scenario: self.name.clone(),
             provenance: Asked::paths(outcome.paths).provenance(scenario),
@@ -194,11 +256,19 @@ impl<'a> Session<'a> {
             threads: Some(outcome.threads),
             seconds: Some(outcome.seconds),
             bias_seconds: Some(outcome.bias.seconds),
-            no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
+            no_bias: outcome
+                .bias
+                .absence
+                .as_ref()
+                .map(|reason| reason.to_string()),
             period: scenario.period(),
             steps_per_path: scenario.steps(),
             // A folder or a file that was deleted meanwhile holds nothing.
-            file: if file.exists() { file.display().to_string() } else { RunInfo::NO_FILE.into() },
+            file: if file.exists() {
+                file.display().to_string()
+            } else {
+                RunInfo::NO_FILE.into()
+            },
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
         }
@@ -206,10 +276,14 @@ impl<'a> Session<'a> {
 
     /// The message where every path was lost.
     fn all_lost(&self, outcome: &Outcome) -> String {
-        let Model { force, oscillator, .. } = &self.scenario.model;
+        let Model {
+            force, oscillator, ..
+        } = &self.scenario.model;
         let first = outcome.summary.diverged.first();
         let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
-        let is_resolved = why.as_ref().is_none_or(|given_up| given_up.why == Unresolved::NoNumber);
+        let is_resolved = why
+            .as_ref()
+            .is_none_or(|given_up| given_up.why == Unresolved::NoNumber);
         let cause = match force {
             _ if !is_resolved => "",
             Some(force) if force.sides().is_some() => {
@@ -226,14 +300,18 @@ impl<'a> Session<'a> {
         };
         let lost = match &why {
             None => "every path diverged, so there are no statistics".to_string(),
-            Some(why) => format!("every path was given up, so there are no statistics; of the first, {why}"),
+            Some(why) => {
+                format!("every path was given up, so there are no statistics; of the first, {why}")
+            }
         };
         let remedy = match why.map(|given_up| given_up.why) {
             None if cause.is_empty() => {
                 "use a smaller step, or --scheme corrected-vi or event-driven; mc check prints the largest \
                     stable step"
             }
-            None => "follow the warnings of mc check; try a smaller step to see whether the step is the cause",
+            None => {
+                "follow the warnings of mc check; try a smaller step to see whether the step is the cause"
+            }
             Some(Unresolved::TooLong) => {
                 "use a shorter --until, or --scheme discrete-vi, whose cost is its number of steps"
             }

@@ -30,11 +30,21 @@ impl SweepSession<'_> {
     pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
         let (mut file, known) = SweepFile::open(self.output, &question, self.force)?;
         warn_once(&question);
-        let mut sweep = Sweep { question, points: known };
+        let mut sweep = Sweep {
+            question,
+            points: known,
+        };
         if file.has_name() {
-            note(&format!("{} already contains this sweep", self.output.display()));
+            note(&format!(
+                "{} already contains this sweep",
+                self.output.display()
+            ));
         } else if sweep.done() > 0 {
-            note(&format!("continuing: {} of {} points are done", sweep.done(), sweep.points.len()));
+            note(&format!(
+                "continuing: {} of {} points are done",
+                sweep.done(),
+                sweep.points.len()
+            ));
         }
         if !sweep.is_complete() {
             self.points(&mut sweep, &mut file)?;
@@ -56,14 +66,27 @@ impl SweepSession<'_> {
     }
 
     fn points(&self, sweep: &mut Sweep, file: &mut SweepFile) -> Result<(), Failure> {
-        let used =
-            sweep.question.points.iter().map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
-        let threads = self.threads.ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
+        let used = sweep
+            .question
+            .points
+            .iter()
+            .map(|point| point.run_bytes(point.ensemble.paths, self.threads.number()));
+        let threads = self
+            .threads
+            .ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
         let stop = stop_on_signals()?;
-        let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
+        let left = sweep
+            .points
+            .iter()
+            .zip(&sweep.question.points)
+            .filter(|(point, _)| point.is_none());
         let paths = left.map(|(_, scenario)| scenario.ensemble.paths).sum();
         let mut progress = Progress::new(paths, self.quiet, None, None);
-        let simulation = SweepSimulation { threads, stop: &stop, progress: &mut progress };
+        let simulation = SweepSimulation {
+            threads,
+            stop: &stop,
+            progress: &mut progress,
+        };
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();
         ended.map_err(|end| match end {
@@ -73,16 +96,28 @@ impl SweepSession<'_> {
     }
 
     fn print(&self, sweep: &Sweep) -> Result<(), Failure> {
-        let chosen = if self.statistics.is_empty() { Chosen::First } else { Chosen::These(self.statistics) };
+        let chosen = if self.statistics.is_empty() {
+            Chosen::First
+        } else {
+            Chosen::These(self.statistics)
+        };
         if self.json {
             print_data(&dataset::json(&Dataset::of_sweep(sweep), Some(self.output)))?;
         } else if !self.quiet {
             print(&report::text(&report::sweep(sweep, chosen, self.output)))?;
         }
         report::warnings(sweep).into_iter().for_each(warn);
-        let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
+        let lost = sweep
+            .points
+            .iter()
+            .flatten()
+            .filter(|point| point.completed_paths == point.diverged_paths)
+            .count();
         if lost == sweep.points.len() {
-            return Err(Failure::run("every path of every point diverged or was given up", "a smaller step"));
+            return Err(Failure::run(
+                "every path of every point diverged or was given up",
+                "a smaller step",
+            ));
         }
         Ok(())
     }
@@ -92,15 +127,21 @@ impl SweepSession<'_> {
 fn warn_once(question: &SweepQuestion) {
     let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
     for scenario in &question.points {
-        let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
+        let measures_bias =
+            question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
         for warning in scenario.warnings_of_run(measures_bias) {
-            due.entry(warning.name()).or_insert_with(|| (warning.to_string(), 0)).1 += 1;
+            due.entry(warning.name())
+                .or_insert_with(|| (warning.to_string(), 0))
+                .1 += 1;
         }
     }
     for (text, points) in due.into_values() {
         let all = question.points.len();
-        let which =
-            if points == all { String::new() } else { format!(" (at {points} of {all} points, the first here)") };
+        let which = if points == all {
+            String::new()
+        } else {
+            format!(" (at {points} of {all} points, the first here)")
+        };
         note(wrapped(&format!("warning{which}: {text}"), "  ").trim_end());
     }
 }

@@ -3,8 +3,14 @@
 
 use crate::command::{done, json, refused};
 
-const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/bridge.toml");
-const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv");
+const SCENARIO: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/bridge.toml"
+);
+const DATA: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/twin.csv"
+);
 
 /// The shipped measurements: the JSON has the seven parameters, the file holds the same numbers,
 /// and it can be drawn.
@@ -12,8 +18,21 @@ const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/t
 fn the_shipped_twin_is_calibrated_in_one_command() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let printed =
-        done(path, &["calibrate", SCENARIO, DATA, "--method", "both", "--json", "-o", "fit.h5", "-o", "fitted.toml"]);
+    let printed = done(
+        path,
+        &[
+            "calibrate",
+            SCENARIO,
+            DATA,
+            "--method",
+            "both",
+            "--json",
+            "-o",
+            "fit.h5",
+            "-o",
+            "fitted.toml",
+        ],
+    );
     let reported = json(&printed);
     let keys = [
         "bearing.offset",
@@ -27,17 +46,32 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     let parameters = reported["parameters"].as_object().expect("an object");
     assert_eq!(parameters.keys().collect::<Vec<_>>(), keys);
     for (key, estimate) in parameters {
-        let [low, middle, high] = ["low", "estimate", "high"].map(|end| estimate[end].as_f64().expect("a number"));
+        let [low, middle, high] =
+            ["low", "estimate", "high"].map(|end| estimate[end].as_f64().expect("a number"));
         assert!(low < middle && middle < high, "{key}");
     }
-    let stiffness = parameters["oscillator.stiffness"]["estimate"].as_f64().expect("a number");
+    let stiffness = parameters["oscillator.stiffness"]["estimate"]
+        .as_f64()
+        .expect("a number");
     assert!((stiffness / 1.89e8 - 1.0).abs() < 0.05, "{stiffness}");
     assert_eq!(reported["starts"].as_array().map(Vec::len), Some(10));
-    assert!(reported["slips"].as_array().is_some_and(|slips| slips.len() > 100));
+    assert!(
+        reported["slips"]
+            .as_array()
+            .is_some_and(|slips| slips.len() > 100)
+    );
     // The result of each starting point is stored as its parameters, from which the other numbers
     // are computed again; they agree to the last bit but one.
     let shown = json(&done(path, &["show", "fit.h5", "--json"]));
-    for key in ["parameters", "derived", "interval", "slips", "lag", "residuals", "warnings"] {
+    for key in [
+        "parameters",
+        "derived",
+        "interval",
+        "slips",
+        "lag",
+        "residuals",
+        "warnings",
+    ] {
         assert_eq!(shown[key], reported[key], "{key}");
     }
     assert_eq!(
@@ -46,23 +80,61 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     );
     // A table for programs has every digit; JSON is read to a unit in the last place.
     let csv = done(path, &["show", "fit.h5", "--format", "csv"]);
-    let row = csv.lines().find(|line| line.starts_with("fit.h5,oscillator.stiffness,K,")).expect("a row");
-    let there: f64 = row.split(',').nth(3).and_then(|cell| cell.parse().ok()).expect("a number");
+    let row = csv
+        .lines()
+        .find(|line| line.starts_with("fit.h5,oscillator.stiffness,K,"))
+        .expect("a row");
+    let there: f64 = row
+        .split(',')
+        .nth(3)
+        .and_then(|cell| cell.parse().ok())
+        .expect("a number");
     assert!((there / stiffness - 1.0).abs() < 1e-15, "{csv}");
     // The scenario with the estimates has them, and everything else of the scenario.
     let [fitted, scenario] = [path.join("fitted.toml").as_path(), SCENARIO.as_ref()]
         .map(|file| std::fs::read_to_string(file).expect("a scenario"));
-    for (key, of) in [("stiffness", "oscillator.stiffness"), ("static", "friction.static")] {
+    for (key, of) in [
+        ("stiffness", "oscillator.stiffness"),
+        ("static", "friction.static"),
+    ] {
         let value = parameters[of]["estimate"].as_f64().expect("a number");
-        assert!(fitted.contains(&format!("{key} = {value:.6e}\n")), "{fitted}");
+        assert!(
+            fitted.contains(&format!("{key} = {value:.6e}\n")),
+            "{fitted}"
+        );
     }
-    assert!(fitted.contains("2.0e9") && fitted.lines().count() <= scenario.lines().count() + 1, "{fitted}");
+    assert!(
+        fitted.contains("2.0e9") && fitted.lines().count() <= scenario.lines().count() + 1,
+        "{fitted}"
+    );
     done(path, &["calibrate", "fitted.toml", DATA, "--json"]);
-    refused(path, &["show", "fit.h5", "--statistics", "jump_mean"], 2, &["fit.h5 is a calibration"]);
+    refused(
+        path,
+        &["show", "fit.h5", "--statistics", "jump_mean"],
+        2,
+        &["fit.h5 is a calibration"],
+    );
     done(path, &["plot", "fit.h5", "-o", "page.svg"]);
-    refused(path, &["calibrate", SCENARIO, DATA, "--method", "slips", "-o", "fit.h5"], 2, &["--force"]);
+    refused(
+        path,
+        &[
+            "calibrate",
+            SCENARIO,
+            DATA,
+            "--method",
+            "slips",
+            "-o",
+            "fit.h5",
+        ],
+        2,
+        &["--force"],
+    );
     // The measured temperature of a scenario has its own times.
-    for flag in [["--duration", "10d"], ["--every", "1h"], ["--start", "2024-06-01"]] {
+    for flag in [
+        ["--duration", "10d"],
+        ["--every", "1h"],
+        ["--start", "2024-06-01"],
+    ] {
         let twin = [&["twin", SCENARIO, "-o", "twin.csv"], &flag[..]].concat();
         refused(path, &twin, 2, &[flag[0], "has times of its own", "fix: "]);
     }
@@ -76,34 +148,88 @@ fn a_twin_is_calibrated_to_its_truth() {
     let path = folder.path();
     let twin = |name: &str, seed: &str| {
         let truth = ["friction.static=4.2e5", "friction.dynamic=3.6e5"];
-        done(path, &["twin", SCENARIO, "--set", truth[0], "--set", truth[1], "--seed", seed, "-o", name]);
+        done(
+            path,
+            &[
+                "twin", SCENARIO, "--set", truth[0], "--set", truth[1], "--seed", seed, "-o", name,
+            ],
+        );
         std::fs::read(path.join(name)).expect("written")
     };
     let [one, same, other] = [twin("a.csv", "4"), twin("b.csv", "4"), twin("c.csv", "5")];
     assert!(one == same && one != other);
-    let reported = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--json"]));
-    for (key, truth) in [("friction.static", 4.2e5), ("friction.dynamic", 3.6e5), ("oscillator.stiffness", 1.8e8)] {
-        let found = reported["parameters"][key]["estimate"].as_f64().expect("a number");
+    let reported = json(&done(
+        path,
+        &[
+            "calibrate",
+            SCENARIO,
+            "a.csv",
+            "--method",
+            "slips",
+            "--json",
+        ],
+    ));
+    for (key, truth) in [
+        ("friction.static", 4.2e5),
+        ("friction.dynamic", 3.6e5),
+        ("oscillator.stiffness", 1.8e8),
+    ] {
+        let found = reported["parameters"][key]["estimate"]
+            .as_f64()
+            .expect("a number");
         assert!((found / truth - 1.0).abs() < 0.1, "{key}: {found}");
     }
     // A parameter that is held has the value that was given, without an interval.
-    let held = "oscillator.stiffness,friction.static,friction.dynamic,bearing.offset,initial.displacement";
-    let reported = json(&done(path, &["calibrate", SCENARIO, "a.csv", "--method", "slips", "--fit", held, "--json"]));
+    let held =
+        "oscillator.stiffness,friction.static,friction.dynamic,bearing.offset,initial.displacement";
+    let reported = json(&done(
+        path,
+        &[
+            "calibrate",
+            SCENARIO,
+            "a.csv",
+            "--method",
+            "slips",
+            "--fit",
+            held,
+            "--json",
+        ],
+    ));
     let beta = &reported["parameters"]["oscillator.dilatation"];
-    assert!((beta["estimate"].as_f64().expect("a number") / 3.0e-4 - 1.0).abs() < 1e-6, "{beta}");
+    assert!(
+        (beta["estimate"].as_f64().expect("a number") / 3.0e-4 - 1.0).abs() < 1e-6,
+        "{beta}"
+    );
 }
 
 #[test]
 fn without_the_shear_stiffness_forces_are_null() {
     let folder = tempfile::tempdir().expect("a folder");
-    let scenario =
-        std::fs::read_to_string(SCENARIO).expect("shipped").replace("[bearing]\nstiffness = 2.0e9", "[bearing]");
+    let scenario = std::fs::read_to_string(SCENARIO)
+        .expect("shipped")
+        .replace("[bearing]\nstiffness = 2.0e9", "[bearing]");
     std::fs::write(folder.path().join("rigid.toml"), scenario).expect("written");
-    let reported = json(&done(folder.path(), &["calibrate", "rigid.toml", DATA, "--method", "slips", "--json"]));
+    let reported = json(&done(
+        folder.path(),
+        &[
+            "calibrate",
+            "rigid.toml",
+            DATA,
+            "--method",
+            "slips",
+            "--json",
+        ],
+    ));
     assert!(reported["parameters"]["friction.static"]["estimate"].is_null());
     assert!(reported["derived"]["static_way"]["estimate"].is_number());
     assert_eq!(reported["warnings"][0]["name"], "no_shear_stiffness");
-    let bounded = ["calibrate", "rigid.toml", DATA, "--bounds", "friction.static=4e5:6e5"];
+    let bounded = [
+        "calibrate",
+        "rigid.toml",
+        DATA,
+        "--bounds",
+        "friction.static=4e5:6e5",
+    ];
     refused(folder.path(), &bounded, 2, &["bearing.stiffness"]);
 }
 
@@ -112,9 +238,18 @@ fn what_cannot_be_used_is_refused_in_words() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let write = |name: &str, text: &str| std::fs::write(path.join(name), text).expect("written");
-    write("short.csv", "time,temperature_degC,displacement_mm\n2020-01-01T00:00Z,1,2\n2020-01-01T01:00Z,2,2\n");
-    write("unitless.csv", "time,temperature_degC,displacement\n2020-01-01T00:00Z,1,2\n2020-01-01T01:00Z,2,2\n");
-    write("clockless.csv", "time,temperature_degC,displacement_mm\n0,1,2\n1,2,2\n");
+    write(
+        "short.csv",
+        "time,temperature_degC,displacement_mm\n2020-01-01T00:00Z,1,2\n2020-01-01T01:00Z,2,2\n",
+    );
+    write(
+        "unitless.csv",
+        "time,temperature_degC,displacement\n2020-01-01T00:00Z,1,2\n2020-01-01T01:00Z,2,2\n",
+    );
+    write(
+        "clockless.csv",
+        "time,temperature_degC,displacement_mm\n0,1,2\n1,2,2\n",
+    );
     for (data, more, code, word) in [
         ("absent.csv", &[][..], 2, "absent.csv"),
         ("short.csv", &[], 1, "at least 200"),
@@ -125,7 +260,12 @@ fn what_cannot_be_used_is_refused_in_words() {
         (DATA, &["--method", "magic"], 2, "slips, criterion or both"),
         (DATA, &["--fit", "friction.gap"], 2, "friction.static"),
         (DATA, &["--bounds", "friction.static=6e5:4e5"], 2, "below"),
-        (DATA, &["--fit", "friction.static"], 2, "initial.displacement"),
+        (
+            DATA,
+            &["--fit", "friction.static"],
+            2,
+            "initial.displacement",
+        ),
     ] {
         let arguments = [&["calibrate", SCENARIO, data], more].concat();
         refused(path, &arguments, code, &[word]);
@@ -142,18 +282,30 @@ fn jumps_that_are_no_slips_are_refused_in_words() {
     let mut width = 0.0;
     for hour in 0..480 {
         let at = f64::from(hour);
-        let temperature = 20.0 + (5.0 + 2.0 * (at / 70.0).sin()) * (std::f64::consts::PI * at / 12.0).sin();
+        let temperature =
+            20.0 + (5.0 + 2.0 * (at / 70.0).sin()) * (std::f64::consts::PI * at / 12.0).sin();
         match hour % 24 {
             4 => width -= 0.2 + 0.001 * (at % 7.0),
             16 => width += 0.2 + 0.001 * (at % 7.0),
             _ => (),
         }
-        text += &format!("{hour},{temperature:.2},{:.4}\n", 0.01 * temperature + width + 1e-3 * (7.0 * at).sin());
+        text += &format!(
+            "{hour},{temperature:.2},{:.4}\n",
+            0.01 * temperature + width + 1e-3 * (7.0 * at).sin()
+        );
     }
     std::fs::write(path.join("joint.csv"), text).expect("written");
     let column = ["--set", "temperature.series.time=\"time_h\""];
     for verb in ["calibrate", "forecast"] {
         let arguments = [&[verb, SCENARIO, "joint.csv"], &column[..]].concat();
-        refused(path, &arguments, 1, &["jumps that were found are not the slips of a bearing", "a crack that opens"]);
+        refused(
+            path,
+            &arguments,
+            1,
+            &[
+                "jumps that were found are not the slips of a bearing",
+                "a crack that opens",
+            ],
+        );
     }
 }

@@ -39,7 +39,11 @@ impl Desk {
     fn mc(&self, arguments: &[&str]) -> Answer {
         let output = command::mc(self.folder.path(), arguments);
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+        Answer {
+            code: output.status.code(),
+            out: text(output.stdout),
+            err: text(output.stderr),
+        }
     }
 }
 
@@ -73,36 +77,67 @@ fn check_with(from: &str, to: &str) -> Answer {
 
 /// The number of the first line that starts with this text.
 fn line_of(start: &str) -> usize {
-    RHO025.lines().position(|line| line.starts_with(start)).unwrap() + 1
+    RHO025
+        .lines()
+        .position(|line| line.starts_with(start))
+        .unwrap()
+        + 1
 }
 
 #[test]
 fn a_missing_file_is_named() {
-    Desk::new().mc(&["check", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: ", "mc init"]);
-    Desk::new().mc(&["run", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: "]);
-    Desk::new().mc(&["check", "shaw.toml"]).refused(&["fix: `shaw` alone", "`mc init --from shaw`"]);
+    Desk::new().mc(&["check", "absent.toml"]).refused(&[
+        "absent.toml",
+        "No such file",
+        "fix: ",
+        "mc init",
+    ]);
+    Desk::new()
+        .mc(&["run", "absent.toml"])
+        .refused(&["absent.toml", "No such file", "fix: "]);
+    Desk::new()
+        .mc(&["check", "shaw.toml"])
+        .refused(&["fix: `shaw` alone", "`mc init --from shaw`"]);
 }
 
 #[test]
 fn a_directory_is_no_scenario() {
-    Desk::new().mc(&["check", "."]).refused(&["cannot read .: it is a directory", "fix: "]);
+    Desk::new()
+        .mc(&["check", "."])
+        .refused(&["cannot read .: it is a directory", "fix: "]);
 }
 
 #[test]
 fn bad_toml_is_located() {
     let place = format!("scene.toml:{}:", line_of("mass"));
-    check_with("mass = 1.0", "mass 1.0").refused(&[&place, "not valid TOML", "mass 1.0", "^", "fix: "]);
+    check_with("mass = 1.0", "mass 1.0").refused(&[
+        &place,
+        "not valid TOML",
+        "mass 1.0",
+        "^",
+        "fix: ",
+    ]);
     check_with("mass = 1.0", "mass = 1.0.0").refused(&[&place, "not valid TOML", "fix: "]);
     check_with("[friction]", "[friction").refused(&["not valid TOML", "fix: "]);
-    check_with("mass = 1.0", "mass = 1.0\nmass = 2.0").refused(&["duplicate key", "mass = 2.0", "fix: "]);
+    check_with("mass = 1.0", "mass = 1.0\nmass = 2.0").refused(&[
+        "duplicate key",
+        "mass = 2.0",
+        "fix: ",
+    ]);
 }
 
 #[test]
 fn an_unknown_key_comes_with_a_suggestion() {
     let place = format!("scene.toml:{}:33: ", line_of("harmonics"));
-    let says = [&place, "unknown key `frequncy`; did you mean `angular_frequency`?", "^^^^^^^^", "fix: write `angular"];
+    let says = [
+        &place,
+        "unknown key `frequncy`; did you mean `angular_frequency`?",
+        "^^^^^^^^",
+        "fix: write `angular",
+    ];
     check_with("angular_frequency", "frequncy").refused(&says);
-    check_with("[friction]", "[fricton]").refused(&["unknown key `fricton`; did you mean `friction`?"]);
+    check_with("[friction]", "[fricton]")
+        .refused(&["unknown key `fricton`; did you mean `friction`?"]);
     check_with("stiffness", "k").refused(&["unknown key `k`; did you mean `stiffness`?"]);
 }
 
@@ -114,15 +149,28 @@ fn a_missing_key_is_named_with_its_meaning() {
         "add `mass = ...`",
         "above 0",
     ]);
-    check_with("[initial]", "[units]\n#").refused(&["`displacement`; did you mean `initial.displacement`"]);
+    check_with("[initial]", "[units]\n#")
+        .refused(&["`displacement`; did you mean `initial.displacement`"]);
 }
 
 #[test]
 fn a_wrong_type_is_named() {
-    let place = format!("scene.toml:{}:8: `oscillator.mass` = \"heavy\" is a string", line_of("mass"));
-    check_with("mass = 1.0", "mass = \"heavy\"").refused(&[&place, "must be a finite number above 0", "fix: "]);
-    check_with("paths = 10000", "paths = 1e-4").refused(&["`ensemble.paths` = 1e-4", "whole number", "fix: give"]);
-    check_with("harmonics = [", "harmonics = 3 #").refused(&["`temperature.harmonics`", "array of tables"]);
+    let place = format!(
+        "scene.toml:{}:8: `oscillator.mass` = \"heavy\" is a string",
+        line_of("mass")
+    );
+    check_with("mass = 1.0", "mass = \"heavy\"").refused(&[
+        &place,
+        "must be a finite number above 0",
+        "fix: ",
+    ]);
+    check_with("paths = 10000", "paths = 1e-4").refused(&[
+        "`ensemble.paths` = 1e-4",
+        "whole number",
+        "fix: give",
+    ]);
+    check_with("harmonics = [", "harmonics = 3 #")
+        .refused(&["`temperature.harmonics`", "array of tables"]);
 }
 
 #[test]
@@ -130,15 +178,37 @@ fn a_value_out_of_range_is_located() {
     for (from, to, key) in [
         ("mass = 1.0", "mass = -1.0", "oscillator.mass` = -1.0"),
         ("mass = 1.0", "mass = 0", "oscillator.mass` = 0"),
-        ("stiffness = 1.0", "stiffness = -2", "oscillator.stiffness` = -2"),
+        (
+            "stiffness = 1.0",
+            "stiffness = -2",
+            "oscillator.stiffness` = -2",
+        ),
         ("static = 1.2", "static = -1.2", "friction.static` = -1.2"),
-        ("intensity = 0.25", "intensity = -0.25", "temperature.noise.intensity` = -0.25"),
-        ("relaxation_rate = 1.0", "relaxation_rate = 0.0", "temperature.noise.relaxation_rate` = 0.0"),
+        (
+            "intensity = 0.25",
+            "intensity = -0.25",
+            "temperature.noise.intensity` = -0.25",
+        ),
+        (
+            "relaxation_rate = 1.0",
+            "relaxation_rate = 0.0",
+            "temperature.noise.relaxation_rate` = 0.0",
+        ),
         ("end = 60.0", "end = -60.0", "time.end` = -60.0"),
         ("step = 0.01", "step = 0.0", "time.step` = 0.0"),
-        ("angular_frequency = 0.25", "angular_frequency = -0.25", "temperature.harmonics.0.angular_frequency` = -0.25"),
+        (
+            "angular_frequency = 0.25",
+            "angular_frequency = -0.25",
+            "temperature.harmonics.0.angular_frequency` = -0.25",
+        ),
     ] {
-        check_with(from, to).refused(&["scene.toml:", key, "out of range: it must be a finite number", "^", "fix: "]);
+        check_with(from, to).refused(&[
+            "scene.toml:",
+            key,
+            "out of range: it must be a finite number",
+            "^",
+            "fix: ",
+        ]);
     }
 }
 
@@ -154,9 +224,11 @@ fn dynamic_friction_above_static_is_refused() {
 
 #[test]
 fn nan_and_infinity_are_refused() {
-    check_with("mass = 1.0", "mass = nan").refused(&["`oscillator.mass` = nan is not a number", "fix: "]);
+    check_with("mass = 1.0", "mass = nan")
+        .refused(&["`oscillator.mass` = nan is not a number", "fix: "]);
     check_with("end = 60.0", "end = inf").refused(&["`time.end` = inf is not finite", "fix: "]);
-    check_with("mass = 1.0", "mass = 1e400").refused(&["`oscillator.mass` = 1e400 is not finite", "fix: "]);
+    check_with("mass = 1.0", "mass = 1e400")
+        .refused(&["`oscillator.mass` = 1e400 is not finite", "fix: "]);
 }
 
 #[test]
@@ -167,38 +239,61 @@ fn a_step_that_does_not_divide_the_end_is_answered_with_the_nearest() {
         "`time.end` = 60.0 is not a whole number of steps `time.step` = 0.007",
         "the nearest ends are 59.997 or 60.004",
     ]);
-    Desk::new().mc(&["check", "scene.toml", "--step", "0.007"]).refused(&["--step 0.007: ", "fix: the nearest steps"]);
-    Desk::new().mc(&["check", "scene.toml", "--until", "59.995"]).refused(&["--until 59.995: ", "59.99 or 60.0"]);
+    Desk::new()
+        .mc(&["check", "scene.toml", "--step", "0.007"])
+        .refused(&["--step 0.007: ", "fix: the nearest steps"]);
+    Desk::new()
+        .mc(&["check", "scene.toml", "--until", "59.995"])
+        .refused(&["--until 59.995: ", "59.99 or 60.0"]);
 }
 
 #[test]
 fn a_bad_override_is_named() {
     let set = |text: &str| Desk::new().mc(&["check", "scene.toml", "--set", text]);
-    set("friction.static").refused(&["--set friction.static: there is no `=`", "fix: write --set key=value"]);
+    set("friction.static").refused(&[
+        "--set friction.static: there is no `=`",
+        "fix: write --set key=value",
+    ]);
     set("friction.statc=1").refused(&["--set friction.statc=1: ", "did you mean `static`?"]);
     set("friction.static=abc").refused(&["--set friction.static=abc: ", "is a string", "fix: "]);
-    set("friction.static=1 2").refused(&["--set friction.static=1 2: ", "not a TOML value", "fix: "]);
-    set("friction.static.x=1").refused(&["`friction.static` is a number, so there is no `friction.static.x`"]);
-    set("temperature.harmonics.7.amplitude=1").refused(&["has 1 entries", "fix: number them from 0"]);
+    set("friction.static=1 2").refused(&[
+        "--set friction.static=1 2: ",
+        "not a TOML value",
+        "fix: ",
+    ]);
+    set("friction.static.x=1")
+        .refused(&["`friction.static` is a number, so there is no `friction.static.x`"]);
+    set("temperature.harmonics.7.amplitude=1")
+        .refused(&["has 1 entries", "fix: number them from 0"]);
     set("=1").refused(&["is not a key", "fix: "]);
-    set("time.step=nan").refused(&["--set time.step=nan: `time.step` = nan is not a number", "fix: "]);
+    set("time.step=nan").refused(&[
+        "--set time.step=nan: `time.step` = nan is not a number",
+        "fix: ",
+    ]);
 }
 
 #[test]
 fn a_bad_flag_is_named() {
-    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    let check =
+        |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
     check(&["--paths", "0"]).refused(&["--paths 0: `ensemble.paths` = 0", "from 1 to", "fix: "]);
     check(&["--paths", "-5"]).refused(&["--paths -5: `ensemble.paths` = -5", "from 1 to", "fix: "]);
     check(&["--paths", "many"]).refused(&["--paths many: ", "must be a whole number", "fix: "]);
     check(&["--paths", "99999999999999999999999"]).refused(&["out of range", "fix: "]);
     check(&["--seed", "-1"]).refused(&["--seed -1: ", "from 0 to 18446744073709551615"]);
-    Desk::new().mc(&["run", "scene.toml", "--threads", "0"]).refused(&["--threads", "1..="]);
-    Desk::new().mc(&["run", "scene.toml", "--thread", "2"]).refused(&["--thread", "--threads"]);
+    Desk::new()
+        .mc(&["run", "scene.toml", "--threads", "0"])
+        .refused(&["--threads", "1..="]);
+    Desk::new()
+        .mc(&["run", "scene.toml", "--thread", "2"])
+        .refused(&["--thread", "--threads"]);
 }
 
 #[test]
 fn an_unknown_verb_is_answered_with_a_similar_one() {
-    Desk::new().mc(&["ru"]).refused(&["unrecognized subcommand 'ru'", "run"]);
+    Desk::new()
+        .mc(&["ru"])
+        .refused(&["unrecognized subcommand 'ru'", "run"]);
     Desk::new().mc(&["run"]).refused(&["SCENARIO"]);
     assert_eq!(Desk::new().mc(&[]).code, Some(2));
 }
@@ -207,30 +302,58 @@ fn an_unknown_verb_is_answered_with_a_similar_one() {
 fn results_are_never_overwritten_silently() {
     let desk = Desk::new();
     std::fs::write(desk.path("scene.h5"), "precious").unwrap();
-    desk.mc(&["run", "scene.toml"]).refused(&["scene.h5 already exists", "fix: ", "-o FILE", "--force"]);
+    desk.mc(&["run", "scene.toml"]).refused(&[
+        "scene.h5 already exists",
+        "fix: ",
+        "-o FILE",
+        "--force",
+    ]);
     std::fs::write(desk.path("other.h5"), "precious").unwrap();
-    desk.mc(&["run", "scene.toml", "-o", "other.h5"]).refused(&["other.h5 already exists"]);
+    desk.mc(&["run", "scene.toml", "-o", "other.h5"])
+        .refused(&["other.h5 already exists"]);
     for name in ["scene.h5", "other.h5"] {
-        assert_eq!(std::fs::read_to_string(desk.path(name)).unwrap(), "precious");
+        assert_eq!(
+            std::fs::read_to_string(desk.path(name)).unwrap(),
+            "precious"
+        );
     }
 }
 
 #[test]
 fn results_need_a_place() {
     let desk = Desk::new();
-    desk.mc(&["run", "scene.toml", "-o", "no/such/place.h5"]).refused(&["the directory no/such", "fix: create it"]);
-    desk.mc(&["run", "scene.toml", "-o", "."]).refused(&["is a directory", "fix: "]);
-    desk.mc(&["run", "scene.toml", "-o", "scene.toml", "--force"]).refused(&["is an input of this command", "fix: "]);
-    assert_eq!(std::fs::read_to_string(desk.path("scene.toml")).unwrap(), RHO025);
+    desk.mc(&["run", "scene.toml", "-o", "no/such/place.h5"])
+        .refused(&["the directory no/such", "fix: create it"]);
+    desk.mc(&["run", "scene.toml", "-o", "."])
+        .refused(&["is a directory", "fix: "]);
+    desk.mc(&["run", "scene.toml", "-o", "scene.toml", "--force"])
+        .refused(&["is an input of this command", "fix: "]);
+    assert_eq!(
+        std::fs::read_to_string(desk.path("scene.toml")).unwrap(),
+        RHO025
+    );
 }
 
 #[test]
 fn a_file_that_is_not_a_result_is_refused_by_show_and_replay() {
-    Desk::new().mc(&["show", "absent.h5"]).refused(&["absent.h5: No such file", "fix: give a file that mc run wrote"]);
-    Desk::new().mc(&["show", "."]).refused(&[".: ", "directory", "fix: give a file that mc run wrote"]);
-    Desk::new().mc(&["replay", "absent.h5", "--path", "3"]).refused(&["absent.h5: No such file", "give a file"]);
-    Desk::new().mc(&["show", "scene.toml"]).refused(&["scene.toml: not an HDF5 file"]);
-    Desk::new().mc(&["replay", "absent.h5"]).refused(&["--path"]);
+    Desk::new().mc(&["show", "absent.h5"]).refused(&[
+        "absent.h5: No such file",
+        "fix: give a file that mc run wrote",
+    ]);
+    Desk::new().mc(&["show", "."]).refused(&[
+        ".: ",
+        "directory",
+        "fix: give a file that mc run wrote",
+    ]);
+    Desk::new()
+        .mc(&["replay", "absent.h5", "--path", "3"])
+        .refused(&["absent.h5: No such file", "give a file"]);
+    Desk::new()
+        .mc(&["show", "scene.toml"])
+        .refused(&["scene.toml: not an HDF5 file"]);
+    Desk::new()
+        .mc(&["replay", "absent.h5"])
+        .refused(&["--path"]);
 }
 
 #[test]
@@ -244,7 +367,11 @@ fn every_shipped_scenario_passes_the_check() {
             continue;
         }
         let answer = Desk::new().mc(&["check", path.to_str().unwrap()]);
-        assert!(answer.done().contains("# Derived quantities"), "{}", path.display());
+        assert!(
+            answer.done().contains("# Derived quantities"),
+            "{}",
+            path.display()
+        );
         seen += 1;
     }
     assert_eq!(seen, SHIPPED.len());
@@ -252,16 +379,32 @@ fn every_shipped_scenario_passes_the_check() {
 
 /// The output of `mc check` without the time of the run, which differs from one call to the next.
 fn timeless(out: &str) -> Vec<&str> {
-    out.lines().filter(|line| !line.starts_with("# time of the run here")).collect()
+    out.lines()
+        .filter(|line| !line.starts_with("# time of the run here"))
+        .collect()
 }
 
 #[test]
 fn what_check_prints_is_the_same_scenario() {
     let desk = Desk::new();
-    let first = desk.mc(&["check", "scene.toml", "--set", "friction.static=1.3", "--step", "0.005"]);
+    let first = desk.mc(&[
+        "check",
+        "scene.toml",
+        "--set",
+        "friction.static=1.3",
+        "--step",
+        "0.005",
+    ]);
     std::fs::write(desk.path("resolved.toml"), first.done()).unwrap();
-    assert!(first.out.contains("static = 1.3") && first.out.contains("step = 0.005") && first.out.contains("seed = 1"));
-    assert_eq!(timeless(desk.mc(&["check", "resolved.toml"]).done()), timeless(&first.out));
+    assert!(
+        first.out.contains("static = 1.3")
+            && first.out.contains("step = 0.005")
+            && first.out.contains("seed = 1")
+    );
+    assert_eq!(
+        timeless(desk.mc(&["check", "resolved.toml"]).done()),
+        timeless(&first.out)
+    );
     let json = desk.mc(&["check", "scene.toml", "--json"]);
     let value: serde_json::Value = serde_json::from_str(json.done()).unwrap();
     // 60 million path-steps take a tenth of a second. The bounds allow for a machine a hundred
@@ -276,10 +419,19 @@ fn a_scenario_is_read_from_standard_input() {
     let piped = |line: &str| {
         let output = command::shell(desk.folder.path(), line);
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Answer { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+        Answer {
+            code: output.status.code(),
+            out: text(output.stdout),
+            err: text(output.stderr),
+        }
     };
-    assert!(piped("\"$0\" check - < scene.toml").done().contains("rho = 0.25"));
-    piped("sed s/1.2/0.2/ scene.toml | \"$0\" check -").refused(&["standard input:", "`friction.dynamic` = 1.0"]);
+    assert!(
+        piped("\"$0\" check - < scene.toml")
+            .done()
+            .contains("rho = 0.25")
+    );
+    piped("sed s/1.2/0.2/ scene.toml | \"$0\" check -")
+        .refused(&["standard input:", "`friction.dynamic` = 1.0"]);
     piped("\"$0\" run - --paths 256 --quiet < scene.toml").done();
     assert!(desk.path("stdin.h5").is_file());
     // A sweep reads its scenario again for each point, and standard input can be read only once.
@@ -290,10 +442,14 @@ fn a_scenario_is_read_from_standard_input() {
         sweep["data_vars"]["estimate"]["data"][1].to_string()
     };
     let from_pipe = format!("\"$0\" sweep - {sweep} --json -o again.h5 < scene.toml");
-    assert_eq!(second_point(piped(&from_pipe)), second_point(piped(&from_file)));
+    assert_eq!(
+        second_point(piped(&from_pipe)),
+        second_point(piped(&from_file))
+    );
     // A file of results also contains its scenario.
     piped("\"$0\" show stdin.h5 --scenario > again.toml").done();
-    let [first, again] = ["scene.toml", "again.toml"].map(|name| Scenario::read(&desk.path(name), &[]).unwrap().model);
+    let [first, again] = ["scene.toml", "again.toml"]
+        .map(|name| Scenario::read(&desk.path(name), &[]).unwrap().model);
     assert_eq!(first, again);
 }
 
@@ -301,7 +457,12 @@ fn a_scenario_is_read_from_standard_input() {
 fn shells_complete_schemes_statistics_and_keys() {
     for shell in ["bash", "zsh", "fish"] {
         let script = Desk::new().mc(&["completions", shell]);
-        for word in ["event-driven", "stick_duration_mean", "friction.static=", "temperature.harmonics.0.amplitude="] {
+        for word in [
+            "event-driven",
+            "stick_duration_mean",
+            "friction.static=",
+            "temperature.harmonics.0.amplitude=",
+        ] {
             assert!(script.done().contains(word), "{shell}: {word}");
         }
     }
@@ -310,13 +471,20 @@ fn shells_complete_schemes_statistics_and_keys() {
 #[test]
 fn check_derives_and_warns() {
     let out = Desk::new().mc(&["check", "scene.toml"]);
-    for part in
-        ["w/w0, forcing                                 0.25\n", "critical amplitude   127.324", "6e7", "roughly"]
-    {
+    for part in [
+        "w/w0, forcing                                 0.25\n",
+        "critical amplitude   127.324",
+        "6e7",
+        "roughly",
+    ] {
         assert!(out.done().contains(part), "{part}\n{}", out.out);
     }
     let equal = Desk::new().mc(&["check", "scene.toml", "--set", "friction.dynamic=1.2"]);
-    assert!(equal.done().contains("f_s = f_d under noise"), "{}", equal.out);
+    assert!(
+        equal.done().contains("f_s = f_d under noise"),
+        "{}",
+        equal.out
+    );
 }
 
 #[test]
@@ -334,41 +502,86 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
     let desk = Desk::new();
     desk.mc(&["init"]).done();
     desk.mc(&["check", "rho025.toml"]).done();
-    desk.mc(&["init"]).refused(&["rho025.toml already exists", "--force"]);
-    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml"]).refused(&["scene.toml already exists"]);
-    assert_eq!(std::fs::read_to_string(desk.path("scene.toml")).unwrap(), RHO025);
-    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml", "--force"]).done();
-    assert!(std::fs::read_to_string(desk.path("scene.toml")).unwrap().contains("Shaw"));
+    desk.mc(&["init"])
+        .refused(&["rho025.toml already exists", "--force"]);
+    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml"])
+        .refused(&["scene.toml already exists"]);
+    assert_eq!(
+        std::fs::read_to_string(desk.path("scene.toml")).unwrap(),
+        RHO025
+    );
+    desk.mc(&["init", "--from", "shaw", "-o", "scene.toml", "--force"])
+        .done();
+    assert!(
+        std::fs::read_to_string(desk.path("scene.toml"))
+            .unwrap()
+            .contains("Shaw")
+    );
     let whole = desk.mc(&["init", "--from", "rho025", "-o", "-"]);
-    let scene = |text: &str| Scenario::parse("rho025", text, &[]).map_err(|error| error.to_string());
+    let scene =
+        |text: &str| Scenario::parse("rho025", text, &[]).map_err(|error| error.to_string());
     assert_eq!(scene(whole.done()), scene(RHO025));
     // Every section is present. One that is not used takes effect when its `#` is removed.
-    for section in
-        ["[[temperature.harmonics]]", "[temperature.noise]", "[scheme]", "[statistics]", "[record]", "[units]"]
-    {
+    for section in [
+        "[[temperature.harmonics]]",
+        "[temperature.noise]",
+        "[scheme]",
+        "[statistics]",
+        "[record]",
+        "[units]",
+    ] {
         assert!(whole.out.contains(&format!("\n{section}")), "{section}");
     }
     for (section, key) in [("[bearing]", "offset"), ("[temperature.series]", "max_gap")] {
         let part = whole.out.split_once(&format!("# {section}")).unwrap().1;
-        let lines = part.lines().take_while(|line| !line.is_empty()).map(|line| line.trim_start_matches("# "));
-        let part: String = format!("{section}{}", lines.map(|line| format!("{line}\n")).collect::<String>());
+        let lines = part
+            .lines()
+            .take_while(|line| !line.is_empty())
+            .map(|line| line.trim_start_matches("# "));
+        let part: String = format!(
+            "{section}{}",
+            lines.map(|line| format!("{line}\n")).collect::<String>()
+        );
         assert!(part.contains(key), "{part}");
         let error = scene(&(whole.out.clone() + &part)).err();
         // The CSV file of the example must be provided by the user.
-        assert!(error.as_ref().is_none_or(|error| error.contains("temperature.csv")), "{section}: {error:?}");
+        assert!(
+            error
+                .as_ref()
+                .is_none_or(|error| error.contains("temperature.csv")),
+            "{section}: {error:?}"
+        );
     }
-    let [noise, omega, f_s] =
-        ["temperature.noise.intensity=0.4", "temperature.harmonics.0.angular_frequency=0.5", "friction.static=1.4"];
-    let flags = ["--set", f_s, "--set", omega, "--set", noise, "--title", "1.5", "--paths", "20k", "-o", "-"];
+    let [noise, omega, f_s] = [
+        "temperature.noise.intensity=0.4",
+        "temperature.harmonics.0.angular_frequency=0.5",
+        "friction.static=1.4",
+    ];
+    let flags = [
+        "--set", f_s, "--set", omega, "--set", noise, "--title", "1.5", "--paths", "20k", "-o", "-",
+    ];
     let changed = desk.mc(&[&["init"], &flags[..]].concat());
     let made = scene(changed.done()).unwrap();
     let temperature = &made.model.temperature;
-    assert_eq!((temperature.noises[0].intensity, temperature.harmonics[0].angular_frequency), (0.4, 0.5));
-    assert_eq!((made.model.friction.static_force, made.title.as_str(), made.ensemble.paths), (1.4, "1.5", 20_000));
+    assert_eq!(
+        (
+            temperature.noises[0].intensity,
+            temperature.harmonics[0].angular_frequency
+        ),
+        (0.4, 0.5)
+    );
+    assert_eq!(
+        (
+            made.model.friction.static_force,
+            made.title.as_str(),
+            made.ensemble.paths
+        ),
+        (1.4, "1.5", 20_000)
+    );
     assert!(
-        changed
-            .out
-            .starts_with(&format!("# The shipped scenario rho025, with --set {f_s} --set {omega} --set {noise}")),
+        changed.out.starts_with(&format!(
+            "# The shipped scenario rho025, with --set {f_s} --set {omega} --set {noise}"
+        )),
         "{}",
         changed.out
     );
@@ -380,19 +593,36 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
     );
     desk.mc(&["init", "--set", "friction.static=0.5", "-o", "-"])
         .refused(&["`friction.dynamic` = 1.0 is above", "fix: "]);
-    desk.mc(&["init", "--from", "nowhere"]).refused(&["nowhere", "rho025", "shaw"]);
+    desk.mc(&["init", "--from", "nowhere"])
+        .refused(&["nowhere", "rho025", "shaw"]);
 }
 
 #[test]
 fn help_has_examples_and_version_has_a_commit() {
     let desk = Desk::new();
-    assert!(desk.mc(&["--help"]).done().contains("Start here:\n  mc init"));
+    assert!(
+        desk.mc(&["--help"])
+            .done()
+            .contains("Start here:\n  mc init")
+    );
     for verb in ["run", "check", "show", "init", "completions", "replay"] {
-        assert!(desk.mc(&[verb, "--help"]).done().contains("Example"), "{verb}");
+        assert!(
+            desk.mc(&[verb, "--help"]).done().contains("Example"),
+            "{verb}"
+        );
     }
     let version = desk.mc(&["--version"]);
-    let commit = version.done().trim().rsplit_once(" (").unwrap().1.trim_end_matches(')').to_string();
-    let is_hash = |text: &str, length: usize| text.len() >= length && text.chars().all(|c| c.is_ascii_hexdigit());
+    let commit = version
+        .done()
+        .trim()
+        .rsplit_once(" (")
+        .unwrap()
+        .1
+        .trim_end_matches(')')
+        .to_string();
+    let is_hash = |text: &str, length: usize| {
+        text.len() >= length && text.chars().all(|c| c.is_ascii_hexdigit())
+    };
     // Where the commit is not all that the program was built from, a fingerprint of the sources
     // distinguishes it from other such programs.
     assert!(
@@ -408,17 +638,36 @@ fn help_has_examples_and_version_has_a_commit() {
 
 /// The verbs that a help text lists.
 fn verbs(help: &str) -> Vec<String> {
-    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let verbs = lines.filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
-    verbs.filter_map(|line| line.split_whitespace().next()).map(String::from).collect()
+    let lines = help
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty());
+    let verbs = lines.filter_map(|line| {
+        line.strip_prefix("  ")
+            .filter(|rest| !rest.starts_with(' '))
+    });
+    verbs
+        .filter_map(|line| line.split_whitespace().next())
+        .map(String::from)
+        .collect()
 }
 
 /// The options that a help text lists, by their long names.
 fn options(help: &str) -> Vec<String> {
-    let lines = help.lines().skip_while(|line| *line != "Options:").skip(1).take_while(|line| !line.is_empty());
-    let lines = lines.map(str::trim_start).filter(|line| line.starts_with('-'));
+    let lines = help
+        .lines()
+        .skip_while(|line| *line != "Options:")
+        .skip(1)
+        .take_while(|line| !line.is_empty());
+    let lines = lines
+        .map(str::trim_start)
+        .filter(|line| line.starts_with('-'));
     let words = lines.flat_map(|line| line.split_whitespace().take(2));
-    words.filter(|word| word.starts_with("--")).map(String::from).collect()
+    words
+        .filter(|word| word.starts_with("--"))
+        .map(String::from)
+        .collect()
 }
 
 /// Every verb that `mc --help` lists and every option that `mc VERB --help` lists is in the script
@@ -427,7 +676,10 @@ fn options(help: &str) -> Vec<String> {
 fn completions_know_every_verb_and_every_option() {
     let desk = Desk::new();
     let verbs = verbs(desk.mc(&["--help"]).done());
-    assert!(verbs.len() >= 8 && verbs.contains(&"run".to_string()), "{verbs:?}");
+    assert!(
+        verbs.len() >= 8 && verbs.contains(&"run".to_string()),
+        "{verbs:?}"
+    );
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = desk.mc(&["completions", shell]).done().to_string();
         for verb in &verbs {
@@ -436,13 +688,22 @@ fn completions_know_every_verb_and_every_option() {
                 continue;
             }
             let options = options(desk.mc(&[verb, "--help"]).done());
-            assert!(options.contains(&"--help".to_string()), "{verb}: {options:?}");
+            assert!(
+                options.contains(&"--help".to_string()),
+                "{verb}: {options:?}"
+            );
             for option in options {
                 // The script for fish has the options without hyphens.
-                let word = if shell == "fish" { format!("-l {}", &option[2..]) } else { option.clone() };
-                let ends = |next: Option<char>| next.is_none_or(|c| !c.is_alphanumeric() && c != '-');
-                let is_known =
-                    script.match_indices(&word).any(|(at, _)| ends(script[at + word.len()..].chars().next()));
+                let word = if shell == "fish" {
+                    format!("-l {}", &option[2..])
+                } else {
+                    option.clone()
+                };
+                let ends =
+                    |next: Option<char>| next.is_none_or(|c| !c.is_alphanumeric() && c != '-');
+                let is_known = script
+                    .match_indices(&word)
+                    .any(|(at, _)| ends(script[at + word.len()..].chars().next()));
                 assert!(is_known, "{shell}: {verb} {option}");
             }
         }
@@ -454,7 +715,11 @@ fn completions_know_every_verb_and_every_option() {
 #[test]
 fn bash_completes_verbs_options_and_values() {
     let desk = Desk::new();
-    std::fs::write(desk.path("mc.bash"), desk.mc(&["completions", "bash"]).done()).unwrap();
+    std::fs::write(
+        desk.path("mc.bash"),
+        desk.mc(&["completions", "bash"]).done(),
+    )
+    .unwrap();
     let complete = |words: &[&str]| {
         let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
         let script = format!(
@@ -463,15 +728,26 @@ fn bash_completes_verbs_options_and_values() {
             words.len() - 1
         );
         let mut bash = assert_cmd::Command::new("bash");
-        let output = bash.current_dir(desk.folder.path()).args(["-c", &script]).timeout(command::LONGEST).output();
+        let output = bash
+            .current_dir(desk.folder.path())
+            .args(["-c", &script])
+            .timeout(command::LONGEST)
+            .output();
         let output = output.expect("bash");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         String::from_utf8(output.stdout).unwrap().trim().to_string()
     };
     assert_eq!(complete(&["mc", "ru"]), "run");
     assert_eq!(complete(&["mc", "t"]), "trade twin");
     assert_eq!(complete(&["mc", "run", "--path"]), "--paths");
-    assert_eq!(complete(&["mc", "run", "--s"]), "--seed --scheme --step --set --statistic");
+    assert_eq!(
+        complete(&["mc", "run", "--s"]),
+        "--seed --scheme --step --set --statistic"
+    );
     assert_eq!(complete(&["mc", "replay", "--p"]), "--path");
     assert_eq!(complete(&["mc", "completions", "z"]), "zsh");
 }
@@ -481,21 +757,42 @@ fn bash_completes_verbs_options_and_values() {
 #[test]
 fn a_hundred_thousand_rows_are_kept_and_one_more_is_refused() {
     let check = |scheme: &str, end: &str| {
-        let flags = ["--scheme", scheme, "--step", "0.25", "--until", end, "--set", "time.output_step=1"];
-        let flags = if scheme == "event-driven" { [&flags[..2], &flags[4..]].concat() } else { flags.to_vec() };
+        let flags = [
+            "--scheme",
+            scheme,
+            "--step",
+            "0.25",
+            "--until",
+            end,
+            "--set",
+            "time.output_step=1",
+        ];
+        let flags = if scheme == "event-driven" {
+            [&flags[..2], &flags[4..]].concat()
+        } else {
+            flags.to_vec()
+        };
         Desk::new().mc(&[&["check", "scene.toml"][..], &flags].concat())
     };
     for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {
         check(scheme, "99999").done();
-        let says =
-            ["an output grid of 100001 rows", "at most 100000 are supported", "fix: write `time.output_step` = "];
+        let says = [
+            "an output grid of 100001 rows",
+            "at most 100000 are supported",
+            "fix: write `time.output_step` = ",
+        ];
         check(scheme, "100000").refused(&says);
     }
 }
 
 #[test]
 fn a_closed_pipe_is_a_quiet_exit() {
-    for arguments in [&["check", "scene.toml"][..], &["init", "-o", "-"], &["completions", "bash"], &["--help"]] {
+    for arguments in [
+        &["check", "scene.toml"][..],
+        &["init", "-o", "-"],
+        &["completions", "bash"],
+        &["--help"],
+    ] {
         let desk = Desk::new();
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -507,46 +804,109 @@ fn a_closed_pipe_is_a_quiet_exit() {
 
 #[test]
 fn a_scheme_is_answered_with_what_it_takes() {
-    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
-    check(&["--tolerance", "1e-4"]).refused(&["--tolerance 1e-4: `scheme.tolerance`", "discrete-vi", "fix: remove it"]);
-    check(&["--scheme", "corrected-vi", "--tolerance", "1e-4"]).refused(&["corrected-vi", "event-driven"]);
-    check(&["--scheme", "event-driven", "--tolerance", "0"]).refused(&["from 1e-9 to 0.1", "fix: "]);
-    check(&["--scheme", "event-drivn"]).refused(&["--scheme event-drivn: ", "did you mean \"event-driven\"?"]);
-    check(&["--scheme", "euler"]).refused(&["\"discrete-vi\", \"corrected-vi\", \"event-driven\", \"quasi-static\""]);
-    check(&["--scheme", "event-driven", "--step", "0.1"]).refused(&["--step 0.1: ", "has no time step", "--scheme"]);
-    check(&["--scheme", "corrected-vi", "--step", "1", "--set", "time.output_step=1"]).refused(&[
+    let check =
+        |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    check(&["--tolerance", "1e-4"]).refused(&[
+        "--tolerance 1e-4: `scheme.tolerance`",
+        "discrete-vi",
+        "fix: remove it",
+    ]);
+    check(&["--scheme", "corrected-vi", "--tolerance", "1e-4"])
+        .refused(&["corrected-vi", "event-driven"]);
+    check(&["--scheme", "event-driven", "--tolerance", "0"])
+        .refused(&["from 1e-9 to 0.1", "fix: "]);
+    check(&["--scheme", "event-drivn"])
+        .refused(&["--scheme event-drivn: ", "did you mean \"event-driven\"?"]);
+    check(&["--scheme", "euler"])
+        .refused(&["\"discrete-vi\", \"corrected-vi\", \"event-driven\", \"quasi-static\""]);
+    check(&["--scheme", "event-driven", "--step", "0.1"]).refused(&[
+        "--step 0.1: ",
+        "has no time step",
+        "--scheme",
+    ]);
+    check(&[
+        "--scheme",
+        "corrected-vi",
+        "--step",
+        "1",
+        "--set",
+        "time.output_step=1",
+    ])
+    .refused(&[
         "--step 1: `time.step` = 1.0",
         "f_s",
         "shift",
         "fix: choose `time.step` below 0.471",
     ]);
     let place = format!("scene.toml:{}:", line_of("[ensemble]") + 1);
-    check_with("[ensemble]", "[scheme]\ntolerance = 1e-3\n[ensemble]").refused(&[&place, "`scheme.tolerance`"]);
-    let stepless = RHO025.lines().filter(|line| !line.starts_with("step")).collect::<Vec<_>>().join("\n");
-    Desk::with(&stepless).mc(&["check", "scene.toml"]).refused(&["missing key `time.step`"]);
-    Desk::with(&stepless).mc(&["check", "scene.toml", "--scheme", "event-driven"]).done();
+    check_with("[ensemble]", "[scheme]\ntolerance = 1e-3\n[ensemble]")
+        .refused(&[&place, "`scheme.tolerance`"]);
+    let stepless = RHO025
+        .lines()
+        .filter(|line| !line.starts_with("step"))
+        .collect::<Vec<_>>()
+        .join("\n");
+    Desk::with(&stepless)
+        .mc(&["check", "scene.toml"])
+        .refused(&["missing key `time.step`"]);
+    Desk::with(&stepless)
+        .mc(&["check", "scene.toml", "--scheme", "event-driven"])
+        .done();
 }
 
 #[test]
 fn check_says_what_a_scheme_does_with_the_step() {
-    let check = |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
+    let check =
+        |arguments: &[&str]| Desk::new().mc(&[&["check", "scene.toml"], arguments].concat());
     for scheme in ["event-driven", "quasi-static"] {
         let out = check(&["--scheme", scheme]);
-        for part in [&*format!("the {scheme} scheme does not use time.step"), "tolerance = 0.001", "# no step: "] {
+        for part in [
+            &*format!("the {scheme} scheme does not use time.step"),
+            "tolerance = 0.001",
+            "# no step: ",
+        ] {
             assert!(out.done().contains(part), "{part}\n{}", out.out);
         }
-        assert!(!out.out.contains("stability") && !out.out.contains("sqrt(h)"), "{}", out.out);
+        assert!(
+            !out.out.contains("stability") && !out.out.contains("sqrt(h)"),
+            "{}",
+            out.out
+        );
         let desk = Desk::with(&out.out);
-        assert_eq!(timeless(desk.mc(&["check", "scene.toml"]).done()), timeless(&out.out));
+        assert_eq!(
+            timeless(desk.mc(&["check", "scene.toml"]).done()),
+            timeless(&out.out)
+        );
         // The tolerance is dropped when another scheme is chosen.
-        desk.mc(&["check", "scene.toml", "--scheme", "discrete-vi", "--step", "0.01"]).done();
+        desk.mc(&[
+            "check",
+            "scene.toml",
+            "--scheme",
+            "discrete-vi",
+            "--step",
+            "0.01",
+        ])
+        .done();
     }
-    assert!(check(&["--scheme", "corrected-vi"]).done().contains("shift of f_s"));
+    assert!(
+        check(&["--scheme", "corrected-vi"])
+            .done()
+            .contains("shift of f_s")
+    );
     let equal = check(&["--scheme", "event-driven", "--set", "friction.dynamic=1.2"]);
-    assert!(equal.done().contains("shortest slip resolved") && equal.out.contains("depend on that resolution"));
+    assert!(
+        equal.done().contains("shortest slip resolved")
+            && equal.out.contains("depend on that resolution")
+    );
     let json = check(&["--scheme", "event-driven", "--json"]);
     let value: serde_json::Value = serde_json::from_str(json.done()).unwrap();
-    assert_eq!((value["derived"]["tolerance"].as_f64(), value["derived"]["steps"].is_null()), (Some(1e-3), true));
+    assert_eq!(
+        (
+            value["derived"]["tolerance"].as_f64(),
+            value["derived"]["steps"].is_null()
+        ),
+        (Some(1e-3), true)
+    );
     assert_eq!(value["warnings"].as_array().map(Vec::len), Some(1));
     assert_eq!(value["warnings"][0]["name"], "few-periods");
 }

@@ -34,7 +34,11 @@ fn refused(folder: &Path, arguments: &[&str], says: &[&str]) {
 fn bridge(csv: &str) -> tempfile::TempDir {
     let here = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(here.path().join("scene")).expect("made");
-    std::fs::write(here.path().join("scene/bridge.toml"), shipped("bridge").expect("shipped").text).expect("written");
+    std::fs::write(
+        here.path().join("scene/bridge.toml"),
+        shipped("bridge").expect("shipped").text,
+    )
+    .expect("written");
     std::fs::write(here.path().join("scene/bridge.csv"), csv).expect("written");
     here
 }
@@ -44,7 +48,12 @@ fn days() -> String {
     let mut csv = String::from("time,temperature_degC\n");
     for i in 0..=288 {
         let celsius = 12.0 + 14.0 * (i as f64 * std::f64::consts::TAU / 144.0).sin();
-        csv += &format!("2020-05-{:02}T{:02}:{:02}:00Z,{celsius:.3}\n", 1 + i / 144, i % 144 / 6, i % 6 * 10);
+        csv += &format!(
+            "2020-05-{:02}T{:02}:{:02}:00Z,{celsius:.3}\n",
+            1 + i / 144,
+            i % 144 / 6,
+            i % 6 * 10
+        );
     }
     csv
 }
@@ -58,14 +67,37 @@ fn results_say_everything_without_the_file_of_samples() {
     // The printed scenario runs from the folder in which it was printed.
     std::fs::write(here.join("checked.toml"), &checked).expect("written");
     ok(&mc(here, &["run", "checked.toml", "-o", "checked.h5"]));
-    let replayed = ok(&mc(here, &["replay", "run.h5", "--path", "0", "-o", "before.h5"]));
+    let replayed = ok(&mc(
+        here,
+        &["replay", "run.h5", "--path", "0", "-o", "before.h5"],
+    ));
     std::fs::remove_file(here.join("scene/bridge.csv")).expect("removed");
-    refused(here, &["run", "scene/bridge.toml", "-o", "again.h5"], &["temperature.series.file", "scene/bridge.csv"]);
+    refused(
+        here,
+        &["run", "scene/bridge.toml", "-o", "again.h5"],
+        &["temperature.series.file", "scene/bridge.csv"],
+    );
     assert!(ok(&mc(here, &["show", "run.h5"])).contains("slips_per_path"));
-    let again = ok(&mc(here, &["replay", "run.h5", "--path", "0", "-o", "before.h5", "--force"]));
+    let again = ok(&mc(
+        here,
+        &[
+            "replay",
+            "run.h5",
+            "--path",
+            "0",
+            "-o",
+            "before.h5",
+            "--force",
+        ],
+    ));
     assert_eq!(again, replayed);
     ok(&mc(here, &["plot", "run.h5", "-o", "run.svg"]));
-    ok(&mc(here, &["plot", "run.h5", "--only", "path", "--until", "86400", "-o", "path.svg"]));
+    ok(&mc(
+        here,
+        &[
+            "plot", "run.h5", "--only", "path", "--until", "86400", "-o", "path.svg",
+        ],
+    ));
 }
 
 /// A user's file that has the name of a shipped scenario takes the samples beside it, two days of
@@ -74,8 +106,16 @@ fn results_say_everything_without_the_file_of_samples() {
 fn a_file_with_the_name_of_a_shipped_scenario_takes_its_own_samples() {
     let here = tempfile::tempdir().expect("a folder");
     let here = here.path();
-    std::fs::write(here.join("bridge"), shipped("bridge").expect("shipped").text).expect("written");
-    refused(here, &["check", "bridge"], &["temperature.series.file", "bridge.csv"]);
+    std::fs::write(
+        here.join("bridge"),
+        shipped("bridge").expect("shipped").text,
+    )
+    .expect("written");
+    refused(
+        here,
+        &["check", "bridge"],
+        &["temperature.series.file", "bridge.csv"],
+    );
     std::fs::write(here.join("bridge.csv"), days()).expect("written");
     let checked = ok(&mc(here, &["check", "bridge"]));
     assert!(checked.contains("end = 172800.0"), "{checked}");
@@ -97,17 +137,54 @@ fn parts_are_joined_without_the_file_of_samples() {
     ];
     ok(&mc(here, &[&run[..], &["-o", "whole.h5"]].concat()));
     for part in ["1/2", "2/2"] {
-        ok(&mc(here, &[&run[..], &["--part", part, "-o", &format!("part-{}.h5", &part[..1])]].concat()));
+        ok(&mc(
+            here,
+            &[
+                &run[..],
+                &["--part", part, "-o", &format!("part-{}.h5", &part[..1])],
+            ]
+            .concat(),
+        ));
     }
     std::fs::remove_file(here.join("scene/bridge.csv")).expect("removed");
-    ok(&mc(here, &["merge", "part-1.h5", "part-2.h5", "-o", "all.h5"]));
+    ok(&mc(
+        here,
+        &["merge", "part-1.h5", "part-2.h5", "-o", "all.h5"],
+    ));
     let [whole, all] = ["whole.h5", "all.h5"].map(|name| {
         let file = hdf5::File::open(here.join(name)).expect("opens");
-        let numbers = |name: &str| file.dataset(name).expect("there").read_raw::<f64>().expect("numbers");
-        let bits = |name: &str| numbers(name).into_iter().map(f64::to_bits).collect::<Vec<_>>();
-        let start = file.dataset("series_time").expect("there").attr("start").expect("a stamp");
-        let start = start.read_scalar::<hdf5::types::VarLenUnicode>().expect("text").as_str().to_string();
-        (["estimate", "temperature_sd", "series_time", "series_temperature"].map(bits), start)
+        let numbers = |name: &str| {
+            file.dataset(name)
+                .expect("there")
+                .read_raw::<f64>()
+                .expect("numbers")
+        };
+        let bits = |name: &str| {
+            numbers(name)
+                .into_iter()
+                .map(f64::to_bits)
+                .collect::<Vec<_>>()
+        };
+        let start = file
+            .dataset("series_time")
+            .expect("there")
+            .attr("start")
+            .expect("a stamp");
+        let start = start
+            .read_scalar::<hdf5::types::VarLenUnicode>()
+            .expect("text")
+            .as_str()
+            .to_string();
+        (
+            [
+                "estimate",
+                "temperature_sd",
+                "series_time",
+                "series_temperature",
+            ]
+            .map(bits),
+            start,
+        )
     });
     assert_eq!(whole, all);
     assert_eq!(whole.1, "2020-05-01T00:00:00Z");
@@ -122,7 +199,12 @@ fn a_shipped_scenario_is_written_with_its_samples() {
     let before = std::fs::read(here.join("bridge.csv")).expect("written");
     assert!(before.len() > 100_000);
     let output = mc(here, &["init", "--from", "bridge", "-o", "other.toml"]);
-    assert_eq!(output.status.code(), Some(2), "the samples are there already: {}", text(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "the samples are there already: {}",
+        text(&output.stderr)
+    );
     assert!(!here.join("other.toml").exists());
 }
 
@@ -132,36 +214,100 @@ fn what_does_not_go_with_a_series_is_refused() {
     let here = here.path();
     let check = |set: &[&str], says: &[&str]| {
         let sets = set.iter().flat_map(|set| ["--set", *set]);
-        refused(here, &["check", "scene/bridge.toml"].into_iter().chain(sets).collect::<Vec<_>>(), says);
+        refused(
+            here,
+            &["check", "scene/bridge.toml"]
+                .into_iter()
+                .chain(sets)
+                .collect::<Vec<_>>(),
+            says,
+        );
     };
-    check(&["time.end=1e6"], &["`time.end` = 1000000.0", "beyond the last sample", "172800"]);
-    check(&["temperature.series.value=temp"], &["no column is called `temp`", "did you mean `temperature_degC`?"]);
-    check(&["temperature.series.time=when"], &["no column is called `when`", "`time`"]);
-    check(&["temperature.series.max_gap=\"5min\""], &["bridge.csv:3", "for 10 min"]);
-    check(&["temperature.series.max_gap=soon"], &["`temperature.series.max_gap` = soon is not a duration", "6h"]);
-    check(&["temperature.series.hash=abc"], &["hash", "differ from those"]);
-    check(&["temperature.series={}"], &["missing key `temperature.series.file`"]);
-    check(&["temperature.series.colour=1"], &["unknown key `colour`", "`temperature.series` takes file, time"]);
+    check(
+        &["time.end=1e6"],
+        &["`time.end` = 1000000.0", "beyond the last sample", "172800"],
+    );
+    check(
+        &["temperature.series.value=temp"],
+        &[
+            "no column is called `temp`",
+            "did you mean `temperature_degC`?",
+        ],
+    );
+    check(
+        &["temperature.series.time=when"],
+        &["no column is called `when`", "`time`"],
+    );
+    check(
+        &["temperature.series.max_gap=\"5min\""],
+        &["bridge.csv:3", "for 10 min"],
+    );
+    check(
+        &["temperature.series.max_gap=soon"],
+        &[
+            "`temperature.series.max_gap` = soon is not a duration",
+            "6h",
+        ],
+    );
+    check(
+        &["temperature.series.hash=abc"],
+        &["hash", "differ from those"],
+    );
+    check(
+        &["temperature.series={}"],
+        &["missing key `temperature.series.file`"],
+    );
+    check(
+        &["temperature.series.colour=1"],
+        &[
+            "unknown key `colour`",
+            "`temperature.series` takes file, time",
+        ],
+    );
     check(
         &["temperature.noise={intensity=1, pinned=true, initial=2}"],
         &["v is zero at the first sample", "set it to 0"],
     );
     check(
-        &["temperature.noise={intensity=1, pinned=true}", "scheme.kind=discrete-vi", "time.step=1"],
+        &[
+            "temperature.noise={intensity=1, pinned=true}",
+            "scheme.kind=discrete-vi",
+            "time.step=1",
+        ],
         &["pinned", "quasi-static"],
     );
-    check(&["units.time=h"], &["times in seconds", "`units.time` is \"h\""]);
-    check(&["initial.displacement=balance"], &["did you mean \"balanced\"?"]);
-    check(&["bearing.stiffness=0"], &["`bearing.stiffness` = 0 is out of range"]);
+    check(
+        &["units.time=h"],
+        &["times in seconds", "`units.time` is \"h\""],
+    );
+    check(
+        &["initial.displacement=balance"],
+        &["did you mean \"balanced\"?"],
+    );
+    check(
+        &["bearing.stiffness=0"],
+        &["`bearing.stiffness` = 0 is out of range"],
+    );
     let csv = days().replace("2020-05-01T12:00:00Z,12.000", "2020-05-01T12:00:00Z,warm");
     std::fs::write(here.join("scene/bridge.csv"), csv).expect("written");
-    check(&[], &["bridge.csv:74", "`temperature_degC` = \"warm\" is not a number"]);
+    check(
+        &[],
+        &[
+            "bridge.csv:74",
+            "`temperature_degC` = \"warm\" is not a number",
+        ],
+    );
 }
 
 #[test]
 fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
     let lines: Vec<String> = days().lines().map(String::from).collect();
-    let mut mended = vec![lines[0].clone(), lines[2].clone(), lines[1].clone(), lines[2].clone()];
+    let mut mended = vec![
+        lines[0].clone(),
+        lines[2].clone(),
+        lines[1].clone(),
+        lines[2].clone(),
+    ];
     mended.extend_from_slice(&lines[3..]);
     mended[20] = mended[20].split(',').next().expect("a stamp").to_string() + ",";
     let here = bridge(&(mended.join("\n") + "\n"));
@@ -176,10 +322,31 @@ fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
         assert!(warned.contains(part), "{part}: {warned}");
     }
     assert!(!warned.contains("weather-twice"));
-    let noisy = ok(&mc(here, &["check", "scene/bridge.toml", "--json", "--set", "temperature.noise.intensity=0.1"]));
+    let noisy = ok(&mc(
+        here,
+        &[
+            "check",
+            "scene/bridge.toml",
+            "--json",
+            "--set",
+            "temperature.noise.intensity=0.1",
+        ],
+    ));
     assert!(noisy.contains("weather-twice"), "{noisy}");
-    let many = ok(&mc(here, &["check", "scene/bridge.toml", "--json", "--set", "time.output_step=4"]));
-    assert!(many.contains("many-rows") && many.contains("43201"), "{many}");
+    let many = ok(&mc(
+        here,
+        &[
+            "check",
+            "scene/bridge.toml",
+            "--json",
+            "--set",
+            "time.output_step=4",
+        ],
+    ));
+    assert!(
+        many.contains("many-rows") && many.contains("43201"),
+        "{many}"
+    );
 }
 
 /// With x(0) = beta T(0) there is no force at the start. In a stick F is b, so that z = z0 + x +
@@ -189,21 +356,51 @@ fn a_balanced_bearing_shows_its_offset_first() {
     let here = bridge(&days());
     let here = here.path();
     for scheme in ["quasi-static", "event-driven", "discrete-vi"] {
-        let step = if scheme == "discrete-vi" { "time.step=0.01" } else { "scheme.tolerance=1e-3" };
-        let set = ["--set", "initial.displacement=balanced", "--set", step, "--set", "time.end=7200"];
-        let run = ["run", "scene/bridge.toml", "--scheme", scheme, "-o", "b.h5", "--force"];
+        let step = if scheme == "discrete-vi" {
+            "time.step=0.01"
+        } else {
+            "scheme.tolerance=1e-3"
+        };
+        let set = [
+            "--set",
+            "initial.displacement=balanced",
+            "--set",
+            step,
+            "--set",
+            "time.end=7200",
+        ];
+        let run = [
+            "run",
+            "scene/bridge.toml",
+            "--scheme",
+            scheme,
+            "-o",
+            "b.h5",
+            "--force",
+        ];
         ok(&mc(here, &[&run[..], &set[..]].concat()));
         let file = hdf5::File::open(here.join("b.h5")).expect("opens");
-        let rows = |name: &str| file.dataset(name).expect("there").read_raw::<f64>().expect("numbers");
-        let [z, x, force] =
-            ["bearing_displacement", "displacement", "friction"].map(|name| rows(&format!("trajectory_{name}")));
+        let rows = |name: &str| {
+            file.dataset(name)
+                .expect("there")
+                .read_raw::<f64>()
+                .expect("numbers")
+        };
+        let [z, x, force] = ["bearing_displacement", "displacement", "friction"]
+            .map(|name| rows(&format!("trajectory_{name}")));
         assert!((x[0] - 3.06e-4 * 12.0).abs() < 1e-15, "{scheme}: {}", x[0]);
         assert!(force[0].abs() < 1e-6, "{scheme}: {}", force[0]);
         assert_eq!(z[0], -9.67e-3 + x[0], "{scheme}");
         for i in 0..z.len() {
-            assert!((z[i] + 9.67e-3 - x[i] - force[i] / 2.0e9).abs() < 1e-15, "{scheme} {i}");
+            assert!(
+                (z[i] + 9.67e-3 - x[i] - force[i] / 2.0e9).abs() < 1e-15,
+                "{scheme} {i}"
+            );
         }
-        assert!(force.iter().any(|force| force.abs() > 1e4), "{scheme}: the temperature moves");
+        assert!(
+            force.iter().any(|force| force.abs() > 1e4),
+            "{scheme}: the temperature moves"
+        );
         assert_eq!(rows("series_time").len(), 289);
     }
 }
@@ -215,7 +412,12 @@ fn pinned_noise_without_a_series_is_refused_in_memory_as_well() {
     let mut scenario = stickslip::scenario::Scenario::parse("rho025", text, &[]).expect("sound");
     scenario.model.temperature.is_pinned = true;
     let misfit = scenario.check().expect_err("there is nothing to pin to");
-    assert!(misfit.sentence().contains("`temperature.noise.pinned` = true, but there is no"), "{misfit:?}");
+    assert!(
+        misfit
+            .sentence()
+            .contains("`temperature.noise.pinned` = true, but there is no"),
+        "{misfit:?}"
+    );
 }
 
 /// Where an acceleration that is straight between these samples, `step` seconds apart, takes a block
@@ -227,7 +429,11 @@ pub fn slid(samples: &[f64], step: f64, threshold: f64) -> f64 {
     for pair in samples.windows(2) {
         for k in 0..PARTS {
             let pull = pair[0] + (pair[1] - pair[0]) * (k as f64 + 0.5) / PARTS as f64;
-            let friction = if v == 0.0 { pull.clamp(-threshold, threshold) } else { threshold.copysign(v) };
+            let friction = if v == 0.0 {
+                pull.clamp(-threshold, threshold)
+            } else {
+                threshold.copysign(v)
+            };
             let next = v + h * (pull - friction);
             // Friction stops the block, and does not turn it back.
             let next = if v * next < 0.0 { 0.0 } else { next };
@@ -245,9 +451,21 @@ fn a_pulse_in_a_quiet_record_is_kept() {
     const G: f64 = 9.81;
     let step = 0.02;
     let noise = |i: usize| 1e-4 * G * ((i * 7919 % 1000) as f64 / 500.0 - 1.0);
-    let pulse = |i: usize| if (250..=254).contains(&i) { 0.5 * G * ((i - 250) as f64 * PI / 4.0).sin() } else { 0.0 };
-    let samples: Vec<f64> = (0..500).map(|i| ((noise(i) + pulse(i)) * 1e6).round() / 1e6).collect();
-    let rows: String = samples.iter().enumerate().map(|(i, a)| format!("{:.2},{a:.6}\n", step * i as f64)).collect();
+    let pulse = |i: usize| {
+        if (250..=254).contains(&i) {
+            0.5 * G * ((i - 250) as f64 * PI / 4.0).sin()
+        } else {
+            0.0
+        }
+    };
+    let samples: Vec<f64> = (0..500)
+        .map(|i| ((noise(i) + pulse(i)) * 1e6).round() / 1e6)
+        .collect();
+    let rows: String = samples
+        .iter()
+        .enumerate()
+        .map(|(i, a)| format!("{:.2},{a:.6}\n", step * i as f64))
+        .collect();
     let here = tempfile::tempdir().expect("a folder");
     let here = here.path();
     std::fs::write(here.join("quake.csv"), format!("time_s,acc\n{rows}")).expect("written");
@@ -259,13 +477,38 @@ fn a_pulse_in_a_quiet_record_is_kept() {
     );
     std::fs::write(here.join("block.toml"), scenario).expect("written");
     let checked = ok(&mc(here, &["check", "block.toml", "--json"]));
-    assert!(checked.contains("kept the outlier `acc` = ") && checked.contains("in line 254"), "{checked}");
+    assert!(
+        checked.contains("kept the outlier `acc` = ") && checked.contains("in line 254"),
+        "{checked}"
+    );
     let end = |set: &str| {
-        ok(&mc(here, &["run", "block.toml", "-o", "block.h5", "--force", "--paths", "1", "--set", set]));
-        let shown: Value = serde_json::from_str(&ok(&mc(here, &["show", "block.h5", "--json"]))).expect("JSON");
-        shown["statistics"]["displacement_end_mean"]["estimate"].as_f64().expect("a number")
+        ok(&mc(
+            here,
+            &[
+                "run",
+                "block.toml",
+                "-o",
+                "block.h5",
+                "--force",
+                "--paths",
+                "1",
+                "--set",
+                set,
+            ],
+        ));
+        let shown: Value =
+            serde_json::from_str(&ok(&mc(here, &["show", "block.h5", "--json"]))).expect("JSON");
+        shown["statistics"]["displacement_end_mean"]["estimate"]
+            .as_f64()
+            .expect("a number")
     };
-    let (found, expected) = (end("temperature.series.unit=\"degC\""), slid(&samples, step, 0.2 * G));
-    assert!((found - expected).abs() < 1e-7 && expected > 6e-3, "{found} {expected}");
+    let (found, expected) = (
+        end("temperature.series.unit=\"degC\""),
+        slid(&samples, step, 0.2 * G),
+    );
+    assert!(
+        (found - expected).abs() < 1e-7 && expected > 6e-3,
+        "{found} {expected}"
+    );
     assert_eq!(end("temperature.series.outliers=8"), 0.0);
 }

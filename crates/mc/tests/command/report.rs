@@ -8,22 +8,52 @@ const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/rho02
 fn a_page_is_whole_and_asks_for_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let title = "title=\"</script><script>window.stolen=1</script> {{data}} <!--\"";
-    let run = ["run", RHO025, "--paths", "512", "--quiet", "--set", title, "-o", "run.h5"];
+    let run = [
+        "run", RHO025, "--paths", "512", "--quiet", "--set", title, "-o", "run.h5",
+    ];
     assert!(mc(folder.path(), &run).status.success());
     for name in ["a.html", "b.html"] {
         let output = mc(folder.path(), &["report", "run.h5", "-o", name]);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
     let page = std::fs::read_to_string(folder.path().join("a.html")).expect("UTF-8");
-    assert_eq!(page, std::fs::read_to_string(folder.path().join("b.html")).expect("UTF-8"));
-    assert!(page.len() < 1_000_000 && page.ends_with("</html>\n"), "{}", page.len());
-    assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (0, 0));
-    assert!(page.contains("default-src 'none'") && page.contains("Warnings") && page.contains("{{data}} &lt;!--"));
+    assert_eq!(
+        page,
+        std::fs::read_to_string(folder.path().join("b.html")).expect("UTF-8")
+    );
+    assert!(
+        page.len() < 1_000_000 && page.ends_with("</html>\n"),
+        "{}",
+        page.len()
+    );
+    assert_eq!(
+        (
+            page.matches("<script").count(),
+            page.matches("</script>").count()
+        ),
+        (0, 0)
+    );
+    assert!(
+        page.contains("default-src 'none'")
+            && page.contains("Warnings")
+            && page.contains("{{data}} &lt;!--")
+    );
     for statistic in stickslip::stats::Statistic::asked_by(&stickslip::stats::Record::NOTHING) {
-        assert!(page.contains(&format!("<td>{}</td>", statistic.words())), "{}", statistic.name());
+        assert!(
+            page.contains(&format!("<td>{}</td>", statistic.words())),
+            "{}",
+            statistic.name()
+        );
     }
     assert_eq!(page.matches("src=\"data:image/svg+xml;base64,").count(), 5);
-    assert!(page.contains("<code>mc show run.h5 --format csv</code>") && page.contains("How to cite"));
+    assert!(
+        page.contains("<code>mc show run.h5 --format csv</code>") && page.contains("How to cite")
+    );
 }
 
 /// A sweep, a trade, a calibration and a forecast have pages without scripts, with their tables and
@@ -32,28 +62,79 @@ fn a_page_is_whole_and_asks_for_nothing() {
 fn every_file_has_a_page() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let bridge = |name: &str| format!("{}/../../examples/bridge/{name}", env!("CARGO_MANIFEST_DIR"));
+    let bridge = |name: &str| {
+        format!(
+            "{}/../../examples/bridge/{name}",
+            env!("CARGO_MANIFEST_DIR")
+        )
+    };
     let (scenario, data) = (bridge("bridge.toml"), bridge("twin.csv"));
-    done(path, &["sweep", RHO025, "--vary", "friction.static=1.0:1.2:3", "--paths", "200", "-o", "sweep.h5"]);
+    done(
+        path,
+        &[
+            "sweep",
+            RHO025,
+            "--vary",
+            "friction.static=1.0:1.2:3",
+            "--paths",
+            "200",
+            "-o",
+            "sweep.h5",
+        ],
+    );
     done(path, &["trade", RHO025, "--budget", "2s", "-o", "trade.h5"]);
-    done(path, &["calibrate", &scenario, &data, "--method", "slips", "-o", "fit.h5"]);
+    done(
+        path,
+        &[
+            "calibrate",
+            &scenario,
+            &data,
+            "--method",
+            "slips",
+            "-o",
+            "fit.h5",
+        ],
+    );
     for file in ["sweep", "trade", "fit"] {
         done(path, &["report", &format!("{file}.h5")]);
     }
-    let few = ["--draws", "4", "--years", "3", "-o", "year.html", "-o", "years.csv"];
+    let few = [
+        "--draws",
+        "4",
+        "--years",
+        "3",
+        "-o",
+        "year.html",
+        "-o",
+        "years.csv",
+    ];
     done(path, &[&["forecast", &scenario, &data], &few[..]].concat());
-    let of_bearing =
-        ["slips were seen", "2015-08-13 to 2016-06-07", "friction force at which the bearing slips", "Traffic"];
+    let of_bearing = [
+        "slips were seen",
+        "2015-08-13 to 2016-06-07",
+        "friction force at which the bearing slips",
+        "Traffic",
+    ];
     for (page, says) in [
         ("sweep.html", &["mean stick duration"][..]),
         ("trade.html", &["Cheapest runs"]),
         ("fit.html", &of_bearing),
-        ("year.html", &[&of_bearing[..], &["sliding path", "What a year brings"]].concat()),
+        (
+            "year.html",
+            &[&of_bearing[..], &["sliding path", "What a year brings"]].concat(),
+        ),
     ] {
         let text = std::fs::read_to_string(path.join(page)).expect("UTF-8");
-        assert!(text.ends_with("</html>\n") && !text.contains("<script"), "{page}");
-        assert!(text.contains("src=\"data:image/svg+xml;base64,") && !text.contains("{{"), "{page}");
-        says.iter().for_each(|words| assert!(text.contains(words), "{page}: {words}"));
+        assert!(
+            text.ends_with("</html>\n") && !text.contains("<script"),
+            "{page}"
+        );
+        assert!(
+            text.contains("src=\"data:image/svg+xml;base64,") && !text.contains("{{"),
+            "{page}"
+        );
+        says.iter()
+            .for_each(|words| assert!(text.contains(words), "{page}: {words}"));
     }
     let other = mc(path, &["forecast", &scenario, &data, "-o", "years.txt"]);
     assert_eq!(other.status.code(), Some(2));
@@ -71,9 +152,16 @@ fn what_is_no_run_is_refused() {
     ] {
         let output = mc(folder.path(), &[&["report"], arguments].concat());
         let error = String::from_utf8_lossy(&output.stderr);
-        assert_eq!((output.status.code(), error.contains(says)), (Some(2), true), "{says}: {error}");
+        assert_eq!(
+            (output.status.code(), error.contains(says)),
+            (Some(2), true),
+            "{says}: {error}"
+        );
     }
-    assert_eq!(std::fs::read_to_string(folder.path().join("old.html")).expect("kept"), "mine");
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("old.html")).expect("kept"),
+        "mine"
+    );
 }
 
 /// A citation distinguishes a run from other runs, and is the same for the same run.
@@ -81,21 +169,45 @@ fn what_is_no_run_is_refused() {
 fn a_citation_names_program_scenario_scheme_seed_and_paths() {
     let folder = tempfile::tempdir().expect("a folder");
     let cited = |name: &str, more: &[&str]| {
-        let run = [&["run", RHO025, "--paths", "256", "--quiet", "--no-bias", "-o", name][..], more].concat();
+        let run = [
+            &[
+                "run",
+                RHO025,
+                "--paths",
+                "256",
+                "--quiet",
+                "--no-bias",
+                "-o",
+                name,
+            ][..],
+            more,
+        ]
+        .concat();
         assert!(mc(folder.path(), &run).status.success());
         let output = mc(folder.path(), &["show", "--cite", name]);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         String::from_utf8(output.stdout).expect("UTF-8")
     };
     let first = cited("a.h5", &["--threads", "1"]);
     assert_eq!(first, cited("b.h5", &["--threads", "2"]));
     let file = hdf5::File::open(folder.path().join("a.h5")).expect("HDF5");
     let attribute = |name: &str| {
-        let text = file.attr(name).and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>()).expect("a text");
+        let text = file
+            .attr(name)
+            .and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>())
+            .expect("a text");
         text.as_str().to_string()
     };
     use sha2::Digest as _;
-    let hash: String = sha2::Sha256::digest(attribute("scenario")).iter().map(|byte| format!("{byte:02x}")).collect();
+    let hash: String = sha2::Sha256::digest(attribute("scenario"))
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     let lines: Vec<&str> = first.lines().collect();
     let run = format!(
         "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme discrete-vi, step 0.01, seed 1, 256 paths.",
@@ -105,9 +217,19 @@ fn a_citation_names_program_scenario_scheme_seed_and_paths() {
         &hash[..16]
     );
     assert_eq!(lines[0], run);
-    assert!(lines.len() == 2 && lines[1].contains("A. Bensoussan"), "{first}");
-    for (name, other) in [("c.h5", ["--seed", "2"]), ("d.h5", ["--set", "friction.static=1.3"])] {
+    assert!(
+        lines.len() == 2 && lines[1].contains("A. Bensoussan"),
+        "{first}"
+    );
+    for (name, other) in [
+        ("c.h5", ["--seed", "2"]),
+        ("d.h5", ["--set", "friction.static=1.3"]),
+    ] {
         let other = cited(name, &other);
-        assert_ne!(other.split("SHA-256").nth(1), first.split("SHA-256").nth(1), "{other}");
+        assert_ne!(
+            other.split("SHA-256").nth(1),
+            first.split("SHA-256").nth(1),
+            "{other}"
+        );
     }
 }

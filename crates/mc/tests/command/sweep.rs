@@ -44,12 +44,18 @@ fn done(output: &Output) {
 /// The bits of all numbers that equal sweeps have in common, which are all but the CPU times.
 fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = File::open(path).expect("an HDF5 file");
-    let names = file.member_names().expect("a root group").into_iter().filter(|name| name != "point_seconds");
+    let names = file
+        .member_names()
+        .expect("a root group")
+        .into_iter()
+        .filter(|name| name != "point_seconds");
     let bits = |name: String| {
         let dataset = file.dataset(&name).expect("a variable");
         // All NaNs count as equal.
         let bits = |x: &f64| if x.is_nan() { 0 } else { x.to_bits() };
-        let values = dataset.read_raw::<f64>().map(|values| values.iter().map(bits).collect());
+        let values = dataset
+            .read_raw::<f64>()
+            .map(|values| values.iter().map(bits).collect());
         (name, values.unwrap_or_default())
     };
     names.map(bits).collect()
@@ -57,11 +63,17 @@ fn numbers(path: &Path) -> Vec<(String, Vec<u64>)> {
 
 fn text(path: &Path, attribute: &str) -> String {
     let file = File::open(path).expect("an HDF5 file");
-    file.attr(attribute).and_then(|a| a.read_scalar::<VarLenUnicode>()).expect(attribute).as_str().to_string()
+    file.attr(attribute)
+        .and_then(|a| a.read_scalar::<VarLenUnicode>())
+        .expect(attribute)
+        .as_str()
+        .to_string()
 }
 
 fn completed_points(path: &Path) -> u64 {
-    File::open(path).and_then(|file| file.attr("completed_points")?.read_scalar()).unwrap_or(0)
+    File::open(path)
+        .and_then(|file| file.attr("completed_points")?.read_scalar())
+        .unwrap_or(0)
 }
 
 #[test]
@@ -69,7 +81,19 @@ fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     // The sweep takes a second or two, 2.5e9 steps, so that it can be interrupted.
-    let long = [&SMALL[..], &["--step", "0.00005", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
+    let long = [
+        &SMALL[..],
+        &[
+            "--step",
+            "0.00005",
+            "-o",
+            "parts.h5",
+            "--threads",
+            "2",
+            "--no-bias",
+        ],
+    ]
+    .concat();
     let partial = here.join("parts.h5.partial");
     let mut first = Running::mc(here, &long);
     first.until_it_answers();
@@ -77,25 +101,45 @@ fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     first.interrupt();
     let output = first.end();
     assert_eq!(output.status.code(), Some(130), "{}", err(&output));
-    assert!(err(&output).contains("run the same command again"), "{}", err(&output));
+    assert!(
+        err(&output).contains("run the same command again"),
+        "{}",
+        err(&output)
+    );
     let after_interrupt = completed_points(&partial);
     assert!((1..6).contains(&after_interrupt) && !here.join("parts.h5").exists());
     assert_eq!(text(&partial, "status"), "running");
 
     let mut second = Running::mc(here, &long);
-    second.until("another point is done", || completed_points(&partial) > after_interrupt);
+    second.until("another point is done", || {
+        completed_points(&partial) > after_interrupt
+    });
     drop(second); // kill -9
     let after_kill = completed_points(&partial);
-    assert!(after_kill > after_interrupt, "what a killed process leaves is a whole file");
+    assert!(
+        after_kill > after_interrupt,
+        "what a killed process leaves is a whole file"
+    );
 
     let output = mc(here, &long);
     done(&output);
-    assert!(err(&output).contains(&format!("continuing: {after_kill} of 6 points")), "{}", err(&output));
+    assert!(
+        err(&output).contains(&format!("continuing: {after_kill} of 6 points")),
+        "{}",
+        err(&output)
+    );
     assert_eq!(text(&here.join("parts.h5"), "status"), "complete");
     assert!(!partial.exists() && !here.join("parts.h5.lock").exists());
-    let uninterrupted = [&long[..SMALL.len() + 2], &["-o", "once.h5", "--no-bias", "--threads", "3"]].concat();
+    let uninterrupted = [
+        &long[..SMALL.len() + 2],
+        &["-o", "once.h5", "--no-bias", "--threads", "3"],
+    ]
+    .concat();
     done(&mc(here, &uninterrupted));
-    assert_eq!(numbers(&here.join("parts.h5")), numbers(&here.join("once.h5")));
+    assert_eq!(
+        numbers(&here.join("parts.h5")),
+        numbers(&here.join("once.h5"))
+    );
 }
 
 #[test]
@@ -106,27 +150,53 @@ fn a_finished_sweep_is_not_simulated_again_and_another_one_is_refused_with_the_d
     let written = std::fs::read(here.join("s.h5")).expect("a file");
     let again = sweep(here, &["-o", "s.h5"]);
     done(&again);
-    assert!(err(&again).contains("already contains this sweep") && out(&again).contains("stick_duration_mean"));
+    assert!(
+        err(&again).contains("already contains this sweep")
+            && out(&again).contains("stick_duration_mean")
+    );
     let cases: [(&[&str], &str); 5] = [
-        (&["--set", "friction.static=1.3"], "`static = 1.2`, but this sweep has `static = 1.3`"),
-        (&["--vary", "friction.static=1.2,1.3"], "f_s = friction.static at [1.2, 1.3]"),
-        (&["--independent"], "`common seeds`, but this sweep has `independent seeds`"),
+        (
+            &["--set", "friction.static=1.3"],
+            "`static = 1.2`, but this sweep has `static = 1.3`",
+        ),
+        (
+            &["--vary", "friction.static=1.2,1.3"],
+            "f_s = friction.static at [1.2, 1.3]",
+        ),
+        (
+            &["--independent"],
+            "`common seeds`, but this sweep has `independent seeds`",
+        ),
         (&["--no-bias"], "leaves out the bias"),
-        (&["--seed", "7"], "`seed = 1`, but this sweep has `seed = 7`"),
+        (
+            &["--seed", "7"],
+            "`seed = 1`, but this sweep has `seed = 7`",
+        ),
     ];
     for (more, said) in cases {
         let refused = sweep(here, &[more, &["-o", "s.h5"]].concat());
         assert_eq!(refused.status.code(), Some(2), "{more:?}");
-        assert!(err(&refused).contains(said) && err(&refused).contains("--force"), "{more:?}: {}", err(&refused));
+        assert!(
+            err(&refused).contains(said) && err(&refused).contains("--force"),
+            "{more:?}: {}",
+            err(&refused)
+        );
     }
-    assert_eq!(std::fs::read(here.join("s.h5")).expect("a file"), written, "no refused sweep touches it");
+    assert_eq!(
+        std::fs::read(here.join("s.h5")).expect("a file"),
+        written,
+        "no refused sweep touches it"
+    );
     done(&sweep(here, &["-o", "s.h5", "--seed", "7", "--force"]));
     // A file of another kind.
     std::fs::write(here.join("note.txt"), "mine").expect("room");
     let refused = sweep(here, &["-o", "note.txt"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(err(&refused).contains("HDF5"), "{}", err(&refused));
-    assert_eq!(std::fs::read_to_string(here.join("note.txt")).expect("it is there"), "mine");
+    assert_eq!(
+        std::fs::read_to_string(here.join("note.txt")).expect("it is there"),
+        "mine"
+    );
 }
 
 /// A sweep of two points, each of one block.
@@ -151,7 +221,10 @@ fn tiny(more: &[&'static str]) -> Vec<&'static str> {
 #[track_caller]
 fn assert_finished(here: &Path, expected: &[(String, Vec<u64>)], what: &str) {
     assert_eq!(numbers(&here.join("s.h5")), expected, "{what}");
-    let left: Vec<_> = fs::read_dir(here).expect("a folder").map(|entry| entry.expect("read").file_name()).collect();
+    let left: Vec<_> = fs::read_dir(here)
+        .expect("a folder")
+        .map(|entry| entry.expect("read").file_name())
+        .collect();
     assert_eq!(left, ["s.h5"], "{what}");
 }
 
@@ -180,7 +253,12 @@ fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
             true => mc(&here, &["resume", "s.h5", "--quiet"]),
             false => mc(&here, &TINY),
         };
-        assert_eq!(again.status.code(), Some(0), "killed at {kill_at}: {}", err(&again));
+        assert_eq!(
+            again.status.code(),
+            Some(0),
+            "killed at {kill_at}: {}",
+            err(&again)
+        );
         assert_finished(&here, &expected, &format!("killed at {kill_at}"));
     }
     assert!(kills > 15, "{kills}");
@@ -194,9 +272,16 @@ fn a_sweep_whose_link_or_removal_fails_is_right_or_finished_as_advised() {
     let expected = undisturbed();
     let (_outer, here) = folders();
     let (_, trace) = failing(&here, &TINY, 0, 5);
-    let is_name = |line: &&String| ["rename", "link", "unlink"].iter().any(|what| line.contains(&format!(" {what} ")));
-    let names: Vec<u64> =
-        trace.iter().filter(is_name).filter_map(|line| line.split(' ').next()?.parse().ok()).collect();
+    let is_name = |line: &&String| {
+        ["rename", "link", "unlink"]
+            .iter()
+            .any(|what| line.contains(&format!(" {what} ")))
+    };
+    let names: Vec<u64> = trace
+        .iter()
+        .filter(is_name)
+        .filter_map(|line| line.split(' ').next()?.parse().ok())
+        .collect();
     assert!(names.len() >= 8, "{trace:?}");
     for number in names {
         let (_outer, here) = folders();
@@ -209,12 +294,22 @@ fn a_sweep_whose_link_or_removal_fails_is_right_or_finished_as_advised() {
             } else {
                 mc(&here, &TINY)
             };
-            assert_eq!(again.status.code(), Some(0), "{number}: {}{}", err(&output), err(&again));
+            assert_eq!(
+                again.status.code(),
+                Some(0),
+                "{number}: {}{}",
+                err(&output),
+                err(&again)
+            );
             assert_finished(&here, &expected, &format!("failed at {number}"));
         } else {
             assert_eq!(numbers(&here.join("s.h5")), expected, "{number}");
             let is_alone = fs::read_dir(&here).expect("a folder").count() == 1;
-            assert!(is_alone || err(&output).contains("cannot remove"), "{number}: {}", err(&output));
+            assert!(
+                is_alone || err(&output).contains("cannot remove"),
+                "{number}: {}",
+                err(&output)
+            );
         }
     }
 }
@@ -227,7 +322,10 @@ fn with_force_the_file_has_the_numbers_of_the_table_whatever_was_left_behind() {
     let expected = numbers(&here.join("s.h5"));
     // All points of the sweep are known, and its file is still that of an older sweep.
     fs::rename(here.join("s.h5"), here.join("s.h5.partial")).expect("renamed");
-    done(&mc(here, &[&TINY[..8], &["--seed", "3", "-o", "old.h5"]].concat()));
+    done(&mc(
+        here,
+        &[&TINY[..8], &["--seed", "3", "-o", "old.h5"]].concat(),
+    ));
     fs::rename(here.join("old.h5"), here.join("s.h5")).expect("renamed");
     let refused = mc(here, &tiny(&["--seed", "2"]));
     assert_eq!(refused.status.code(), Some(2), "{}", err(&refused));
@@ -252,7 +350,11 @@ fn mc_resume_continues_a_sweep_and_says_what_it_does_not_do() {
     fs::remove_file(here.join("s.h5")).expect("removed");
     let resumed = mc(here, &["resume", "s.h5.partial"]);
     done(&resumed);
-    assert!(out(&resumed).contains("stick_duration_mean"), "{}", out(&resumed));
+    assert!(
+        out(&resumed).contains("stick_duration_mean"),
+        "{}",
+        out(&resumed)
+    );
     assert_finished(here, &expected, "resumed");
     // What is finished is not simulated again.
     let again = mc(here, &["resume", "s.h5"]);
@@ -277,11 +379,19 @@ fn a_sweep_that_another_program_has_changed_is_refused() {
             estimate.write_raw(&values).expect("written");
         });
         let changed = fs::read(here.join(name)).expect("there");
-        let commands: &[&[&str]] = if name == "s.h5" { &[&TINY] } else { &[&TINY, &["resume", "s.h5"]] };
+        let commands: &[&[&str]] = if name == "s.h5" {
+            &[&TINY]
+        } else {
+            &[&TINY, &["resume", "s.h5"]]
+        };
         for command in commands {
             let refused = mc(here, command);
             assert_eq!(refused.status.code(), Some(2), "{name}: {}", err(&refused));
-            assert!(err(&refused).contains("no checksum") && err(&refused).contains(name), "{}", err(&refused));
+            assert!(
+                err(&refused).contains("no checksum") && err(&refused).contains(name),
+                "{}",
+                err(&refused)
+            );
         }
         assert_eq!(fs::read(here.join(name)).expect("there"), changed, "{name}");
     }
@@ -291,12 +401,20 @@ fn a_sweep_that_another_program_has_changed_is_refused() {
 fn two_processes_do_not_write_one_sweep() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    let long = [&SMALL[..], &["--step", "0.00005", "-o", "s.h5", "--no-bias"]].concat();
+    let long = [
+        &SMALL[..],
+        &["--step", "0.00005", "-o", "s.h5", "--no-bias"],
+    ]
+    .concat();
     let mut first = Running::mc(here, &long);
     first.until("it has its name", || here.join("s.h5.lock").exists());
     let second = mc(here, &long);
     assert_eq!(second.status.code(), Some(2));
-    assert!(err(&second).contains("another process is writing this file"), "{}", err(&second));
+    assert!(
+        err(&second).contains("another process is writing this file"),
+        "{}",
+        err(&second)
+    );
 }
 
 #[test]
@@ -304,29 +422,74 @@ fn a_mistake_is_shown_with_its_place_and_a_remedy() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let vary = |expressions: &[&str]| {
         let flags: Vec<&str> = expressions.iter().flat_map(|e| ["--vary", e]).collect();
-        mc(folder.path(), &[&["sweep", SCENARIO], flags.as_slice(), &["--dry-run"]].concat())
+        mc(
+            folder.path(),
+            &[&["sweep", SCENARIO], flags.as_slice(), &["--dry-run"]].concat(),
+        )
     };
     let cases: [(&[&str], &str); 7] = [
-        (&["rho=temperature.noise.intensity=0:1:x"], "\n                                      ^\n"),
-        (&["temperature.noise.intensty=0:1:3"], "did you mean `intensity`"),
-        (&["friction.static=1.2,0.8"], "--vary friction.static=1.2,0.8, at 0.8"),
-        (&["friction.static=1.2", "f_s=friction.dynamic=1"], "called `f_s`"),
-        (&["friction.static=1.2,1.3", "x=friction.static=1"], "`friction.static` is varied twice"),
+        (
+            &["rho=temperature.noise.intensity=0:1:x"],
+            "\n                                      ^\n",
+        ),
+        (
+            &["temperature.noise.intensty=0:1:3"],
+            "did you mean `intensity`",
+        ),
+        (
+            &["friction.static=1.2,0.8"],
+            "--vary friction.static=1.2,0.8, at 0.8",
+        ),
+        (
+            &["friction.static=1.2", "f_s=friction.dynamic=1"],
+            "called `f_s`",
+        ),
+        (
+            &["friction.static=1.2,1.3", "x=friction.static=1"],
+            "`friction.static` is varied twice",
+        ),
         (&["estimate=friction.static=1.2"], "the name is reserved"),
-        (&["friction.static=1:2:1000", "friction.dynamic=0:1:1000"], "1000000 points"),
+        (
+            &["friction.static=1:2:1000", "friction.dynamic=0:1:1000"],
+            "1000000 points",
+        ),
     ];
     for (expressions, said) in cases {
         let refused = vary(expressions);
-        assert_eq!(refused.status.code(), Some(2), "{expressions:?}: {}", out(&refused));
-        assert!(err(&refused).contains(said) && err(&refused).contains("fix: "), "{expressions:?}: {}", err(&refused));
+        assert_eq!(
+            refused.status.code(),
+            Some(2),
+            "{expressions:?}: {}",
+            out(&refused)
+        );
+        assert!(
+            err(&refused).contains(said) && err(&refused).contains("fix: "),
+            "{expressions:?}: {}",
+            err(&refused)
+        );
     }
     let zip = mc(
         folder.path(),
-        &["sweep", SCENARIO, "--zip", "--vary", "friction.static=1.2,1.3", "--vary", "friction.dynamic=1"],
+        &[
+            "sweep",
+            SCENARIO,
+            "--zip",
+            "--vary",
+            "friction.static=1.2,1.3",
+            "--vary",
+            "friction.dynamic=1",
+        ],
     );
-    assert!(err(&zip).contains("`f_s` has 2 values and `f_d` has 1"), "{}", err(&zip));
+    assert!(
+        err(&zip).contains("`f_s` has 2 values and `f_d` has 1"),
+        "{}",
+        err(&zip)
+    );
     for (keys, said) in [
-        ("friction.sttic", "--elasticity friction.sttic, tried at 1: unknown key `sttic`; did you mean `static`?"),
+        (
+            "friction.sttic",
+            "--elasticity friction.sttic, tried at 1: unknown key `sttic`; did you mean `static`?",
+        ),
         ("oscillator.damping", "no relative change"),
         ("friction.static,friction.static", "twice"),
         ("scheme.kind", "fix: "),
@@ -335,28 +498,65 @@ fn a_mistake_is_shown_with_its_place_and_a_remedy() {
         assert_eq!(refused.status.code(), Some(2), "{keys}");
         assert!(err(&refused).contains(said), "{keys}: {}", err(&refused));
     }
-    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing is left");
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        0,
+        "nothing is left"
+    );
 }
 
 #[test]
 fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let output = sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "--dry-run", "-o", "s.h5"]);
+    let output = sweep(
+        folder.path(),
+        &[
+            "--vary",
+            "friction.static=log:1.2:2.4:3",
+            "--dry-run",
+            "-o",
+            "s.h5",
+        ],
+    );
     done(&output);
     let text = out(&output);
     assert!(text.contains("points  18 (6 x 3: rho, f_s)"), "{text}");
-    assert!(text.contains("1 024 paths at each point, 18 432 in all"), "{text}");
-    assert!(text.contains("time    about") && text.contains("disk    about"), "{text}");
-    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    assert!(
+        text.contains("1 024 paths at each point, 18 432 in all"),
+        "{text}"
+    );
+    assert!(
+        text.contains("time    about") && text.contains("disk    about"),
+        "{text}"
+    );
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        0
+    );
     // The announced size is that of the file, to within a fifth.
-    done(&sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "-o", "s.h5", "--no-bias"]));
-    let size = std::fs::metadata(folder.path().join("s.h5")).expect("a file").len() as f64;
+    done(&sweep(
+        folder.path(),
+        &[
+            "--vary",
+            "friction.static=log:1.2:2.4:3",
+            "-o",
+            "s.h5",
+            "--no-bias",
+        ],
+    ));
+    let size = std::fs::metadata(folder.path().join("s.h5"))
+        .expect("a file")
+        .len() as f64;
     let said = stickslip_files::store::sweep_bytes(&{
         use stickslip::study::sweep::{Design, SweepAxis};
-        let axes = ["a=a=1:6:6", "b=b=1:3:3"].map(|axis| SweepAxis::parse(axis, |_| None).expect("an axis"));
+        let axes = ["a=a=1:6:6", "b=b=1:3:3"]
+            .map(|axis| SweepAxis::parse(axis, |_| None).expect("an axis"));
         Design::of(axes.into(), false).expect("a grid")
     });
-    assert!((0.8..1.25).contains(&(said as f64 / size)), "{said} said, {size} taken");
+    assert!(
+        (0.8..1.25).contains(&(said as f64 / size)),
+        "{said} said, {size} taken"
+    );
 }
 
 /// A point of the file, read by the names of its axes, has the numbers that `mc run` gives there.
@@ -364,19 +564,55 @@ fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
 fn a_point_of_the_file_is_the_run_that_mc_run_makes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    done(&sweep(here, &["--vary", "friction.static=1.2,1.4", "-o", "s.h5"]));
-    let shorter = ["--until", "20", "--set", "time.output_step=20", "--paths=1024"];
-    let point = ["--set", "temperature.noise.intensity=0.3", "--set", "friction.static=1.4", "-o", "run.h5"];
-    done(&mc(here, &[&["run", SCENARIO], &shorter[..], &point].concat()));
-    let (sweep, run) = (File::open(here.join("s.h5")).unwrap(), File::open(here.join("run.h5")).unwrap());
+    done(&sweep(
+        here,
+        &["--vary", "friction.static=1.2,1.4", "-o", "s.h5"],
+    ));
+    let shorter = [
+        "--until",
+        "20",
+        "--set",
+        "time.output_step=20",
+        "--paths=1024",
+    ];
+    let point = [
+        "--set",
+        "temperature.noise.intensity=0.3",
+        "--set",
+        "friction.static=1.4",
+        "-o",
+        "run.h5",
+    ];
+    done(&mc(
+        here,
+        &[&["run", SCENARIO], &shorter[..], &point].concat(),
+    ));
+    let (sweep, run) = (
+        File::open(here.join("s.h5")).unwrap(),
+        File::open(here.join("run.h5")).unwrap(),
+    );
     let rho = sweep.dataset("rho").unwrap().read_raw::<f64>().unwrap();
     assert_eq!(rho, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-    for name in ["estimate", "standard_error", "interval_low", "interval_high", "bias", "bias_uncertainty"] {
-        let of_sweep = sweep.dataset(name).unwrap().read::<f64, ndarray::Ix3>().unwrap();
+    for name in [
+        "estimate",
+        "standard_error",
+        "interval_low",
+        "interval_high",
+        "bias",
+        "bias_uncertainty",
+    ] {
+        let of_sweep = sweep
+            .dataset(name)
+            .unwrap()
+            .read::<f64, ndarray::Ix3>()
+            .unwrap();
         let of_run = run.dataset(name).unwrap().read_raw::<f64>().unwrap();
         for (s, value) in of_run.iter().enumerate() {
             let there = of_sweep[[2, 1, s]];
-            assert!(there.to_bits() == value.to_bits() || (there.is_nan() && value.is_nan()), "{name} {s}");
+            assert!(
+                there.to_bits() == value.to_bits() || (there.is_nan() && value.is_nan()),
+                "{name} {s}"
+            );
         }
     }
 }
@@ -389,8 +625,14 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
     let shown = mc(here, &["show", "s.h5"]);
     done(&shown);
     assert_eq!(out(&shown), out(&printed));
-    assert_eq!(out(&mc(here, &["show", "s.h5", "--json"])), out(&sweep(here, &["-o", "s.h5", "--json"])));
-    done(&mc(here, &["run", SCENARIO, "--paths", "300", "-o", "run.h5"]));
+    assert_eq!(
+        out(&mc(here, &["show", "s.h5", "--json"])),
+        out(&sweep(here, &["-o", "s.h5", "--json"]))
+    );
+    done(&mc(
+        here,
+        &["run", SCENARIO, "--paths", "300", "-o", "run.h5"],
+    ));
     let csv = out(&mc(here, &["show", "s.h5", "run.h5", "--format", "csv"]));
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 1 + 21 * 7);
@@ -399,7 +641,10 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
         "{}",
         lines[0]
     );
-    assert!(lines[1].starts_with("s.h5,0.1,stick_duration_mean,") && lines[127].starts_with("run.h5,,"), "{csv}");
+    assert!(
+        lines[1].starts_with("s.h5,0.1,stick_duration_mean,") && lines[127].starts_with("run.h5,,"),
+        "{csv}"
+    );
     let refused = mc(here, &["show", "s.h5", "run.h5"]);
     assert_eq!(refused.status.code(), Some(2), "{}", out(&refused));
 }
@@ -410,14 +655,33 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
 fn show_puts_several_runs_beside_each_other() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    for (name, seed, rho) in [("a.h5", "1", "0.25"), ("b.h5", "2", "0.25"), ("c.h5", "1", "0.5")] {
+    for (name, seed, rho) in [
+        ("a.h5", "1", "0.25"),
+        ("b.h5", "2", "0.25"),
+        ("c.h5", "1", "0.5"),
+    ] {
         let set = format!("temperature.noise.intensity={rho}");
-        done(&mc(here, &["run", SCENARIO, "--paths", "2000", "--seed", seed, "--set", &set, "-o", name]));
+        done(&mc(
+            here,
+            &[
+                "run", SCENARIO, "--paths", "2000", "--seed", seed, "--set", &set, "-o", name,
+            ],
+        ));
     }
     let table = out(&mc(here, &["show", "a.h5", "b.h5", "c.h5"]));
-    let row = table.lines().find(|line| line.starts_with("sticking_fraction")).expect("a row");
+    let row = table
+        .lines()
+        .find(|line| line.starts_with("sticking_fraction"))
+        .expect("a row");
     let cells: Vec<&str> = row.split_whitespace().skip(1).collect();
-    assert_eq!((cells.len(), cells.iter().filter(|cell| **cell == "*").count()), (11, 1), "{table}");
+    assert_eq!(
+        (
+            cells.len(),
+            cells.iter().filter(|cell| **cell == "*").count()
+        ),
+        (11, 1),
+        "{table}"
+    );
     let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(legend.contains("a and c have the same seed"), "{table}");
 }

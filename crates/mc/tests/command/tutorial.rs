@@ -23,19 +23,38 @@ fn blocks(page: &str) -> Vec<(String, String)> {
 
 /// The output of commands in a folder with the examples of the repository, with `mc` on the path.
 fn printed(commands: &str, folder: &Path) -> String {
-    let bin = Path::new(env!("CARGO_BIN_EXE_mc")).parent().expect("a folder");
-    let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));
-    let output = Command::new("bash").args(["-ec", commands]).current_dir(folder).env("PATH", path).output();
+    let bin = Path::new(env!("CARGO_BIN_EXE_mc"))
+        .parent()
+        .expect("a folder");
+    let path = format!(
+        "{}:{}",
+        bin.display(),
+        std::env::var("PATH").expect("a path")
+    );
+    let output = Command::new("bash")
+        .args(["-ec", commands])
+        .current_dir(folder)
+        .env("PATH", path)
+        .output();
     let output = output.expect("bash runs");
-    assert!(output.status.success(), "{commands}\n{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{commands}\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     String::from_utf8(output.stdout).expect("text")
 }
 
 #[test]
 fn every_command_of_the_tutorial_runs_and_prints_what_it_says() {
-    let page = std::fs::read_to_string(Path::new(ROOT).join("docs/tutorial-bridge.md")).expect("the page");
+    let page =
+        std::fs::read_to_string(Path::new(ROOT).join("docs/tutorial-bridge.md")).expect("the page");
     let folder = tempfile::tempdir().expect("a folder");
-    std::os::unix::fs::symlink(Path::new(ROOT).join("examples"), folder.path().join("examples")).expect("a link");
+    std::os::unix::fs::symlink(
+        Path::new(ROOT).join("examples"),
+        folder.path().join("examples"),
+    )
+    .expect("a link");
     let (mut said, mut commands, mut compared) = (String::new(), 0, 0);
     for (language, text) in blocks(&page) {
         match language.as_str() {
@@ -44,7 +63,10 @@ fn every_command_of_the_tutorial_runs_and_prints_what_it_says() {
                 commands += text.lines().count();
             }
             "text" => {
-                assert!(said.contains(&text), "the page says\n{text}\nand the command prints\n{said}");
+                assert!(
+                    said.contains(&text),
+                    "the page says\n{text}\nand the command prints\n{said}"
+                );
                 compared += 1;
             }
             other => panic!("a block of {other}"),

@@ -45,7 +45,12 @@ pub fn mc(folder: &Path, arguments: &[&str]) -> Output {
 #[track_caller]
 pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
     let mut command = assert_cmd::Command::cargo_bin("mc").expect("built");
-    let output = command.current_dir(folder).args(arguments).timeout(limit).output().expect("runs");
+    let output = command
+        .current_dir(folder)
+        .args(arguments)
+        .timeout(limit)
+        .output()
+        .expect("runs");
     assert!(
         output.status.code().is_some(),
         "mc {} was killed ({}): it took more than {limit:?}, or crashed\n{}",
@@ -60,7 +65,13 @@ pub fn within(limit: Duration, folder: &Path, arguments: &[&str]) -> Output {
 #[track_caller]
 pub fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = mc(folder, arguments);
-    assert_eq!(output.status.code(), Some(0), "mc {}: {}", arguments.join(" "), text(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "mc {}: {}",
+        arguments.join(" "),
+        text(&output.stderr)
+    );
     text(&output.stdout)
 }
 
@@ -69,9 +80,18 @@ pub fn done(folder: &Path, arguments: &[&str]) -> String {
 pub fn refused(folder: &Path, arguments: &[&str], code: i32, says: &[&str]) {
     let output = mc(folder, arguments);
     let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "mc {}: {said}", arguments.join(" "));
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "mc {}: {said}",
+        arguments.join(" ")
+    );
     for part in says {
-        assert!(said.contains(part), "mc {}: {part}: {said}", arguments.join(" "));
+        assert!(
+            said.contains(part),
+            "mc {}: {part}: {said}",
+            arguments.join(" ")
+        );
     }
 }
 
@@ -89,7 +109,10 @@ pub fn json(text: &str) -> serde_json::Value {
 #[track_caller]
 pub fn shell(folder: &Path, line: &str) -> Output {
     let mut command = assert_cmd::Command::new("sh");
-    let command = command.current_dir(folder).args(["-c", line]).arg(assert_cmd::cargo::cargo_bin!("mc"));
+    let command = command
+        .current_dir(folder)
+        .args(["-c", line])
+        .arg(assert_cmd::cargo::cargo_bin!("mc"));
     let output = command.timeout(LONGEST).output().expect("runs");
     assert!(
         output.status.code().is_some(),
@@ -120,12 +143,25 @@ impl Running {
         // have been started in such a way. So the signals are reset.
         let mut command = Command::new("env");
         let command = command.arg("--default-signal=INT,TERM,HUP,USR1,USR2,XCPU");
-        let command = command.arg(assert_cmd::cargo::cargo_bin!("mc")).args(arguments);
-        let command = command.current_dir(folder).stdout(out).stderr(Stdio::piped());
+        let command = command
+            .arg(assert_cmd::cargo::cargo_bin!("mc"))
+            .args(arguments);
+        let command = command
+            .current_dir(folder)
+            .stdout(out)
+            .stderr(Stdio::piped());
         let mut child = command.spawn().expect("starts");
         // The streams are read while it runs, because a full pipe would block it.
-        let streams = [child.stdout.take().map(collect), child.stderr.take().map(collect)];
-        Running { child, begun: Instant::now(), shown: format!("mc {}", arguments.join(" ")), streams }
+        let streams = [
+            child.stdout.take().map(collect),
+            child.stderr.take().map(collect),
+        ];
+        Running {
+            child,
+            begun: Instant::now(),
+            shown: format!("mc {}", arguments.join(" ")),
+            streams,
+        }
     }
 
     /// Waits until a condition is true.
@@ -133,8 +169,16 @@ impl Running {
     pub fn until(&mut self, what: &str, mut is_so: impl FnMut() -> bool) {
         while !is_so() {
             let ended = self.child.try_wait().expect("a child of this process");
-            assert!(ended.is_none(), "{} ended with {ended:?} before {what}", self.shown);
-            assert!(self.begun.elapsed() < LONGEST, "{}: not within {LONGEST:?}: {what}", self.shown);
+            assert!(
+                ended.is_none(),
+                "{} ended with {ended:?} before {what}",
+                self.shown
+            );
+            assert!(
+                self.begun.elapsed() < LONGEST,
+                "{}: not within {LONGEST:?}: {what}",
+                self.shown
+            );
             sleep(LOOK);
         }
     }
@@ -160,7 +204,10 @@ impl Running {
     /// Sends the signal with this name.
     pub fn signal(&self, name: &str) {
         let to = self.child.id().to_string();
-        let sent = Command::new("kill").args([&format!("-{name}"), &to]).status().expect("kill");
+        let sent = Command::new("kill")
+            .args([&format!("-{name}"), &to])
+            .status()
+            .expect("kill");
         assert!(sent.success(), "{sent}");
     }
 
@@ -171,14 +218,23 @@ impl Running {
             if let Some(status) = self.child.try_wait().expect("a child of this process") {
                 break status;
             }
-            assert!(self.begun.elapsed() < LONGEST, "{} took more than {LONGEST:?}", self.shown);
+            assert!(
+                self.begun.elapsed() < LONGEST,
+                "{} took more than {LONGEST:?}",
+                self.shown
+            );
             sleep(LOOK);
         };
-        let [stdout, stderr] = self
-            .streams
-            .each_mut()
-            .map(|stream| stream.take().map_or_else(Vec::new, |thread| thread.join().expect("its pipe is read")));
-        Output { status, stdout, stderr }
+        let [stdout, stderr] = self.streams.each_mut().map(|stream| {
+            stream
+                .take()
+                .map_or_else(Vec::new, |thread| thread.join().expect("its pipe is read"))
+        });
+        Output {
+            status,
+            stdout,
+            stderr,
+        }
     }
 }
 

@@ -20,7 +20,11 @@ pub enum Fault {
 /// A command for `mc`, in which change number `at` of the disk goes wrong.
 pub fn faulty(folder: &Path, arguments: &[&str], at: u64, fault: Fault) -> Command {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
-    command.current_dir(folder).args(arguments).env("LD_PRELOAD", shim()).env("KILL_AT", at.to_string());
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .env("LD_PRELOAD", shim())
+        .env("KILL_AT", at.to_string());
     match fault {
         Fault::Kill => &mut command,
         Fault::Error(number) => command.env("FAIL_ERRNO", number.to_string()),
@@ -37,8 +41,16 @@ pub fn shimmed(folder: &Path, arguments: &[&str], kill_at: u64) -> (Output, Vec<
 
 /// Runs `mc`, and lets change number `fail_at` of the disk fail with this error, and only that one.
 /// Files that are created count as changes here.
-pub fn failing(folder: &Path, arguments: &[&str], fail_at: u64, errno: i32) -> (Output, Vec<String>) {
-    traced(faulty(folder, arguments, fail_at, Fault::Error(errno)), folder)
+pub fn failing(
+    folder: &Path,
+    arguments: &[&str],
+    fail_at: u64,
+    errno: i32,
+) -> (Output, Vec<String>) {
+    traced(
+        faulty(folder, arguments, fail_at, Fault::Error(errno)),
+        folder,
+    )
 }
 
 /// The output of a command, and the changes of the disk that it made.
@@ -60,11 +72,18 @@ pub fn folders() -> (tempfile::TempDir, PathBuf) {
 
 fn shim() -> &'static Path {
     static SHIM: LazyLock<PathBuf> = LazyLock::new(|| {
-        let library = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("kill-{}.so", std::process::id()));
+        let library =
+            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("kill-{}.so", std::process::id()));
         let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/shim/kill.c");
         let mut compiler = Command::new("cc");
-        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).args([source, "-ldl"]);
-        assert!(compiler.status().expect("a C compiler").success(), "{source} is not compiled");
+        compiler
+            .args(["-shared", "-fPIC", "-O1", "-o"])
+            .arg(&library)
+            .args([source, "-ldl"]);
+        assert!(
+            compiler.status().expect("a C compiler").success(),
+            "{source} is not compiled"
+        );
         library
     });
     &SHIM

@@ -11,9 +11,18 @@ fn commands(start: &str) -> Vec<(String, Vec<String>)> {
     for page in Page::all() {
         // A line of a table that a program printed is not a command.
         let code = page.code().filter(|line| !line.contains("   "));
-        let lines = page.spans().into_iter().chain(code).flat_map(|text| text.split(" && "));
-        for line in lines.map(|line| line.trim_start_matches(['(', ' '])).filter(|line| line.starts_with(start)) {
-            let words = line.split_whitespace().map(|word| word.trim_end_matches(['`', ')']).to_string());
+        let lines = page
+            .spans()
+            .into_iter()
+            .chain(code)
+            .flat_map(|text| text.split(" && "));
+        for line in lines
+            .map(|line| line.trim_start_matches(['(', ' ']))
+            .filter(|line| line.starts_with(start))
+        {
+            let words = line
+                .split_whitespace()
+                .map(|word| word.trim_end_matches(['`', ')']).to_string());
             found.push((format!("{}: {line}", page.path.display()), words.collect()));
         }
     }
@@ -29,9 +38,14 @@ fn after<'a>(words: &'a [String], flag: &str) -> Option<&'a str> {
 /// The texts of all Rust files at or below a path, each after the path.
 fn sources(place: &Path) -> Vec<String> {
     match std::fs::read_dir(place) {
-        Ok(entries) => entries.flat_map(|entry| sources(&entry.expect("readable").path())).collect(),
+        Ok(entries) => entries
+            .flat_map(|entry| sources(&entry.expect("readable").path()))
+            .collect(),
         Err(_) if place.extension().is_some_and(|extension| extension == "rs") => {
-            vec![place.to_string_lossy().into_owned() + &std::fs::read_to_string(place).expect("readable")]
+            vec![
+                place.to_string_lossy().into_owned()
+                    + &std::fs::read_to_string(place).expect("readable"),
+            ]
         }
         Err(_) => Vec::new(),
     }
@@ -43,15 +57,24 @@ const TESTS: [&str; 3] = ["tests", "crates/mc/tests", "crates/bearing/tests"];
 #[test]
 fn tests_that_a_page_names_exist() {
     for (shown, words) in commands("cargo test") {
-        let Some(file) = after(&words, "--test") else { continue };
+        let Some(file) = after(&words, "--test") else {
+            continue;
+        };
         let places = TESTS.map(|folder| root().join(folder).join(file));
-        let path: &PathBuf =
-            places.iter().find(|path| path.exists()).unwrap_or_else(|| panic!("{shown}: no such test"));
+        let path: &PathBuf = places
+            .iter()
+            .find(|path| path.exists())
+            .unwrap_or_else(|| panic!("{shown}: no such test"));
         let of_test = |word: &&String| !word.starts_with('-') && **word != file;
-        let Some(filter) = words.iter().skip(2).find(of_test) else { continue };
+        let Some(filter) = words.iter().skip(2).find(of_test) else {
+            continue;
+        };
         // `module::part_of_a_name`, where either may be missing.
         let has = |text: &str| filter.split("::").all(|part| text.contains(part));
-        assert!(sources(path).iter().any(|text| has(text)), "{shown}: no test named so");
+        assert!(
+            sources(path).iter().any(|text| has(text)),
+            "{shown}: no test named so"
+        );
     }
 }
 
@@ -60,9 +83,17 @@ fn examples_and_benchmarks_that_a_page_names_exist() {
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the manifest");
     let is_declared = |name: &str| manifest.contains(&format!("name = \"{name}\""));
     for (shown, words) in commands("cargo run") {
-        let Some(name) = after(&words, "--example") else { continue };
-        let paths = [format!("examples/{name}.rs"), format!("examples/{name}/main.rs")];
-        assert!(is_declared(name) || paths.iter().any(|path| root().join(path).exists()), "{shown}");
+        let Some(name) = after(&words, "--example") else {
+            continue;
+        };
+        let paths = [
+            format!("examples/{name}.rs"),
+            format!("examples/{name}/main.rs"),
+        ];
+        assert!(
+            is_declared(name) || paths.iter().any(|path| root().join(path).exists()),
+            "{shown}"
+        );
     }
     for (shown, words) in commands("cargo bench") {
         let name = after(&words, "--bench").unwrap_or_else(|| panic!("{shown}: names none"));
@@ -81,27 +112,58 @@ fn options_and_scenarios_that_a_page_gives_to_mc_exist() {
         let help = super::command::mc(Path::new("."), &[verb, "--help"]);
         assert!(help.status.success(), "{shown}: there is no such verb");
         let help = String::from_utf8_lossy(&help.stdout).into_owned();
-        for option in words.iter().map(|word| word.trim_matches(['[', ']'])).filter(|word| word.starts_with("--")) {
+        for option in words
+            .iter()
+            .map(|word| word.trim_matches(['[', ']']))
+            .filter(|word| word.starts_with("--"))
+        {
             assert!(help.contains(option), "{shown}: mc {verb} has no {option}");
         }
-        for word in words.iter().filter_map(|word| word.strip_prefix("scenarios/")?.strip_suffix(".toml")) {
+        for word in words
+            .iter()
+            .filter_map(|word| word.strip_prefix("scenarios/")?.strip_suffix(".toml"))
+        {
             let is_placeholder = word.chars().all(char::is_uppercase);
-            assert!(is_placeholder || shipped(word).is_some(), "{shown}: there is no such scenario");
+            assert!(
+                is_placeholder || shipped(word).is_some(),
+                "{shown}: there is no such scenario"
+            );
         }
     }
 }
 
 /// Examples that contain this are not run, for this reason.
 const NOT_RUN: [(&str, &str); 9] = [
-    ("mc resume", "it needs an interrupted run; tests/files/resume.rs interrupts many"),
-    ("--accuracy", "it measures for eight seconds; the tests of `mc run` do so once"),
+    (
+        "mc resume",
+        "it needs an interrupted run; tests/files/resume.rs interrupts many",
+    ),
+    (
+        "--accuracy",
+        "it measures for eight seconds; the tests of `mc run` do so once",
+    ),
     ("man -l", "it needs a program that shows manual pages"),
-    ("temperature.csv", "a record of the reader's own, in two files"),
-    ("Date,Time", "a record of the reader's own, with two columns of times"),
+    (
+        "temperature.csv",
+        "a record of the reader's own, in two files",
+    ),
+    (
+        "Date,Time",
+        "a record of the reader's own, with two columns of times",
+    ),
     ("gauge", "a record of the reader's own, with several gauges"),
-    ("air_degC", "a record of the reader's own, with other names of columns"),
-    ("forecast examples/bridge/", "all samples, and the other forecasts have half"),
-    ("fit-temperature examples/bridge/", "all samples, and the other fits have half"),
+    (
+        "air_degC",
+        "a record of the reader's own, with other names of columns",
+    ),
+    (
+        "forecast examples/bridge/",
+        "all samples, and the other forecasts have half",
+    ),
+    (
+        "fit-temperature examples/bridge/",
+        "all samples, and the other fits have half",
+    ),
 ];
 
 /// Pages whose commands have tests of their own.
@@ -138,9 +200,15 @@ fn cheap(line: &str) -> String {
     let mut line = line.to_string();
     for (verb, option, value) in CHEAP {
         if line.contains(verb) {
-            let given = line.split_whitespace().skip_while(|word| *word != option).nth(1).map(str::to_string);
+            let given = line
+                .split_whitespace()
+                .skip_while(|word| *word != option)
+                .nth(1)
+                .map(str::to_string);
             line = match given {
-                Some(given) => line.replace(&format!("{option} {given}"), &format!("{option} {value}")),
+                Some(given) => {
+                    line.replace(&format!("{option} {given}"), &format!("{option} {value}"))
+                }
                 None => line.replace(verb, &format!("{verb}{option} {value} ")),
             };
         }
@@ -155,33 +223,59 @@ impl Workplace {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         for name in ["scenarios", "examples"] {
-            std::os::unix::fs::symlink(root().join(name), folder.path().join(name)).expect("a link");
+            std::os::unix::fs::symlink(root().join(name), folder.path().join(name))
+                .expect("a link");
         }
         Workplace(folder)
     }
 
     /// The output of commands of a shell, which must succeed.
     fn shell(&self, commands: &str) -> Vec<u8> {
-        let bin = Path::new(env!("CARGO_BIN_EXE_mc")).parent().expect("a folder");
-        let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));
+        let bin = Path::new(env!("CARGO_BIN_EXE_mc"))
+            .parent()
+            .expect("a folder");
+        let path = format!(
+            "{}:{}",
+            bin.display(),
+            std::env::var("PATH").expect("a path")
+        );
         let mut bash = std::process::Command::new("bash");
-        let output = bash.args(["-ec", commands]).current_dir(&self.0).env("PATH", path).output().expect("bash runs");
-        assert!(output.status.success(), "{commands}\n{}", String::from_utf8_lossy(&output.stderr));
+        let output = bash
+            .args(["-ec", commands])
+            .current_dir(&self.0)
+            .env("PATH", path)
+            .output()
+            .expect("bash runs");
+        assert!(
+            output.status.success(),
+            "{commands}\n{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         output.stdout
     }
 
     /// Copies the inputs that a command reads and that are not here.
     fn fill(&self, inputs: &Self, line: &str) {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let written: Vec<&str> =
-            words.windows(2).filter(|pair| ["-o", ">"].contains(&pair[0])).map(|pair| pair[1]).collect();
+        let written: Vec<&str> = words
+            .windows(2)
+            .filter(|pair| ["-o", ">"].contains(&pair[0]))
+            .map(|pair| pair[1])
+            .collect();
         for entry in std::fs::read_dir(&inputs.0).expect("inputs") {
-            let (entry, here) =
-                entry.map(|entry| (entry.path(), self.0.path().join(entry.file_name()))).expect("an input");
-            let name = here.file_name().and_then(|name| name.to_str()).expect("a name");
-            let is_named = words
-                .iter()
-                .any(|word| *word == name || word.strip_suffix("*.h5").is_some_and(|start| name.starts_with(start)));
+            let (entry, here) = entry
+                .map(|entry| (entry.path(), self.0.path().join(entry.file_name())))
+                .expect("an input");
+            let name = here
+                .file_name()
+                .and_then(|name| name.to_str())
+                .expect("a name");
+            let is_named = words.iter().any(|word| {
+                *word == name
+                    || word
+                        .strip_suffix("*.h5")
+                        .is_some_and(|start| name.starts_with(start))
+            });
             // The scenario of the bridge names its record.
             let is_read = is_named || name == "data.csv" && words.contains(&"bridge.toml");
             if entry.is_file() && is_read && !written.contains(&name) && !here.exists() {
@@ -203,7 +297,10 @@ impl Workplace {
         if !keys.is_empty() {
             let value: serde_json::Value = serde_json::from_slice(&printed).expect("JSON");
             let found = value.pointer(&keys.trim_matches('\'').replace('.', "/"));
-            assert!(found.is_some_and(|found| !found.is_null()), "{line}: there is no {keys}");
+            assert!(
+                found.is_some_and(|found| !found.is_null()),
+                "{line}: there is no {keys}"
+            );
         }
     }
 }
@@ -222,15 +319,28 @@ fn every_example_of_the_help_texts_and_pages_runs() {
             counts[0] += 1;
         }
     }
-    for page in Page::all().into_iter().filter(|page| !TESTED.iter().any(|path| page.path == Path::new(path))) {
+    for page in Page::all()
+        .into_iter()
+        .filter(|page| !TESTED.iter().any(|path| page.path == Path::new(path)))
+    {
         let here = Workplace::new();
         for block in page.text.split("\n```sh\n").skip(1) {
-            let block = block.split("\n```").next().expect("a block").replace("\\\n", " ");
+            let block = block
+                .split("\n```")
+                .next()
+                .expect("a block")
+                .replace("\\\n", " ");
             for line in block.lines().filter(|line| line.starts_with("mc ")) {
-                here.run(&inputs, line.split("  #").next().expect("a command").trim_end());
+                here.run(
+                    &inputs,
+                    line.split("  #").next().expect("a command").trim_end(),
+                );
                 counts[1] += 1;
             }
         }
     }
-    assert!(counts[0] > 70 && counts[1] > 30, "examples are recognised: {counts:?}");
+    assert!(
+        counts[0] > 70 && counts[1] > 30,
+        "examples are recognised: {counts:?}"
+    );
 }

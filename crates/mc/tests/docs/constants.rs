@@ -4,22 +4,34 @@ use super::markdown::{Page, names};
 use stickslip::config::shipped;
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::noise::MAX_NORMAL_ERROR;
-use stickslip::scenario::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES, Scenario};
+use stickslip::scenario::{
+    MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES, Scenario,
+};
 use stickslip::scheme::{DEFAULT_TOLERANCE, TOLERANCES};
 use stickslip::stats::{QUANTILE_LEVELS, Statistic};
 use stickslip_files::dataset::FORMAT_VERSION;
 
 #[track_caller]
 fn says(page: &str, sentence: &str) {
-    let text = Page::read(page).text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = Page::read(page)
+        .text
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
     assert!(text.contains(sentence), "{page} does not say: {sentence}");
 }
 
 #[test]
 fn the_error_of_the_normals() {
     let error = format!("{MAX_NORMAL_ERROR:e}");
-    says("DESIGN.md", &format!("is off by at most {error} (`noise::MAX_NORMAL_ERROR`"));
-    says("docs/performance.md", &format!("The greatest error is {error} from the median"));
+    says(
+        "DESIGN.md",
+        &format!("is off by at most {error} (`noise::MAX_NORMAL_ERROR`"),
+    );
+    says(
+        "docs/performance.md",
+        &format!("The greatest error is {error} from the median"),
+    );
     says("docs/performance.md", &format!("normals to {error}"));
     says("CHANGELOG.md", &format!("(error {error} at most"));
 }
@@ -27,36 +39,80 @@ fn the_error_of_the_normals() {
 #[test]
 fn the_version_of_the_format() {
     let (major, minor) = FORMAT_VERSION;
-    says("docs/output-format.md", &format!("This page describes version {major}.{minor}."));
+    says(
+        "docs/output-format.md",
+        &format!("This page describes version {major}.{minor}."),
+    );
     says("CHANGELOG.md", &format!("format {major}.{minor}"));
 }
 
 #[test]
 fn block_size_quantiles_and_tolerance() {
-    says("DESIGN.md", &format!("### Why blocks of {BLOCK_SIZE} paths?"));
+    says(
+        "DESIGN.md",
+        &format!("### Why blocks of {BLOCK_SIZE} paths?"),
+    );
     says("README.md", &format!("a block of {BLOCK_SIZE} paths"));
     let levels = QUANTILE_LEVELS.map(|level| level.to_string()).join(", ");
     says("docs/output-format.md", &format!("levels: {levels}"));
-    says("docs/event-driven.md", &format!("`scheme.tolerance` (default {DEFAULT_TOLERANCE:e})"));
+    says(
+        "docs/event-driven.md",
+        &format!("`scheme.tolerance` (default {DEFAULT_TOLERANCE:e})"),
+    );
 }
 
 #[test]
 fn the_limits_of_a_scenario() {
     let power = |n: f64| format!("2^{}", n.log2());
-    says("docs/scenario.md", &format!("a whole number of steps, at most {} of them", power(MAX_STEPS)));
-    says("docs/scenario.md", &format!("| number of paths | 10000 | 1 to {} |", power(MAX_PATHS as f64)));
-    says("docs/scenario.md", &format!("a whole number of steps; at most {MAX_ROWS} rows"));
-    says("docs/scenario.md", &format!("| 0 | 0 to {MAX_TRAJECTORIES} |"));
-    says("docs/scenario.md", &format!("A run with more than {MAX_PERIODS} periods has neither."));
-    says("docs/scenario.md", &format!("| 1e-3 | from {:e} to {} |", TOLERANCES.start(), TOLERANCES.end()));
+    says(
+        "docs/scenario.md",
+        &format!(
+            "a whole number of steps, at most {} of them",
+            power(MAX_STEPS)
+        ),
+    );
+    says(
+        "docs/scenario.md",
+        &format!(
+            "| number of paths | 10000 | 1 to {} |",
+            power(MAX_PATHS as f64)
+        ),
+    );
+    says(
+        "docs/scenario.md",
+        &format!("a whole number of steps; at most {MAX_ROWS} rows"),
+    );
+    says(
+        "docs/scenario.md",
+        &format!("| 0 | 0 to {MAX_TRAJECTORIES} |"),
+    );
+    says(
+        "docs/scenario.md",
+        &format!("A run with more than {MAX_PERIODS} periods has neither."),
+    );
+    says(
+        "docs/scenario.md",
+        &format!(
+            "| 1e-3 | from {:e} to {} |",
+            TOLERANCES.start(),
+            TOLERANCES.end()
+        ),
+    );
 }
 
 /// docs/statistics.md lists the statistics in the order of the catalogue, each with its full name.
 #[test]
 fn the_statistics() {
     let page = Page::read("docs/statistics.md").section("## The list");
-    let listed: Vec<String> = page.rows("name").iter().flat_map(|row| names(&row[0])).collect();
-    assert_eq!(listed, Statistic::ALL.map(|statistic| statistic.name().to_string()));
+    let listed: Vec<String> = page
+        .rows("name")
+        .iter()
+        .flat_map(|row| names(&row[0]))
+        .collect();
+    assert_eq!(
+        listed,
+        Statistic::ALL.map(|statistic| statistic.name().to_string())
+    );
 }
 
 /// Every symbol that a resolved scenario prints beside a key, as in `mass = 1.0 # m: mass`, is in
@@ -64,14 +120,27 @@ fn the_statistics() {
 #[test]
 fn the_notation_has_the_symbols_of_a_scenario() {
     let page = Page::read("docs/model.md");
-    let cells: Vec<String> = page.rows("symbol").into_iter().map(|row| row[0].clone()).collect();
+    let cells: Vec<String> = page
+        .rows("symbol")
+        .into_iter()
+        .map(|row| row[0].clone())
+        .collect();
     let listed: Vec<&str> = cells.iter().flat_map(|cell| cell.split(", ")).collect();
-    let resolved = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound").to_toml();
-    let symbols =
-        resolved.lines().filter_map(|line| line.split("# ").nth(1)?.split_once(": ").map(|(symbol, _)| symbol));
+    let resolved = Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[])
+        .expect("sound")
+        .to_toml();
+    let symbols = resolved.lines().filter_map(|line| {
+        line.split("# ")
+            .nth(1)?
+            .split_once(": ")
+            .map(|(symbol, _)| symbol)
+    });
     let symbols: Vec<&str> = symbols.collect();
     assert!(symbols.len() >= 16, "symbols are recognised: {symbols:?}");
     for symbol in symbols {
-        assert!(listed.contains(&symbol), "{symbol} is not in the notation of docs/model.md");
+        assert!(
+            listed.contains(&symbol),
+            "{symbol} is not in the notation of docs/model.md"
+        );
     }
 }

@@ -5,12 +5,20 @@ use std::path::{Path, PathBuf};
 
 /// The targets of the links in a line: `[text](target)`.
 fn targets(line: &str) -> Vec<&str> {
-    line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
+    line.split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(')'))
+        .map(|(target, _)| target)
+        .collect()
 }
 
 /// The anchor that a heading gets: lower case, spaces as hyphens, no punctuation.
 fn anchor(heading: &str) -> String {
-    let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
+    let kept = heading
+        .to_lowercase()
+        .chars()
+        .filter(|c| c.is_alphanumeric() || " -_".contains(*c))
+        .collect::<String>();
     kept.replace(' ', "-")
 }
 
@@ -18,14 +26,32 @@ fn anchor(heading: &str) -> String {
 fn every_link_to_the_repository_leads_to_a_file_and_to_a_heading_in_it() {
     let mut followed = 0;
     for page in Page::all() {
-        for target in page.prose().flat_map(targets).filter(|target| !target.contains("://")) {
+        for target in page
+            .prose()
+            .flat_map(targets)
+            .filter(|target| !target.contains("://"))
+        {
             let (path, heading) = target.split_once('#').unwrap_or((target, ""));
             let folder = page.path.parent().expect("a file is in a folder");
-            let linked = if path.is_empty() { page.path.clone() } else { folder.join(path) };
-            assert!(root().join(&linked).exists(), "{}: {target}", page.path.display());
+            let linked = if path.is_empty() {
+                page.path.clone()
+            } else {
+                folder.join(path)
+            };
+            assert!(
+                root().join(&linked).exists(),
+                "{}: {target}",
+                page.path.display()
+            );
             if !heading.is_empty() {
-                let is_there = Page::read(&linked).headings().any(|other| anchor(other) == heading);
-                assert!(is_there, "{}: {target}: no such heading", page.path.display());
+                let is_there = Page::read(&linked)
+                    .headings()
+                    .any(|other| anchor(other) == heading);
+                assert!(
+                    is_there,
+                    "{}: {target}: no such heading",
+                    page.path.display()
+                );
             }
             followed += 1;
         }
@@ -44,7 +70,11 @@ fn linked(from: &str) -> Vec<PathBuf> {
             None => folder.join(path),
         }
     };
-    page.prose().flat_map(targets).filter(|target| !target.contains("://")).map(target).collect()
+    page.prose()
+        .flat_map(targets)
+        .filter(|target| !target.contains("://"))
+        .map(target)
+        .collect()
 }
 
 /// The overview of the documentation lists every page, and the contents of its site list every page
@@ -53,10 +83,20 @@ fn linked(from: &str) -> Vec<PathBuf> {
 fn every_page_is_in_the_overview_and_once_in_the_contents_of_the_site() {
     let (overview, contents) = (linked("docs/README.md"), linked("docs/SUMMARY.md"));
     let frame = ["README.md", "docs/README.md", "docs/SUMMARY.md"];
-    for page in Page::all().into_iter().filter(|page| !frame.iter().any(|path| page.path == Path::new(path))) {
-        assert!(overview.contains(&page.path), "{} is not in docs/README.md", page.path.display());
+    for page in Page::all()
+        .into_iter()
+        .filter(|page| !frame.iter().any(|path| page.path == Path::new(path)))
+    {
+        assert!(
+            overview.contains(&page.path),
+            "{} is not in docs/README.md",
+            page.path.display()
+        );
         let times = contents.iter().filter(|path| **path == page.path).count();
         assert_eq!(times, 1, "{} in docs/SUMMARY.md", page.path.display());
     }
-    assert!(linked("README.md").contains(&"docs/README.md".into()), "README.md leads to the overview");
+    assert!(
+        linked("README.md").contains(&"docs/README.md".into()),
+        "README.md leads to the overview"
+    );
 }

@@ -20,7 +20,8 @@ impl Page {
     /// The page at this path, relative to the root.
     pub fn read(path: impl Into<PathBuf>) -> Page {
         let path = path.into();
-        let text = fs::read_to_string(root().join(&path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let text = fs::read_to_string(root().join(&path))
+            .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         Page { path, text }
     }
 
@@ -28,10 +29,16 @@ impl Page {
     pub fn all() -> Vec<Page> {
         let mut paths: Vec<PathBuf> = ["", "docs"]
             .iter()
-            .flat_map(|folder| fs::read_dir(root().join(folder)).expect("a folder of the repository"))
+            .flat_map(|folder| {
+                fs::read_dir(root().join(folder)).expect("a folder of the repository")
+            })
             .map(|entry| entry.expect("readable").path())
             .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
-            .map(|path| path.strip_prefix(root()).expect("below the root").to_path_buf())
+            .map(|path| {
+                path.strip_prefix(root())
+                    .expect("below the root")
+                    .to_path_buf()
+            })
             .collect();
         paths.sort();
         assert!(paths.len() > 8, "the pages are where they were");
@@ -60,7 +67,9 @@ impl Page {
 
     /// The headings without their marks.
     pub fn headings(&self) -> impl Iterator<Item = &str> {
-        self.prose().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim())
+        self.prose()
+            .filter(|line| line.starts_with('#'))
+            .map(|line| line.trim_start_matches('#').trim())
     }
 
     /// The texts between backticks in the prose.
@@ -73,13 +82,22 @@ impl Page {
         let lines: Vec<&str> = self.prose().collect();
         let mut rows = Vec::new();
         for (at, line) in lines.iter().enumerate() {
-            if line.starts_with('|') && (at == 0 || !lines[at - 1].starts_with('|')) && cells(line)[0] == first_heading
+            if line.starts_with('|')
+                && (at == 0 || !lines[at - 1].starts_with('|'))
+                && cells(line)[0] == first_heading
             {
-                let body = lines[at..].iter().skip(2).take_while(|line| line.starts_with('|'));
+                let body = lines[at..]
+                    .iter()
+                    .skip(2)
+                    .take_while(|line| line.starts_with('|'));
                 rows.extend(body.map(|line| cells(line)));
             }
         }
-        assert!(!rows.is_empty(), "{}: no table whose first heading is {first_heading}", self.path.display());
+        assert!(
+            !rows.is_empty(),
+            "{}: no table whose first heading is {first_heading}",
+            self.path.display()
+        );
         rows
     }
 
@@ -87,10 +105,14 @@ impl Page {
     /// next such heading.
     pub fn section(&self, heading: &str) -> Page {
         let start = self.text.find(&format!("\n{heading}"));
-        let start = start.unwrap_or_else(|| panic!("{}: no heading {heading}", self.path.display())) + 1;
+        let start =
+            start.unwrap_or_else(|| panic!("{}: no heading {heading}", self.path.display())) + 1;
         let rest = &self.text[start..];
         let end = rest.find("\n## ").map_or(rest.len(), |end| end + 1);
-        Page { path: self.path.clone(), text: rest[..end].to_string() }
+        Page {
+            path: self.path.clone(),
+            text: rest[..end].to_string(),
+        }
     }
 }
 
@@ -99,7 +121,10 @@ impl Page {
 pub fn same(listed: &BTreeSet<String>, of_code: &BTreeSet<String>) {
     let missing: Vec<_> = of_code.difference(listed).collect();
     let stale: Vec<_> = listed.difference(of_code).collect();
-    assert!(missing.is_empty() && stale.is_empty(), "not documented: {missing:?}; documented and not there: {stale:?}");
+    assert!(
+        missing.is_empty() && stale.is_empty(),
+        "not documented: {missing:?}; documented and not there: {stale:?}"
+    );
 }
 
 /// The texts between backticks in a line.
@@ -114,6 +139,12 @@ pub fn names(cell: &str) -> Vec<String> {
 
 /// The cells of a row. `\|` is a bar inside a cell.
 fn cells(line: &str) -> Vec<String> {
-    let line = line.trim().trim_start_matches('|').trim_end_matches('|').replace("\\|", "\u{0}");
-    line.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()
+    let line = line
+        .trim()
+        .trim_start_matches('|')
+        .trim_end_matches('|')
+        .replace("\\|", "\u{0}");
+    line.split('|')
+        .map(|cell| cell.trim().replace('\u{0}', "|"))
+        .collect()
 }

@@ -22,18 +22,35 @@ struct Documented {
 fn documented(page: &Page) -> BTreeMap<String, Documented> {
     let mut all = BTreeMap::new();
     for row in page.rows("Variable") {
-        let [name, axes, kind, unit, _] = row.as_slice() else { panic!("five cells: {row:?}") };
+        let [name, axes, kind, unit, _] = row.as_slice() else {
+            panic!("five cells: {row:?}")
+        };
         let names = names(name);
         let each = |cell: &str, i: usize| {
             let parts: Vec<&str> = cell.split(',').map(str::trim).collect();
-            if parts.len() == names.len() { parts[i].to_string() } else { cell.to_string() }
+            if parts.len() == names.len() {
+                parts[i].to_string()
+            } else {
+                cell.to_string()
+            }
         };
         // Most variables are real numbers.
         let kind = if kind.is_empty() { "f64" } else { kind };
-        let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
+        let axes: Vec<String> = axes
+            .split(", ")
+            .filter(|axis| !axis.is_empty())
+            .map(String::from)
+            .collect();
         for (i, name) in names.iter().enumerate() {
-            let row = Documented { axes: axes.clone(), kind: each(kind, i), unit: each(unit, i) };
-            assert!(all.insert(name.to_string(), row).is_none(), "{name} is listed twice");
+            let row = Documented {
+                axes: axes.clone(),
+                kind: each(kind, i),
+                unit: each(unit, i),
+            };
+            assert!(
+                all.insert(name.to_string(), row).is_none(),
+                "{name} is listed twice"
+            );
         }
     }
     all
@@ -41,24 +58,40 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
 
 /// The dimensions that a heading names and that have no values of their own.
 fn bare_dimensions(page: &Page) -> BTreeSet<String> {
-    let dimensions = page.headings().filter_map(|heading| heading.split_once("dimension"));
-    dimensions.flat_map(|(_, names)| spans(names.split(", with").next().unwrap_or(names))).map(String::from).collect()
+    let dimensions = page
+        .headings()
+        .filter_map(|heading| heading.split_once("dimension"));
+    dimensions
+        .flat_map(|(_, names)| spans(names.split(", with").next().unwrap_or(names)))
+        .map(String::from)
+        .collect()
 }
 
 fn kind(dataset: &Dataset) -> &'static str {
-    match dataset.dtype().and_then(|kind| kind.to_descriptor()).expect("a type") {
+    match dataset
+        .dtype()
+        .and_then(|kind| kind.to_descriptor())
+        .expect("a type")
+    {
         TypeDescriptor::Float(FloatSize::U8) => "f64",
         TypeDescriptor::Unsigned(IntSize::U8) => "u64",
         TypeDescriptor::Unsigned(IntSize::U4) => "u32",
         TypeDescriptor::Unsigned(IntSize::U1) => "u8",
         TypeDescriptor::Integer(IntSize::U1) => "i8",
         TypeDescriptor::VarLenUnicode => "text",
-        other => panic!("{}: a type that the page has no word for: {other}", dataset.name()),
+        other => panic!(
+            "{}: a type that the page has no word for: {other}",
+            dataset.name()
+        ),
     }
 }
 
 fn text(location: &hdf5::Location, name: &str) -> Option<String> {
-    let value = location.attr(name).ok()?.read_scalar::<hdf5::types::VarLenUnicode>().ok()?;
+    let value = location
+        .attr(name)
+        .ok()?
+        .read_scalar::<hdf5::types::VarLenUnicode>()
+        .ok()?;
     Some(value.as_str().to_string())
 }
 
@@ -88,9 +121,15 @@ fn udunits(unit: &str) -> Option<&'static str> {
 /// The row of a variable. An interval, or an end of one, which the page leaves out, is as the
 /// variable that it is of; an interval has the axis `bound` before.
 fn row(rows: &BTreeMap<String, Documented>, name: &str) -> Option<Documented> {
-    let ends = || name.strip_suffix("_low").or_else(|| name.strip_suffix("_high"));
+    let ends = || {
+        name.strip_suffix("_low")
+            .or_else(|| name.strip_suffix("_high"))
+    };
     if let Some(of) = name.strip_suffix("_interval").and_then(|of| rows.get(of)) {
-        return Some(Documented { axes: [vec!["bound".into()], of.axes.clone()].concat(), ..of.clone() });
+        return Some(Documented {
+            axes: [vec!["bound".into()], of.axes.clone()].concat(),
+            ..of.clone()
+        });
     }
     rows.get(name).or_else(|| rows.get(ends()?)).cloned()
 }
@@ -101,52 +140,144 @@ fn check(file: &File, page: &Page) -> BTreeSet<String> {
     let (rows, bare) = (documented(page), bare_dimensions(page));
     let members = file.member_names().expect("a root group");
     for name in &members {
-        let dataset = file.dataset(name).expect("everything is a variable of the root group");
-        let Some(Documented { axes, kind: documented, unit }) = row(&rows, name) else {
-            assert!(bare.contains(name), "{name} is in a file, and not in {PAGE}");
+        let dataset = file
+            .dataset(name)
+            .expect("everything is a variable of the root group");
+        let Some(Documented {
+            axes,
+            kind: documented,
+            unit,
+        }) = row(&rows, name)
+        else {
+            assert!(
+                bare.contains(name),
+                "{name} is in a file, and not in {PAGE}"
+            );
             continue;
         };
         assert_eq!(kind(&dataset), documented, "type of {name}");
-        let lengths: Vec<usize> = axes.iter().map(|axis| file.dataset(axis).expect("an axis").size()).collect();
+        let lengths: Vec<usize> = axes
+            .iter()
+            .map(|axis| file.dataset(axis).expect("an axis").size())
+            .collect();
         assert_eq!(dataset.shape(), lengths, "axes of {name}");
-        assert_eq!(text(&dataset, "units").as_deref(), udunits(&unit), "unit of {name}");
+        assert_eq!(
+            text(&dataset, "units").as_deref(),
+            udunits(&unit),
+            "unit of {name}"
+        );
     }
-    members.into_iter().filter(|name| rows.contains_key(name) || bare.contains(name)).collect()
+    members
+        .into_iter()
+        .filter(|name| rows.contains_key(name) || bare.contains(name))
+        .collect()
 }
 
-const UNITS: [&str; 8] =
-    ["--set", "units.time=s", "--set", "units.length=m", "--set", "units.force=N", "--set", "units.temperature=K"];
+const UNITS: [&str; 8] = [
+    "--set",
+    "units.time=s",
+    "--set",
+    "units.length=m",
+    "--set",
+    "units.force=N",
+    "--set",
+    "units.temperature=K",
+];
 
 /// Writes a file with `mc`. A run of which every path diverges fails, but writes a file as well.
 fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
     let scenarios = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios");
-    let arguments: Vec<String> = arguments.iter().map(|argument| argument.replace("scenarios", scenarios)).collect();
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(UNITS).chain(["-o", name]).collect();
+    let arguments: Vec<String> = arguments
+        .iter()
+        .map(|argument| argument.replace("scenarios", scenarios))
+        .collect();
+    let arguments: Vec<&str> = arguments
+        .iter()
+        .map(String::as_str)
+        .chain(UNITS)
+        .chain(["-o", name])
+        .collect();
     let output = super::command::mc(folder, &arguments);
-    File::open(folder.join(name)).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
+    File::open(folder.join(name))
+        .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 
 /// Files in which together everything occurs that a run can write: records, units, lost paths, a
 /// resolution, pairs, a part, a run that was ended, a measured temperature with a bearing, and the
 /// fewest paths for a bias of the step, and an input.
 fn runs(folder: &Path) -> Vec<File> {
-    let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
+    let record = ["record.events=true", "record.trajectories=7"]
+        .map(|set| ["--set", set])
+        .concat();
     let asked = ["laws", "density", "spectrum", "energy"].map(|name| format!("record.{name}=true"));
-    let asked: Vec<&str> = asked.iter().flat_map(|set| ["--set", set.as_str()]).collect();
+    let asked: Vec<&str> = asked
+        .iter()
+        .flat_map(|set| ["--set", set.as_str()])
+        .collect();
     let levels = ["--set", "statistics.levels=[1.0]", "--until", "120"];
-    let on_request = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &asked, &levels].concat();
-    let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
-    let diverging =
-        ["run", "scenarios/rho025.toml", "--paths", "3", "--step", "0.5", "--set", "initial.displacement=1e3"];
-    let unresolved = ["run", "scenarios/equal-friction.toml", "--scheme", "event-driven", "--paths", "2"];
-    let late = ["run", "scenarios/rho025.toml", "--paths", "2", "--set", "statistics.after=30"];
-    let pairs = ["run", "scenarios/rho025.toml", "--paths", "4", "--set", "ensemble.antithetic=true"];
-    let part = ["run", "scenarios/rho025.toml", "--paths", "600", "--part", "2/3"];
+    let on_request = [
+        &["run", "scenarios/rho025.toml", "--paths", "300"][..],
+        &asked,
+        &levels,
+    ]
+    .concat();
+    let everything = [
+        &["run", "scenarios/rho025.toml", "--paths", "300"][..],
+        &record,
+    ]
+    .concat();
+    let diverging = [
+        "run",
+        "scenarios/rho025.toml",
+        "--paths",
+        "3",
+        "--step",
+        "0.5",
+        "--set",
+        "initial.displacement=1e3",
+    ];
+    let unresolved = [
+        "run",
+        "scenarios/equal-friction.toml",
+        "--scheme",
+        "event-driven",
+        "--paths",
+        "2",
+    ];
+    let late = [
+        "run",
+        "scenarios/rho025.toml",
+        "--paths",
+        "2",
+        "--set",
+        "statistics.after=30",
+    ];
+    let pairs = [
+        "run",
+        "scenarios/rho025.toml",
+        "--paths",
+        "4",
+        "--set",
+        "ensemble.antithetic=true",
+    ];
+    let part = [
+        "run",
+        "scenarios/rho025.toml",
+        "--paths",
+        "600",
+        "--part",
+        "2/3",
+    ];
     std::fs::write(folder.join("ag.csv"), "time_s,ag (g)\n0,0\n10,1\n").expect("written");
     let shaken = "oscillator = { mass = 1, stiffness = 1, dilatation = 0 }\nfriction = { static = 1, dynamic = 1 }\n\
                   input.ag.file = \"ag.csv\"\nforce.expression = \"ag\"\ninitial.displacement = 0\nscheme.kind = \"event-driven\"\n";
     std::fs::write(folder.join("shaken.toml"), shaken).expect("written");
-    let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
+    let ended = [
+        "run",
+        "scenarios/rho025.toml",
+        "--until",
+        "stick_duration_mean < 20%",
+    ];
     vec![
         written(folder, "everything.h5", &everything),
         written(folder, "on-request.h5", &on_request),
@@ -158,22 +289,38 @@ fn runs(folder: &Path) -> Vec<File> {
         written(folder, "ended.h5", &ended),
         written(folder, "measured.h5", &["run", "scenarios/bridge.toml"]),
         written(folder, "shaken.h5", &["run", "shaken.toml", "--paths", "1"]),
-        written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
+        written(
+            folder,
+            "biased.h5",
+            &["run", "scenarios/rho025.toml", "--paths", "768"],
+        ),
     ]
 }
 
 fn of_runs() -> Page {
     let page = Page::read(PAGE);
-    let (runs, _) = page.text.split_once("## The file of `mc trade`").expect("runs first, then trades and sweeps");
-    Page { text: runs.to_string(), path: page.path }
+    let (runs, _) = page
+        .text
+        .split_once("## The file of `mc trade`")
+        .expect("runs first, then trades and sweeps");
+    Page {
+        text: runs.to_string(),
+        path: page.path,
+    }
 }
 
 #[test]
 fn every_variable_of_a_run_is_listed_with_its_axes_type_and_unit() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = of_runs();
-    let found: BTreeSet<String> = runs(folder.path()).iter().flat_map(|file| check(file, &page)).collect();
-    let listed: BTreeSet<String> = documented(&page).into_keys().chain(bare_dimensions(&page)).collect();
+    let found: BTreeSet<String> = runs(folder.path())
+        .iter()
+        .flat_map(|file| check(file, &page))
+        .collect();
+    let listed: BTreeSet<String> = documented(&page)
+        .into_keys()
+        .chain(bare_dimensions(&page))
+        .collect();
     same(&listed, &found);
 }
 
@@ -186,11 +333,17 @@ fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_val
     let mut constants = 0;
     for row in page.rows("Attribute") {
         for name in names(&row[0]) {
-            let holders: Vec<&File> = files.iter().filter(|file| file.attr(&name).is_ok()).collect();
+            let holders: Vec<&File> = files
+                .iter()
+                .filter(|file| file.attr(&name).is_ok())
+                .collect();
             assert!(!holders.is_empty(), "{name} is in no file");
             for file in holders {
                 let attribute = file.attr(&name).expect("it is there");
-                let is_text = attribute.dtype().and_then(|kind| kind.to_descriptor()).expect("a type")
+                let is_text = attribute
+                    .dtype()
+                    .and_then(|kind| kind.to_descriptor())
+                    .expect("a type")
                     == TypeDescriptor::VarLenUnicode;
                 assert_eq!(is_text, row[1] == "text", "type of {name}");
                 // A meaning that consists of a value in backticks only is that value.
@@ -206,8 +359,14 @@ fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_val
             found.insert(name);
         }
     }
-    assert!(constants >= 3, "constant attributes are recognised: {constants}");
-    let written: BTreeSet<String> = files.iter().flat_map(|file| file.attr_names().expect("attributes")).collect();
+    assert!(
+        constants >= 3,
+        "constant attributes are recognised: {constants}"
+    );
+    let written: BTreeSet<String> = files
+        .iter()
+        .flat_map(|file| file.attr_names().expect("attributes"))
+        .collect();
     same(&found, &written);
 }
 
@@ -215,15 +374,28 @@ fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_val
 fn every_variable_and_attribute_of_a_trade_is_listed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = Page::read(PAGE).section("## The file of `mc trade`");
-    let file = written(folder.path(), "trade.h5", &["trade", "scenarios/shaw.toml", "--budget", "1s"]);
-    same(&documented(&page).into_keys().collect(), &check(&file, &page));
+    let file = written(
+        folder.path(),
+        "trade.h5",
+        &["trade", "scenarios/shaw.toml", "--budget", "1s"],
+    );
+    same(
+        &documented(&page).into_keys().collect(),
+        &check(&file, &page),
+    );
     let prose = page.spans();
     for attribute in file.attr_names().expect("attributes") {
-        assert!(prose.contains(&attribute.as_str()), "attribute {attribute} of a trade is not in {PAGE}");
+        assert!(
+            prose.contains(&attribute.as_str()),
+            "attribute {attribute} of a trade is not in {PAGE}"
+        );
     }
     for constant in ["format_name", "format_version"] {
         let value = text(&file, constant).expect("it is there");
-        assert!(page.text.contains(&format!("`{constant}` is `{value}`")), "{constant} is {value}");
+        assert!(
+            page.text.contains(&format!("`{constant}` is `{value}`")),
+            "{constant} is {value}"
+        );
     }
 }
 
@@ -232,32 +404,68 @@ fn every_variable_and_attribute_of_a_trade_is_listed() {
 fn every_variable_and_attribute_of_a_sweep_is_listed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = Page::read(PAGE).section("## The file of `mc sweep`");
-    let small = ["--paths", "40", "--until", "10", "--set", "time.output_step=10"];
-    let crossed = ["--vary", "rho=temperature.noise.intensity=0.1,0.2", "--vary", "friction.static=1.2,1.3"];
+    let small = [
+        "--paths",
+        "40",
+        "--until",
+        "10",
+        "--set",
+        "time.output_step=10",
+    ];
+    let crossed = [
+        "--vary",
+        "rho=temperature.noise.intensity=0.1,0.2",
+        "--vary",
+        "friction.static=1.2,1.3",
+    ];
     let keys = ["--elasticity", "friction.static,friction.dynamic"];
     let of = |name: &str, more: &[&str]| {
-        written(folder.path(), name, &[&["sweep", "scenarios/rho025.toml"], &small[..], more].concat())
+        written(
+            folder.path(),
+            name,
+            &[&["sweep", "scenarios/rho025.toml"], &small[..], more].concat(),
+        )
     };
     let files = [
         (of("grid.h5", &crossed), "rho, f_s"),
         (of("zip.h5", &[&crossed[..], &["--zip"]].concat()), "point"),
         (of("elasticity.h5", &keys), "point"),
         (
-            of("cycles.h5", &["--vary", "rho=temperature.noise.intensity=0,0.1", "--vary", "friction.static=1.2,1.3"]),
+            of(
+                "cycles.h5",
+                &[
+                    "--vary",
+                    "rho=temperature.noise.intensity=0,0.1",
+                    "--vary",
+                    "friction.static=1.2,1.3",
+                ],
+            ),
             "rho, f_s",
         ),
     ];
     let axes = BTreeSet::from(["rho".to_string(), "f_s".to_string()]);
     let (mut found, mut attributes) = (BTreeSet::new(), BTreeSet::new());
     for (file, dimensions) in &files {
-        let text =
-            page.text.replace("...,", &format!("{dimensions},")).replace("| ... |", &format!("| {dimensions} |"));
-        let own = axes.iter().filter(|axis| file.link_exists(axis)).map(|axis| {
-            let along = if dimensions.contains("rho") { axis } else { "point" };
-            format!("| `{axis}` | {along} | f64 | | value of the key |\n")
-        });
+        let text = page
+            .text
+            .replace("...,", &format!("{dimensions},"))
+            .replace("| ... |", &format!("| {dimensions} |"));
+        let own = axes
+            .iter()
+            .filter(|axis| file.link_exists(axis))
+            .map(|axis| {
+                let along = if dimensions.contains("rho") {
+                    axis
+                } else {
+                    "point"
+                };
+                format!("| `{axis}` | {along} | f64 | | value of the key |\n")
+            });
         let table = "\n| Variable | Axes | Type | Unit | Meaning |\n|---|---|---|---|---|\n";
-        let page = Page { text: text + table + &own.collect::<String>(), path: page.path.clone() };
+        let page = Page {
+            text: text + table + &own.collect::<String>(),
+            path: page.path.clone(),
+        };
         found.extend(check(file, &page));
         attributes.extend(file.attr_names().expect("attributes"));
     }
@@ -265,6 +473,9 @@ fn every_variable_and_attribute_of_a_sweep_is_listed() {
     same(&listed, &found.difference(&axes).cloned().collect());
     let prose = page.spans();
     for attribute in attributes {
-        assert!(prose.contains(&attribute.as_str()), "attribute {attribute} of a sweep is not in {PAGE}");
+        assert!(
+            prose.contains(&attribute.as_str()),
+            "attribute {attribute} of a sweep is not in {PAGE}"
+        );
     }
 }

@@ -19,9 +19,18 @@ fn workplace() -> tempfile::TempDir {
 
 /// The standard output of `mc`.
 fn printed(folder: &Path, words: &[&str]) -> String {
-    let output = assert_cmd::Command::cargo_bin("mc").expect("built").current_dir(folder).args(words).output();
+    let output = assert_cmd::Command::cargo_bin("mc")
+        .expect("built")
+        .current_dir(folder)
+        .args(words)
+        .output();
     let output = output.expect("runs");
-    assert!(output.status.success(), "mc {}: {}", words.join(" "), String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "mc {}: {}",
+        words.join(" "),
+        String::from_utf8_lossy(&output.stderr)
+    );
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
@@ -38,12 +47,24 @@ fn the_cascades_of_the_page_on_the_model() {
     let (page, folder) = (Page::read("docs/model.md"), workplace());
     let blocks = blocks(&page);
     let mut compared = 0;
-    for pair in blocks.windows(2).filter(|pair| (pair[0].0, pair[1].0) == ("sh", "text")) {
-        let commands = pair[0].1.split(" && ").map(|command| command.split_whitespace().skip(1).collect::<Vec<_>>());
-        let printed: String = commands.map(|words| printed(folder.path(), &words)).collect();
+    for pair in blocks
+        .windows(2)
+        .filter(|pair| (pair[0].0, pair[1].0) == ("sh", "text"))
+    {
+        let commands = pair[0]
+            .1
+            .split(" && ")
+            .map(|command| command.split_whitespace().skip(1).collect::<Vec<_>>());
+        let printed: String = commands
+            .map(|words| printed(folder.path(), &words))
+            .collect();
         let mut lines = printed.lines();
         for shown in pair[1].1.lines() {
-            assert!(lines.any(|line| line == shown), "{}\ndoes not print: {shown}\n{printed}", pair[0].1);
+            assert!(
+                lines.any(|line| line == shown),
+                "{}\ndoes not print: {shown}\n{printed}",
+                pair[0].1
+            );
         }
         compared += 1;
     }
@@ -55,10 +76,20 @@ fn the_cascades_of_the_page_on_the_model() {
 #[test]
 fn the_table_of_the_readme() {
     let (page, folder) = (Page::read("README.md"), workplace());
-    let (_, shown) = blocks(&page).into_iter().find(|(kind, _)| *kind == "text").expect("a table");
-    let printed = printed(folder.path(), &["run", "scenarios/rho025.toml", "--paths", "10000"]);
+    let (_, shown) = blocks(&page)
+        .into_iter()
+        .find(|(kind, _)| *kind == "text")
+        .expect("a table");
+    let printed = printed(
+        folder.path(),
+        &["run", "scenarios/rho025.toml", "--paths", "10000"],
+    );
     let timeless = |text: &str| -> Vec<String> {
-        let line = |line: &str| line.split_once(" completed in ").map_or(line, |(before, _)| before).to_string();
+        let line = |line: &str| {
+            line.split_once(" completed in ")
+                .map_or(line, |(before, _)| before)
+                .to_string()
+        };
         text.lines().map(line).collect()
     };
     let (shown, printed) = (timeless(shown), timeless(&printed));
@@ -74,14 +105,24 @@ fn stick_durations_by_scheme_and_step() {
     assert_eq!(rows.len(), 7, "the rows are recognised");
     for row in rows {
         let (options, mean, interval) = (spans(&row[0])[0], &row[1], &row[2]);
-        let words = ["run scenarios/rho025.toml --paths 10000 --no-bias --force --json", options].join(" ");
+        let words = [
+            "run scenarios/rho025.toml --paths 10000 --no-bias --force --json",
+            options,
+        ]
+        .join(" ");
         let report = printed(folder.path(), &words.split(' ').collect::<Vec<_>>());
         let report: Value = serde_json::from_str(&report).expect("JSON");
         let number = |key: &str| {
-            let number = report["statistics"]["stick_duration_mean"][key].as_f64().expect("a number");
+            let number = report["statistics"]["stick_duration_mean"][key]
+                .as_f64()
+                .expect("a number");
             format!("{number:.4}")
         };
         assert_eq!(*mean, number("estimate"), "{options}");
-        assert_eq!(*interval, format!("{} to {}", number("low"), number("high")), "{options}");
+        assert_eq!(
+            *interval,
+            format!("{} to {}", number("low"), number("high")),
+            "{options}"
+        );
     }
 }

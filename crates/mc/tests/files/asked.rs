@@ -10,26 +10,42 @@ use std::process::Output;
 use tempfile::TempDir;
 
 const BRIDGE: &str = include_str!("../../../../examples/bridge/bridge.toml");
-const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv");
+const DATA: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/twin.csv"
+);
 
 /// A folder with a scenario of each kind, its measurements, and the files of a run and a sweep.
 fn folder() -> TempDir {
     let here = tempfile::tempdir().expect("a folder");
-    let bridge = BRIDGE.replace("\"twin.csv\"", "\"t.csv\"") + "\n[displacement.series]\nfile = \"x.csv\"\n";
+    let bridge =
+        BRIDGE.replace("\"twin.csv\"", "\"t.csv\"") + "\n[displacement.series]\nfile = \"x.csv\"\n";
     fs::write(here.path().join("bridge.toml"), bridge).expect("written");
     for name in ["t.csv", "x.csv", "twin.csv"] {
         fs::copy(DATA, here.path().join(name)).expect("copied");
     }
     fs::write(here.path().join("plain.toml"), BRIDGE).expect("written");
-    let made = mc(here.path(), &["run", "rho025", "--paths", "40", "--step", "0.05", "--quiet", "-o", "a.h5"]);
+    let made = mc(
+        here.path(),
+        &[
+            "run", "rho025", "--paths", "40", "--step", "0.05", "--quiet", "-o", "a.h5",
+        ],
+    );
     assert!(made.status.success(), "{}", text(&made.stderr));
     here
 }
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.expect("read").file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> = entries
+        .map(|entry| {
+            entry
+                .expect("read")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
     names.sort();
     names
 }
@@ -41,11 +57,26 @@ fn said(output: &Output) -> String {
 /// The verbs that write a file, and the names of what they write here.
 const WRITING: [(&str, &[&str]); 9] = [
     ("run rho025 --paths 40 --step 0.05 -o out.h5", &["out.h5"]),
-    ("sweep rho025 --vary friction.static=1.1,1.2 --paths 40 --step 0.05 -o out.h5", &["out.h5"]),
-    ("trade rho025 --budget 1 -o out.h5", &["out.h5", "out.svg", "out.png"]),
-    ("calibrate plain.toml twin.csv --method slips -o out.h5", &["out.h5"]),
-    ("forecast plain.toml twin.csv --draws 2 --years 2 -o out.csv -o out.html", &["out.csv", "out.html"]),
-    ("fit-temperature twin.csv --processes 1 --periods 1d -o out.toml", &["out.toml"]),
+    (
+        "sweep rho025 --vary friction.static=1.1,1.2 --paths 40 --step 0.05 -o out.h5",
+        &["out.h5"],
+    ),
+    (
+        "trade rho025 --budget 1 -o out.h5",
+        &["out.h5", "out.svg", "out.png"],
+    ),
+    (
+        "calibrate plain.toml twin.csv --method slips -o out.h5",
+        &["out.h5"],
+    ),
+    (
+        "forecast plain.toml twin.csv --draws 2 --years 2 -o out.csv -o out.html",
+        &["out.csv", "out.html"],
+    ),
+    (
+        "fit-temperature twin.csv --processes 1 --periods 1d -o out.toml",
+        &["out.toml"],
+    ),
     ("twin plain.toml -o out.csv", &["out.csv"]),
     ("replay a.h5 --path 0 -o out.h5", &["out.h5"]),
     ("merge one.h5 two.h5 -o out.h5", &["out.h5"]),
@@ -58,12 +89,18 @@ fn what_was_asked_for_is_written_whoever_reads_what_is_printed() {
     for (verb, files) in WRITING {
         let here = folder();
         for (part, name) in [("1/2", "one.h5"), ("2/2", "two.h5")] {
-            let part = ["run", "rho025", "--paths", "512", "--step", "0.1", "--quiet", "--part", part, "-o", name];
+            let part = [
+                "run", "rho025", "--paths", "512", "--step", "0.1", "--quiet", "--part", part,
+                "-o", name,
+            ];
             assert!(!verb.starts_with("merge") || mc(here.path(), &part).status.success());
         }
         let before = names(here.path());
-        let mut expected: Vec<String> =
-            before.iter().cloned().chain(files.iter().map(|name| name.to_string())).collect();
+        let mut expected: Vec<String> = before
+            .iter()
+            .cloned()
+            .chain(files.iter().map(|name| name.to_string()))
+            .collect();
         expected.sort();
         for (to, code) in [("2>&1 | true", "0"), (">/dev/full", "1")] {
             let line = format!("{{ \"$0\" {verb}; echo $? >code; }} {to}");
@@ -73,7 +110,10 @@ fn what_was_asked_for_is_written_whoever_reads_what_is_printed() {
             assert_eq!(came.trim(), code, "{line}");
             assert_eq!(names(here.path()), expected, "{line}");
             files.iter().for_each(|name| {
-                assert!(fs::metadata(here.path().join(name)).expect("there").len() > 0, "{line}: {name}");
+                assert!(
+                    fs::metadata(here.path().join(name)).expect("there").len() > 0,
+                    "{line}: {name}"
+                );
                 fs::remove_file(here.path().join(name)).expect("removed");
             });
         }
@@ -87,10 +127,25 @@ fn what_cannot_be_written_is_a_failure_whoever_reads_what_is_printed() {
     for (verb, _) in &WRITING[..8] {
         let line = format!("{{ (ulimit -f 1; \"$0\" {verb}); echo $? >code; }} | true");
         let err = text(&shell(here.path(), &line).stderr);
-        assert_eq!(fs::read_to_string(here.path().join("code")).expect("written").trim(), "1", "{line}");
-        assert!(err.contains("error: ") && err.contains("File too large"), "{line}: {err}");
-        let left: Vec<String> = names(here.path()).into_iter().filter(|name| name.starts_with("out")).collect();
-        assert!(left.iter().all(|name| name == "out.h5.partial"), "{line}: {left:?}");
+        assert_eq!(
+            fs::read_to_string(here.path().join("code"))
+                .expect("written")
+                .trim(),
+            "1",
+            "{line}"
+        );
+        assert!(
+            err.contains("error: ") && err.contains("File too large"),
+            "{line}: {err}"
+        );
+        let left: Vec<String> = names(here.path())
+            .into_iter()
+            .filter(|name| name.starts_with("out"))
+            .collect();
+        assert!(
+            left.iter().all(|name| name == "out.h5.partial"),
+            "{line}: {left:?}"
+        );
         if !left.is_empty() {
             // Only a run can be continued.
             assert!(verb.starts_with("run "), "{line}");
@@ -103,23 +158,46 @@ fn what_cannot_be_written_is_a_failure_whoever_reads_what_is_printed() {
 #[test]
 fn a_limit_on_the_size_of_files_is_a_message_and_leaves_nothing() {
     let here = folder();
-    for verb in ["plot a.h5 -o out.svg", "plot a.h5 -o out.png", "report a.h5 -o out.html", "init -o out.toml"] {
+    for verb in [
+        "plot a.h5 -o out.svg",
+        "plot a.h5 -o out.png",
+        "report a.h5 -o out.html",
+        "init -o out.toml",
+    ] {
         let output = shell(here.path(), &format!("ulimit -f 1; \"$0\" {verb}"));
         assert_eq!(output.status.code(), Some(1), "{verb}: {}", said(&output));
-        assert!(said(&output).contains("File too large"), "{verb}: {}", said(&output));
-        assert!(names(here.path()).iter().all(|name| !name.starts_with("out")), "{verb}: {:?}", names(here.path()));
+        assert!(
+            said(&output).contains("File too large"),
+            "{verb}: {}",
+            said(&output)
+        );
+        assert!(
+            names(here.path())
+                .iter()
+                .all(|name| !name.starts_with("out")),
+            "{verb}: {:?}",
+            names(here.path())
+        );
     }
     let output = shell(here.path(), "ulimit -f 1; \"$0\" show a.h5 >shown");
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(said(&output).contains("cannot write to standard output"), "{}", said(&output));
+    assert!(
+        said(&output).contains("cannot write to standard output"),
+        "{}",
+        said(&output)
+    );
 }
 
 /// The stack of the first thread is as small as the shell allows. Nothing is computed on it.
 #[test]
 fn a_small_stack_is_enough() {
     let here = folder();
-    for verb in ["check rho025", "run rho025 --paths 40 --step 0.1 --quiet -o out.h5", "plot a.h5 -o out.svg", "--help"]
-    {
+    for verb in [
+        "check rho025",
+        "run rho025 --paths 40 --step 0.1 --quiet -o out.h5",
+        "plot a.h5 -o out.svg",
+        "--help",
+    ] {
         let output = shell(here.path(), &format!("ulimit -s 256; \"$0\" {verb}"));
         assert_eq!(output.status.code(), Some(0), "{verb}: {}", said(&output));
     }
@@ -145,7 +223,11 @@ fn no_file_that_a_scenario_names_is_written_over() {
         "plot bridge.toml".to_string(),
     ] {
         for name in ["t.csv", "x.csv", "twin.csv"] {
-            let is_named = if verb.contains("twin.csv") { name != "x.csv" } else { name != "twin.csv" };
+            let is_named = if verb.contains("twin.csv") {
+                name != "x.csv"
+            } else {
+                name != "twin.csv"
+            };
             if !is_named {
                 continue;
             }
@@ -157,11 +239,20 @@ fn no_file_that_a_scenario_names_is_written_over() {
             };
             let link = at(&format!("link.{ending}"));
             fs::hard_link(at(name), &link).expect("linked");
-            let output = shell(here.path(), &format!("\"$0\" {verb} -o link.{ending} --force"));
+            let output = shell(
+                here.path(),
+                &format!("\"$0\" {verb} -o link.{ending} --force"),
+            );
             let shown = format!("{verb}, {name}: {}", said(&output));
             assert_eq!(output.status.code(), Some(2), "{shown}");
-            assert!(said(&output).contains("is an input of this command"), "{shown}");
-            assert_eq!(fs::metadata(&link).expect("there").ino(), fs::metadata(at(name)).expect("there").ino());
+            assert!(
+                said(&output).contains("is an input of this command"),
+                "{shown}"
+            );
+            assert_eq!(
+                fs::metadata(&link).expect("there").ino(),
+                fs::metadata(at(name)).expect("there").ino()
+            );
             fs::remove_file(link).expect("removed");
         }
     }
@@ -173,15 +264,33 @@ fn no_file_that_a_scenario_names_is_written_over() {
 #[test]
 fn of_several_reports_at_once_one_is_written_and_the_others_say_so() {
     let here = folder();
-    let all: Vec<Running> = (0..6).map(|_| Running::mc(here.path(), &["report", "a.h5", "-o", "r.html"])).collect();
+    let all: Vec<Running> = (0..6)
+        .map(|_| Running::mc(here.path(), &["report", "a.h5", "-o", "r.html"]))
+        .collect();
     let all: Vec<Output> = all.into_iter().map(Running::end).collect();
-    assert_eq!(all.iter().filter(|output| output.status.success()).count(), 1);
+    assert_eq!(
+        all.iter().filter(|output| output.status.success()).count(),
+        1
+    );
     for output in all.iter().filter(|output| !output.status.success()) {
         let said = said(output);
-        let is_true = ["another process is writing this file", "nothing was written", "already exists"];
-        assert!(is_true.iter().any(|words| said.contains(words)) && !said.contains("r.html.partial"), "{said}");
+        let is_true = [
+            "another process is writing this file",
+            "nothing was written",
+            "already exists",
+        ];
+        assert!(
+            is_true.iter().any(|words| said.contains(words)) && !said.contains("r.html.partial"),
+            "{said}"
+        );
     }
-    assert_eq!(names(here.path()).into_iter().filter(|name| name.starts_with("r.")).collect::<Vec<_>>(), ["r.html"]);
+    assert_eq!(
+        names(here.path())
+            .into_iter()
+            .filter(|name| name.starts_with("r."))
+            .collect::<Vec<_>>(),
+        ["r.html"]
+    );
 }
 
 /// The second of two files has a name that is taken while the first is made: neither is written, and
@@ -195,7 +304,10 @@ fn several_files_of_one_command_are_written_together_or_not_at_all() {
     let output = shell(here.path(), &format!("\"$0\" {made}"));
     assert!(!output.status.success(), "{}", said(&output));
     assert_eq!(
-        names(here.path()).into_iter().filter(|name| name.starts_with("out")).collect::<Vec<_>>(),
+        names(here.path())
+            .into_iter()
+            .filter(|name| name.starts_with("out"))
+            .collect::<Vec<_>>(),
         ["out.html.partial"]
     );
     fs::remove_dir_all(here.path().join("out.html.partial")).expect("removed");
@@ -231,19 +343,27 @@ fn a_folder_that_is_deleted_during_a_run_takes_the_paths_with_it() {
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(printed.contains("\"file\": \"none\""), "{printed}");
     let said = said(&output);
-    assert!(said.contains("moved, deleted or replaced") && !said.contains("are saved"), "{said}");
+    assert!(
+        said.contains("moved, deleted or replaced") && !said.contains("are saved"),
+        "{said}"
+    );
 }
 
 /// A manual page is printed, for each command and for all, and no file is written.
 #[test]
 fn a_manual_page_is_printed() {
     let here = tempfile::tempdir().expect("a folder");
-    for (verb, title) in
-        [(&["man"][..], "mc"), (&["man", "run"], "mc-run"), (&["man", "fit-temperature"], "mc-fit-temperature")]
-    {
+    for (verb, title) in [
+        (&["man"][..], "mc"),
+        (&["man", "run"], "mc-run"),
+        (&["man", "fit-temperature"], "mc-fit-temperature"),
+    ] {
         let output = mc(here.path(), verb);
         let page = text(&output.stdout);
-        assert!(output.status.success() && page.contains(&format!(".TH {title} 1")), "{page}");
+        assert!(
+            output.status.success() && page.contains(&format!(".TH {title} 1")),
+            "{page}"
+        );
     }
     let output = mc(here.path(), &["man", "rnu"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));

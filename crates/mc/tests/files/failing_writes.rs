@@ -12,8 +12,14 @@ use std::path::Path;
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/rho025.toml");
 const SHAW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/shaw.toml");
-const BRIDGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/bridge.toml");
-const TWIN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv");
+const BRIDGE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/bridge.toml"
+);
+const TWIN: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/twin.csv"
+);
 
 const FAULTS: [Fault; 5] = [
     Fault::Error(rustix::io::Errno::NOSPC.raw_os_error()),
@@ -47,30 +53,71 @@ struct Writes {
     is_repeatable: bool,
 }
 
-fn writes(before: &[&[&'static str]], arguments: &[&[&'static str]], output: &'static str) -> Writes {
+fn writes(
+    before: &[&[&'static str]],
+    arguments: &[&[&'static str]],
+    output: &'static str,
+) -> Writes {
     let before = before.iter().map(|arguments| arguments.to_vec()).collect();
-    Writes { before, arguments: arguments.concat(), output, is_repeatable: true }
+    Writes {
+        before,
+        arguments: arguments.concat(),
+        output,
+        is_repeatable: true,
+    }
 }
 
 /// A command for each kind of file.
 fn commands() -> Vec<Writes> {
-    let part = |number: &'static str, name: &'static str| [RUN, &["--part", number, "-o", name]].concat();
+    let part =
+        |number: &'static str, name: &'static str| [RUN, &["--part", number, "-o", name]].concat();
     let (first, second) = (part("1/2", "1.h5"), part("2/2", "2.h5"));
     let run = [RUN, &["-o", "a.h5"]].concat();
-    let sweep: &[&str] =
-        &["sweep", RHO025, "--vary", "friction.static=1.1,1.2", "--paths", "300", "--step", "0.1", "--quiet"];
+    let sweep: &[&str] = &[
+        "sweep",
+        RHO025,
+        "--vary",
+        "friction.static=1.1,1.2",
+        "--paths",
+        "300",
+        "--step",
+        "0.1",
+        "--quiet",
+    ];
     let trade: &[&str] = &["trade", SHAW, "--budget", "1s", "-o", "t.h5"];
     vec![
         writes(&[], &[RUN, &["-o", "a.h5"]], "a.h5"),
         writes(&[], &[RUN, &["--part", "2/2", "-o", "a.h5"]], "a.h5"),
-        writes(&[&first, &second], &[&["merge", "1.h5", "2.h5", "-o", "a.h5"]], "a.h5"),
-        writes(&[&run], &[&["replay", "a.h5", "--path", "3", "-o", "r.h5"]], "r.h5"),
-        Writes { is_repeatable: false, ..writes(&[], &[sweep, &["-o", "s.h5"]], "s.h5") },
-        Writes { is_repeatable: false, ..writes(&[], &[trade], "t.h5") },
-        writes(&[], &[&["calibrate", BRIDGE, TWIN, "--method", "slips", "-o", "c.h5"]], "c.h5"),
+        writes(
+            &[&first, &second],
+            &[&["merge", "1.h5", "2.h5", "-o", "a.h5"]],
+            "a.h5",
+        ),
+        writes(
+            &[&run],
+            &[&["replay", "a.h5", "--path", "3", "-o", "r.h5"]],
+            "r.h5",
+        ),
+        Writes {
+            is_repeatable: false,
+            ..writes(&[], &[sweep, &["-o", "s.h5"]], "s.h5")
+        },
+        Writes {
+            is_repeatable: false,
+            ..writes(&[], &[trade], "t.h5")
+        },
+        writes(
+            &[],
+            &[&["calibrate", BRIDGE, TWIN, "--method", "slips", "-o", "c.h5"]],
+            "c.h5",
+        ),
         writes(&[&run], &[&["plot", "a.h5", "-o", "p.svg"]], "p.svg"),
         writes(&[&run], &[&["report", "a.h5", "-o", "p.html"]], "p.html"),
-        writes(&[], &[&["twin", BRIDGE, "--duration", "20d", "-o", "twin.csv"]], "twin.csv"),
+        writes(
+            &[],
+            &[&["twin", BRIDGE, "--duration", "20d", "-o", "twin.csv"]],
+            "twin.csv",
+        ),
     ]
 }
 
@@ -91,15 +138,24 @@ impl Writes {
             command::done(&prepared, arguments);
         }
         let undisturbed = copy(&prepared);
-        let (output, trace) = traced(faulty(&undisturbed.1, &self.arguments, 0, Fault::Short), &undisturbed.1);
+        let (output, trace) = traced(
+            faulty(&undisturbed.1, &self.arguments, 0, Fault::Short),
+            &undisturbed.1,
+        );
         assert!(output.status.success(), "{}", text(&output.stderr));
         let file = fs::read(undisturbed.1.join(self.output)).expect("written");
-        let mut counts = Counts { changes: trace.len() as u64, ..Counts::default() };
-        for (at, fault) in
-            (first..=counts.changes + 2).step_by(stride as usize).flat_map(|at| faults.iter().map(move |f| (at, f)))
+        let mut counts = Counts {
+            changes: trace.len() as u64,
+            ..Counts::default()
+        };
+        for (at, fault) in (first..=counts.changes + 2)
+            .step_by(stride as usize)
+            .flat_map(|at| faults.iter().map(move |f| (at, f)))
         {
             let (_keep, here) = copy(&prepared);
-            let output = faulty(&here, &self.arguments, at, *fault).output().expect("runs");
+            let output = faulty(&here, &self.arguments, at, *fault)
+                .output()
+                .expect("runs");
             let what = format!("{:?}, change {at}, {fault:?}", self.arguments);
             let said = text(&output.stderr);
             match output.status.code() {
@@ -124,7 +180,11 @@ impl Writes {
             let next = if can_resume { resume } else { &self.arguments };
             let again = command::mc(&here, next);
             // A command refuses to overwrite what is whole already.
-            assert!(again.status.success() || is_there, "{what}, then {next:?}: {said}{}", text(&again.stderr));
+            assert!(
+                again.status.success() || is_there,
+                "{what}, then {next:?}: {said}{}",
+                text(&again.stderr)
+            );
             self.assert_right(&here, &file, &what);
         }
         counts
@@ -157,10 +217,19 @@ fn a_change_of_the_disk_that_fails_once_is_an_error_or_leaves_the_right_file() {
     for (i, command) in commands().iter().enumerate() {
         // The faults meet different changes.
         let places = [0, 72, 144, 216, 288].map(|place| 1 + (i as u64 * 7 + place) % 360);
-        let counts = places.into_iter().zip(FAULTS).map(|(first, fault)| command.survive(first, 360, &[fault]));
+        let counts = places
+            .into_iter()
+            .zip(FAULTS)
+            .map(|(first, fault)| command.survive(first, 360, &[fault]));
         let counts: Vec<Counts> = counts.collect();
-        let all = counts.iter().fold(0, |sum, counts| sum + counts.errors + counts.right);
-        assert!(all >= counts[0].changes / 72, "{:?}: {counts:?}", command.arguments);
+        let all = counts
+            .iter()
+            .fold(0, |sum, counts| sum + counts.errors + counts.right);
+        assert!(
+            all >= counts[0].changes / 72,
+            "{:?}: {counts:?}",
+            command.arguments
+        );
     }
 }
 

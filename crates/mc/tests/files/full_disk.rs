@@ -30,7 +30,13 @@ impl SmallDisk {
         // A system call is used instead of a command, because a child process would inherit the
         // files that other tests have open, with their locks.
         let options = CString::new(format!("size={size}")).ok()?;
-        let done = mount("tmpfs", folder, "tmpfs", MountFlags::empty(), options.as_c_str());
+        let done = mount(
+            "tmpfs",
+            folder,
+            "tmpfs",
+            MountFlags::empty(),
+            options.as_c_str(),
+        );
         done.is_ok().then(|| SmallDisk(folder.to_owned()))
     }
 }
@@ -49,14 +55,25 @@ impl Drop for SmallDisk {
 #[test]
 fn a_full_disk_is_one_clear_error_and_no_crash() {
     let output = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "full_disk::what_small_disks_make_of_a_run", "--ignored", "--nocapture"])
+        .args([
+            "--exact",
+            "full_disk::what_small_disks_make_of_a_run",
+            "--ignored",
+            "--nocapture",
+        ])
         .env(SMALL_DISKS, "yes")
         .timeout(Duration::from_secs(300))
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("1 passed"), "{}\n{said}", output.status);
-    said.lines().filter_map(|line| line.strip_prefix("SKIPPED: ")).for_each(skip);
+    assert!(
+        output.status.success() && said.contains("1 passed"),
+        "{}\n{said}",
+        output.status
+    );
+    said.lines()
+        .filter_map(|line| line.strip_prefix("SKIPPED: "))
+        .for_each(skip);
 }
 
 /// The environment variable that is set where the test above runs the next one.
@@ -93,12 +110,24 @@ fn what_small_disks_make_of_a_run() {
         let Err(error) = fill(&target) else {
             // A file may need a little less than its size, because a page that is never written
             // takes no space.
-            assert!(size > needed - 16_384, "{size} of {needed} bytes were enough");
+            assert!(
+                size > needed - 16_384,
+                "{size} of {needed} bytes were enough"
+            );
             continue;
         };
         let message = error.to_string();
-        assert!(matches!(error, StoreError::DiskFull { .. } | StoreError::NotCreated { .. }), "{size}: {error:?}");
-        assert!(message.contains("run.h5.partial") && message.contains("No space left"), "{message}");
+        assert!(
+            matches!(
+                error,
+                StoreError::DiskFull { .. } | StoreError::NotCreated { .. }
+            ),
+            "{size}: {error:?}"
+        );
+        assert!(
+            message.contains("run.h5.partial") && message.contains("No space left"),
+            "{message}"
+        );
         assert!(!target.exists());
         failures += 1;
     }
@@ -116,9 +145,18 @@ fn a_write_that_fails_is_one_clear_error_and_no_crash() {
         let output = Command::new("sh")
             // The signal that comes with the error would end the process before it can handle the
             // error.
-            .args(["-c", "trap '' XFSZ; ulimit -f \"$LIMIT\" && exec \"$@\"", "sh"])
+            .args([
+                "-c",
+                "trap '' XFSZ; ulimit -f \"$LIMIT\" && exec \"$@\"",
+                "sh",
+            ])
             .arg(std::env::current_exe().unwrap())
-            .args(["--exact", "full_disk::what_a_limited_process_writes", "--ignored", "--nocapture"])
+            .args([
+                "--exact",
+                "full_disk::what_a_limited_process_writes",
+                "--ignored",
+                "--nocapture",
+            ])
             .env("LIMIT", blocks.to_string())
             .env(LIMITED, folder.path())
             .timeout(Duration::from_secs(300))
@@ -131,7 +169,10 @@ fn a_write_that_fails_is_one_clear_error_and_no_crash() {
             output.status,
             String::from_utf8_lossy(&output.stderr)
         );
-        assert!(said.contains("1 passed") && said.contains("File too large"), "{blocks}: {said}");
+        assert!(
+            said.contains("1 passed") && said.contains("File too large"),
+            "{blocks}: {said}"
+        );
         assert!(!folder.path().join("run.h5").exists());
     }
 }
@@ -151,8 +192,10 @@ fn what_a_limited_process_writes() {
     let error = fill(&folder.join("run.h5")).unwrap_err();
     println!("{error}");
     // A limit on the size of files counts as a full disk, except for the very first bytes.
-    let is_named =
-        matches!(error, StoreError::DiskFull { .. } | StoreError::Write { .. } | StoreError::NotCreated { .. });
+    let is_named = matches!(
+        error,
+        StoreError::DiskFull { .. } | StoreError::Write { .. } | StoreError::NotCreated { .. }
+    );
     assert!(is_named, "{error:?}");
     assert!(error.to_string().contains("run.h5.partial"), "{error}");
 }
@@ -164,8 +207,16 @@ fn fill(target: &Path) -> Result<(), StoreError> {
     for first in (0..40_000).step_by(4_000) {
         if let Err(error) = writer.append(&block(first, 4_000, 61, 40).rows(&EVERYTHING)) {
             // A caller that continues after the error gets the same error again.
-            assert!(writer.append(&block(first, 4_000, 61, 40).rows(&EVERYTHING)).is_err());
-            assert!(writer.finish(&summary(first, &header), Status::Interrupted).is_err());
+            assert!(
+                writer
+                    .append(&block(first, 4_000, 61, 40).rows(&EVERYTHING))
+                    .is_err()
+            );
+            assert!(
+                writer
+                    .finish(&summary(first, &header), Status::Interrupted)
+                    .is_err()
+            );
             return Err(error);
         }
     }

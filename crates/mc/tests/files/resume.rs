@@ -80,20 +80,34 @@ static SHORT_FILE: LazyLock<Vec<u8>> = LazyLock::new(|| undisturbed(SHORT));
 /// The run has given this file, and has left nothing else.
 #[track_caller]
 fn assert_finished(folder: &Path, file: &[u8], what: &str) {
-    assert!(fs::read(folder.join("a.h5")).expect("finished") == file, "{what}: another file");
-    let left: Vec<_> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("read").file_name()).collect();
+    assert!(
+        fs::read(folder.join("a.h5")).expect("finished") == file,
+        "{what}: another file"
+    );
+    let left: Vec<_> = fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("read").file_name())
+        .collect();
     assert_eq!(left, ["a.h5"], "{what}");
 }
 
 /// The command that continues: `mc resume` if something was saved, and the run itself otherwise.
 fn next<'a>(folder: &Path, run: &'a [&'a str]) -> &'a [&'a str] {
-    if folder.join("a.h5.partial/state").exists() || folder.join("a.h5").exists() { RESUME } else { run }
+    if folder.join("a.h5.partial/state").exists() || folder.join("a.h5").exists() {
+        RESUME
+    } else {
+        run
+    }
 }
 
 /// Starts `mc`, and kills it after this time. Returns how it ended.
 fn killed_after(folder: &Path, arguments: &[&str], delay: Duration) -> ExitStatus {
     let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
-    let command = command.current_dir(folder).args(arguments).stdout(Stdio::null()).stderr(Stdio::null());
+    let command = command
+        .current_dir(folder)
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let mut child = command.spawn().expect("starts");
     let start = Instant::now();
     while start.elapsed() < delay && child.try_wait().expect("a child").is_none() {
@@ -161,7 +175,13 @@ fn killed_a_thousand_times_a_run_comes_to_the_same_file() {
 /// Kills a command at every `apart`-th write (which then has reached the file by half), sync, rename,
 /// link and removal that it makes, including those of its final file, each time in a new folder that
 /// `prepare` fills. Then `run` or what continues it comes to this file. Returns the number of kills.
-fn kill(apart: usize, prepare: impl Fn(&Path), command: &[&str], run: &[&str], file: &[u8]) -> usize {
+fn kill(
+    apart: usize,
+    prepare: impl Fn(&Path),
+    command: &[&str],
+    run: &[&str],
+    file: &[u8],
+) -> usize {
     let mut kills = 0;
     for kill_at in (1..).step_by(apart) {
         let (_outer, here) = folders();
@@ -173,7 +193,11 @@ fn kill(apart: usize, prepare: impl Fn(&Path), command: &[&str], run: &[&str], f
         assert_eq!(output.status.code(), None, "{}", text(&output.stderr));
         kills += 1;
         let again = crate::command::mc(&here, next(&here, run));
-        assert!(again.status.success(), "killed at {kill_at}: {}", text(&again.stderr));
+        assert!(
+            again.status.success(),
+            "killed at {kill_at}: {}",
+            text(&again.stderr)
+        );
         assert_finished(&here, file, &format!("killed at {kill_at}"));
     }
     kills
@@ -230,7 +254,10 @@ fn the_rows_that_a_state_refers_to_are_on_the_disk_before_it() {
     let [mut saves, mut files] = [0, 0];
     for change in &trace {
         let mut words = change.splitn(3, ' ').skip(1);
-        let (what, path) = (words.next().expect("a change"), words.next().unwrap_or_default());
+        let (what, path) = (
+            words.next().expect("a change"),
+            words.next().unwrap_or_default(),
+        );
         let name = path.rsplit('/').next().unwrap_or_default();
         let is_dirty = |name: &str| dirty.get(name).copied().unwrap_or(false);
         match what {
@@ -256,31 +283,56 @@ fn the_rows_that_a_state_refers_to_are_on_the_disk_before_it() {
 /// Starts the long run, and stops it after it was saved.
 fn interrupted(folder: &Path, run: &[&str], signal: &str) -> Output {
     let mut running = Running::mc(folder, run);
-    running.until("the run is saved", || folder.join("a.h5.partial/state").exists());
+    running.until("the run is saved", || {
+        folder.join("a.h5.partial/state").exists()
+    });
     running.signal(signal);
     running.end()
 }
 
 #[test]
 fn each_signal_saves_the_run_and_says_how_to_go_on() {
-    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129), ("USR1", 138), ("XCPU", 152)] {
+    for (signal, code) in [
+        ("INT", 130),
+        ("TERM", 143),
+        ("HUP", 129),
+        ("USR1", 138),
+        ("XCPU", 152),
+    ] {
         let here = tempfile::tempdir().expect("a folder");
         let output = interrupted(here.path(), RUN, signal);
-        assert_eq!(output.status.code(), Some(code), "{signal}: {}", text(&output.stderr));
-        assert!(text(&output.stderr).contains("mc resume a.h5"), "{}", text(&output.stderr));
+        assert_eq!(
+            output.status.code(),
+            Some(code),
+            "{signal}: {}",
+            text(&output.stderr)
+        );
+        assert!(
+            text(&output.stderr).contains("mc resume a.h5"),
+            "{}",
+            text(&output.stderr)
+        );
         assert!(!here.path().join("a.h5").exists());
         let shown = command::mc(here.path(), &["show", "a.h5"]);
         assert!(shown.status.success(), "{}", text(&shown.stderr));
         let (table, said) = (text(&shown.stdout), text(&shown.stderr));
-        assert!(table.contains("stick_duration_mean") && table.contains("interrupted"), "{table}");
+        assert!(
+            table.contains("stick_duration_mean") && table.contains("interrupted"),
+            "{table}"
+        );
         assert!(said.contains("mc resume a.h5"), "{said}");
         // The same command does not overwrite the unfinished run.
         let again = command::mc(here.path(), RUN);
         assert_eq!(again.status.code(), Some(2));
         let said = text(&again.stderr);
-        assert!(said.contains("mc resume a.h5") && said.contains("this run is unfinished"), "{said}");
+        assert!(
+            said.contains("mc resume a.h5") && said.contains("this run is unfinished"),
+            "{said}"
+        );
         let other = command::mc(here.path(), &[RUN, &["--seed", "5"]].concat());
-        assert!(text(&other.stderr).contains("seed = 1") && text(&other.stderr).contains("seed = 5"));
+        assert!(
+            text(&other.stderr).contains("seed = 1") && text(&other.stderr).contains("seed = 5")
+        );
         let resumed = command::mc(here.path(), RESUME);
         assert!(resumed.status.success(), "{}", text(&resumed.stderr));
         assert_finished(here.path(), &LONG_FILE, signal);
@@ -292,7 +344,11 @@ fn each_signal_saves_the_run_and_says_how_to_go_on() {
 #[test]
 fn what_is_ignored_when_it_starts_stays_ignored() {
     let here = tempfile::tempdir().expect("a folder");
-    let run = RUN.iter().map(|word| format!("'{word}'")).collect::<Vec<_>>().join(" ");
+    let run = RUN
+        .iter()
+        .map(|word| format!("'{word}'"))
+        .collect::<Vec<_>>()
+        .join(" ");
     let line = format!(
         "trap '' HUP INT; \"$0\" {run} & pid=$!; while ! test -e a.h5.partial/state; do sleep 0.02; done; \
          kill -HUP $pid; kill -INT $pid; wait $pid"
@@ -306,13 +362,27 @@ fn what_is_ignored_when_it_starts_stays_ignored() {
 /// interrupted run that is ended with `--end` has the status "interrupted".
 #[test]
 fn an_interrupted_run_ends_where_its_goal_ends_it() {
-    let goal = [&RUN[..2], &["--until", "stick_duration_mean < 0.1%"], &RUN[4..]].concat();
+    let goal = [
+        &RUN[..2],
+        &["--until", "stick_duration_mean < 0.1%"],
+        &RUN[4..],
+    ]
+    .concat();
     let whole = undisturbed(&goal);
     let here = tempfile::tempdir().expect("a folder");
-    assert_eq!(interrupted(here.path(), &goal, "INT").status.code(), Some(130));
+    assert_eq!(
+        interrupted(here.path(), &goal, "INT").status.code(),
+        Some(130)
+    );
     assert!(command::mc(here.path(), RESUME).status.success());
     assert_finished(here.path(), &whole, "a goal");
-    assert_eq!(store::read(&here.path().join("a.h5")).expect("whole").status.name(), "ended");
+    assert_eq!(
+        store::read(&here.path().join("a.h5"))
+            .expect("whole")
+            .status
+            .name(),
+        "ended"
+    );
 
     let here = tempfile::tempdir().expect("a folder");
     interrupted(here.path(), RUN, "TERM");
@@ -327,17 +397,48 @@ fn an_interrupted_run_ends_where_its_goal_ends_it() {
 #[test]
 fn a_time_limit_is_one_on_all_sittings() {
     let here = tempfile::tempdir().expect("a folder");
-    let nothing = ["--set", "record.paths=false", "--set", "record.events=false", "--set", "record.trajectories=0"];
-    let run = ["run", RHO025, "--paths", "100000000", "--max-time", "3s", "--threads", "2", "--quiet", "-o", "a.h5"];
+    let nothing = [
+        "--set",
+        "record.paths=false",
+        "--set",
+        "record.events=false",
+        "--set",
+        "record.trajectories=0",
+    ];
+    let run = [
+        "run",
+        RHO025,
+        "--paths",
+        "100000000",
+        "--max-time",
+        "3s",
+        "--threads",
+        "2",
+        "--quiet",
+        "-o",
+        "a.h5",
+    ];
     let run = [&run[..], &nothing].concat();
     let start = Instant::now();
-    assert_eq!(interrupted(here.path(), &run, "INT").status.code(), Some(130));
+    assert_eq!(
+        interrupted(here.path(), &run, "INT").status.code(),
+        Some(130)
+    );
     let first = start.elapsed().as_secs_f64();
     let start = Instant::now();
     assert!(command::mc(here.path(), RESUME).status.success());
     let second = start.elapsed().as_secs_f64();
-    assert_eq!(store::read(&here.path().join("a.h5")).expect("whole").status.name(), "ended");
-    assert!(second < 3.0 - 0.5 * first.min(3.0) + 2.0, "{first} and {second} s");
+    assert_eq!(
+        store::read(&here.path().join("a.h5"))
+            .expect("whole")
+            .status
+            .name(),
+        "ended"
+    );
+    assert!(
+        second < 3.0 - 0.5 * first.min(3.0) + 2.0,
+        "{first} and {second} s"
+    );
 }
 
 /// A run that was chosen for an accuracy is continued with the same choice, and the accuracy is
@@ -358,7 +459,10 @@ fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
         "--max-time",
         "10m",
     ];
-    assert_eq!(interrupted(here.path(), &run, "INT").status.code(), Some(130));
+    assert_eq!(
+        interrupted(here.path(), &run, "INT").status.code(),
+        Some(130)
+    );
     let ended = command::mc(here.path(), &["show", "a.h5", "--json"]);
     assert!(text(&ended.stdout).contains("interrupted"));
     let copy = here.path().join("b.h5.partial");
@@ -368,19 +472,43 @@ fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
     }
     // If it is ended early, it has not reached the accuracy, and says so.
     let early = command::mc(here.path(), &["resume", "b.h5", "--end", "--quiet"]);
-    assert!(text(&early.stderr).contains("relative error of 0.1 % was not reached"), "{}", text(&early.stderr));
+    assert!(
+        text(&early.stderr).contains("relative error of 0.1 % was not reached"),
+        "{}",
+        text(&early.stderr)
+    );
     let resumed = command::mc(here.path(), RESUME);
-    assert!(resumed.status.success() && !text(&resumed.stderr).contains("not reached"), "{}", text(&resumed.stderr));
+    assert!(
+        resumed.status.success() && !text(&resumed.stderr).contains("not reached"),
+        "{}",
+        text(&resumed.stderr)
+    );
     let stored = store::read(&here.path().join("a.h5")).expect("whole");
-    fs::write(here.path().join("chosen.toml"), &stored.header.scenario_text).expect("written");
-    assert!(command::mc(here.path(), &["run", "chosen.toml", "--quiet", "-o", "c.h5"]).status.success());
-    assert!(fs::read(here.path().join("a.h5")).unwrap() == fs::read(here.path().join("c.h5")).unwrap());
+    fs::write(
+        here.path().join("chosen.toml"),
+        &stored.header.scenario_text,
+    )
+    .expect("written");
+    assert!(
+        command::mc(
+            here.path(),
+            &["run", "chosen.toml", "--quiet", "-o", "c.h5"]
+        )
+        .status
+        .success()
+    );
+    assert!(
+        fs::read(here.path().join("a.h5")).unwrap() == fs::read(here.path().join("c.h5")).unwrap()
+    );
 }
 
 /// A run that was saved, with its state and its log.
 fn saved() -> (tempfile::TempDir, Vec<u8>, Vec<u8>) {
     let here = tempfile::tempdir().expect("a folder");
-    assert_eq!(interrupted(here.path(), RUN, "TERM").status.code(), Some(143));
+    assert_eq!(
+        interrupted(here.path(), RUN, "TERM").status.code(),
+        Some(143)
+    );
     let read = |name: &str| fs::read(here.path().join("a.h5.partial").join(name)).expect("saved");
     let (state, rows) = (read("state"), read("rows"));
     (here, state, rows)
@@ -399,8 +527,9 @@ fn refusal(folder: &Path) -> StoreError {
 #[test]
 fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
     let (here, state, rows) = saved();
-    let put =
-        |name: &str, bytes: &[u8]| fs::write(here.path().join("a.h5.partial").join(name), bytes).expect("written");
+    let put = |name: &str, bytes: &[u8]| {
+        fs::write(here.path().join("a.h5.partial").join(name), bytes).expect("written")
+    };
     let mut rng = Pcg64Dxsm::seed_from_u64(7);
     let mut below = |end: usize| (rng.next_u64() % end as u64) as usize;
     // Random lengths and bits; the tests of `store::state` try every one of a small state.
@@ -414,8 +543,14 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
             put(name, &damaged);
             let error = refusal(here.path());
             let message = error.to_string();
-            assert!(message.contains(&format!("a.h5.partial/{name}")) && !message.contains('\n'), "{message}");
-            assert!(matches!(error, StoreError::Saved(SavedError::Damaged { .. })), "{message}");
+            assert!(
+                message.contains(&format!("a.h5.partial/{name}")) && !message.contains('\n'),
+                "{message}"
+            );
+            assert!(
+                matches!(error, StoreError::Saved(SavedError::Damaged { .. })),
+                "{message}"
+            );
         }
         put(name, &[]);
         let output = command::mc(here.path(), RESUME);
@@ -426,7 +561,11 @@ fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
     }
     // A loss of power may leave torn data behind the part that counts.
     put("rows", &[rows.as_slice(), &[0xff; 5000]].concat());
-    fs::write(here.path().join("a.h5.partial/state.new"), &state[..state.len() / 2]).expect("written");
+    fs::write(
+        here.path().join("a.h5.partial/state.new"),
+        &state[..state.len() / 2],
+    )
+    .expect("written");
     assert!(command::mc(here.path(), RESUME).status.success());
     assert_finished(here.path(), &LONG_FILE, "a torn tail");
 }
@@ -438,7 +577,11 @@ fn files_that_are_gone_are_named() {
     fs::remove_file(partial.join("rows")).expect("removed");
     let output = command::mc(here.path(), RESUME);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("a.h5.partial/rows"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("a.h5.partial/rows"),
+        "{}",
+        text(&output.stderr)
+    );
     fs::write(partial.join("rows"), rows).expect("written");
     fs::remove_file(partial.join("state")).expect("removed");
     let output = command::mc(here.path(), RESUME);
@@ -446,7 +589,11 @@ fn files_that_are_gone_are_named() {
     let nothing = tempfile::tempdir().expect("a folder");
     let output = command::mc(nothing.path(), RESUME);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("no unfinished run"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("no unfinished run"),
+        "{}",
+        text(&output.stderr)
+    );
     // If nothing was saved, nothing can be lost, so the run starts again.
     assert!(within(LONGEST, here.path(), RUN).status.success());
     assert_finished(here.path(), &LONG_FILE, "a folder without a state");
@@ -454,7 +601,11 @@ fn files_that_are_gone_are_named() {
 
 #[test]
 fn a_run_whose_folder_or_log_is_taken_away_ends_and_prints_its_table() {
-    let loud: Vec<&str> = RUN.iter().copied().filter(|word| *word != "--quiet").collect();
+    let loud: Vec<&str> = RUN
+        .iter()
+        .copied()
+        .filter(|word| *word != "--quiet")
+        .collect();
     for what in ["moved", "deleted", "replaced"] {
         let here = tempfile::tempdir().expect("a folder");
         let partial = here.path().join("a.h5.partial");
@@ -469,9 +620,22 @@ fn a_run_whose_folder_or_log_is_taken_away_ends_and_prints_its_table() {
             }
         }
         let output = running.end();
-        assert_eq!(output.status.code(), Some(1), "{what}: {}", text(&output.stderr));
-        assert!(text(&output.stderr).contains("a.h5.partial"), "{what}: {}", text(&output.stderr));
-        assert!(text(&output.stdout).contains("stick_duration_mean"), "{what}: {}", text(&output.stdout));
+        assert_eq!(
+            output.status.code(),
+            Some(1),
+            "{what}: {}",
+            text(&output.stderr)
+        );
+        assert!(
+            text(&output.stderr).contains("a.h5.partial"),
+            "{what}: {}",
+            text(&output.stderr)
+        );
+        assert!(
+            text(&output.stdout).contains("stick_duration_mean"),
+            "{what}: {}",
+            text(&output.stdout)
+        );
         assert!(!here.path().join("a.h5").exists(), "{what}");
     }
 }
@@ -481,7 +645,9 @@ fn a_file_that_appears_is_not_replaced_and_the_run_is_not_lost() {
     let here = tempfile::tempdir().expect("a folder");
     let file = here.path().join("a.h5");
     let mut running = Running::mc(here.path(), RUN);
-    running.until("the run is saved", || here.path().join("a.h5.partial/state").exists());
+    running.until("the run is saved", || {
+        here.path().join("a.h5.partial/state").exists()
+    });
     fs::write(&file, "by hand").expect("written");
     let output = running.end();
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
@@ -500,16 +666,30 @@ fn of_many_runs_to_one_file_one_makes_it() {
     let forced = [SHORT, &["--force"]].concat();
     let run = || {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mc"));
-        let command = command.current_dir(here.path()).args(&forced).env("HDF5_USE_FILE_LOCKING", "FALSE");
-        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("starts")
+        let command = command
+            .current_dir(here.path())
+            .args(&forced)
+            .env("HDF5_USE_FILE_LOCKING", "FALSE");
+        command
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts")
     };
     for _ in 0..3 {
         let children: Vec<_> = (0..12).map(|_| run()).collect();
-        let ends: Vec<Output> = children.into_iter().map(|child| child.wait_with_output().expect("ends")).collect();
+        let ends: Vec<Output> = children
+            .into_iter()
+            .map(|child| child.wait_with_output().expect("ends"))
+            .collect();
         assert!(ends.iter().any(|end| end.status.success()));
         for end in ends.iter().filter(|end| !end.status.success()) {
             assert_eq!(end.status.code(), Some(2), "{}", text(&end.stderr));
-            assert!(text(&end.stderr).contains("another process is writing this file"), "{}", text(&end.stderr));
+            assert!(
+                text(&end.stderr).contains("another process is writing this file"),
+                "{}",
+                text(&end.stderr)
+            );
         }
         assert_finished(here.path(), &SHORT_FILE, "twelve at once");
     }

@@ -52,7 +52,12 @@ fn forge(here: &TempDir, is_sealed: bool, change: impl FnOnce(&hdf5::File)) {
     fs::write(&path, bytes).expect("written");
 }
 
-fn add<T: hdf5::H5Type + Clone + std::ops::AddAssign>(file: &hdf5::File, name: &str, at: usize, more: T) {
+fn add<T: hdf5::H5Type + Clone + std::ops::AddAssign>(
+    file: &hdf5::File,
+    name: &str,
+    at: usize,
+    more: T,
+) {
     let dataset = file.dataset(name).expect("a variable");
     let mut values: Vec<T> = dataset.read_raw().expect("read");
     values[at] += more;
@@ -64,46 +69,154 @@ fn every_kind_of_file_is_what_its_scenario_comes_to() {
     let kinds: [(&[&str], u64); 9] = [
         (SCENE, 12),
         (&[SCENE, &["--part", "2/3"]].concat(), 4),
-        (&[SCENE, &["--set", "ensemble.antithetic=true", "--no-bias"]].concat(), 12),
-        (&[SCENE, &["--set", "record.paths=false", "--set", "record.trajectories=0"]].concat(), 12),
-        (&["run", RHO025, "--quiet", "--step", "0.05", "--until", "stick_duration_mean < 5%"], 4),
-        (&["run", RHO025, "--quiet", "--paths", "700", "--scheme", "event-driven"], 3),
-        (&["run", RHO025, "--quiet", "--paths", "700", "--scheme", "corrected-vi", "--step", "0.05"], 3),
-        (&["run", SHAW, "--quiet", "--paths", "700", "--scheme", "quasi-static"], 3),
+        (
+            &[SCENE, &["--set", "ensemble.antithetic=true", "--no-bias"]].concat(),
+            12,
+        ),
+        (
+            &[
+                SCENE,
+                &[
+                    "--set",
+                    "record.paths=false",
+                    "--set",
+                    "record.trajectories=0",
+                ],
+            ]
+            .concat(),
+            12,
+        ),
+        (
+            &[
+                "run",
+                RHO025,
+                "--quiet",
+                "--step",
+                "0.05",
+                "--until",
+                "stick_duration_mean < 5%",
+            ],
+            4,
+        ),
+        (
+            &[
+                "run",
+                RHO025,
+                "--quiet",
+                "--paths",
+                "700",
+                "--scheme",
+                "event-driven",
+            ],
+            3,
+        ),
+        (
+            &[
+                "run",
+                RHO025,
+                "--quiet",
+                "--paths",
+                "700",
+                "--scheme",
+                "corrected-vi",
+                "--step",
+                "0.05",
+            ],
+            3,
+        ),
+        (
+            &[
+                "run",
+                SHAW,
+                "--quiet",
+                "--paths",
+                "700",
+                "--scheme",
+                "quasi-static",
+            ],
+            3,
+        ),
         (&["run", BRIDGE, "--quiet", "--paths", "300"], 2),
     ];
     for (arguments, blocks) in kinds {
         let here = made(arguments);
         let all = verified(&here, &["--blocks", "all"]);
-        assert_eq!((&all["matches"], &all["statistics_checked"]), (&true.into(), &true.into()), "{arguments:?}");
-        assert_eq!((&all["blocks"], &all["paths_checked"]), (&blocks.into(), &all["paths"]), "{arguments:?}");
-        assert_eq!((&all["has_checksum"], &all["same_program"]), (&true.into(), &true.into()), "{arguments:?}");
+        assert_eq!(
+            (&all["matches"], &all["statistics_checked"]),
+            (&true.into(), &true.into()),
+            "{arguments:?}"
+        );
+        assert_eq!(
+            (&all["blocks"], &all["paths_checked"]),
+            (&blocks.into(), &all["paths"]),
+            "{arguments:?}"
+        );
+        assert_eq!(
+            (&all["has_checksum"], &all["same_program"]),
+            (&true.into(), &true.into()),
+            "{arguments:?}"
+        );
         let some = verified(&here, &["--blocks", "2"]);
-        assert_eq!(some["blocks_checked"].as_array().map(Vec::len), Some(2), "{arguments:?}");
-        assert_eq!(some["statistics_checked"], serde_json::json!(blocks == 2), "{arguments:?}");
+        assert_eq!(
+            some["blocks_checked"].as_array().map(Vec::len),
+            Some(2),
+            "{arguments:?}"
+        );
+        assert_eq!(
+            some["statistics_checked"],
+            serde_json::json!(blocks == 2),
+            "{arguments:?}"
+        );
     }
 }
 
 #[test]
 fn the_report_says_how_much_was_checked() {
     // The text without its line breaks.
-    let line = |output: &Output| text(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let line = |output: &Output| {
+        text(&output.stdout)
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
     let here = made(SCENE);
     let said = line(&verify(&here, &["--blocks", "3"]));
     assert!(said.contains("simulated 3 of 12 blocks"), "{said}");
-    assert!(said.contains("not compared statistics and intervals"), "{said}");
+    assert!(
+        said.contains("not compared statistics and intervals"),
+        "{said}"
+    );
     let said = line(&verify(&here, &["--blocks", "all"]));
-    assert!(said.contains("simulated 12 of 12 blocks, 2 900 of 2 900 paths: all"), "{said}");
-    assert!(said.contains("every statistic") && said.contains("bit for bit"), "{said}");
+    assert!(
+        said.contains("simulated 12 of 12 blocks, 2 900 of 2 900 paths: all"),
+        "{said}"
+    );
+    assert!(
+        said.contains("every statistic") && said.contains("bit for bit"),
+        "{said}"
+    );
     // All of it takes less than a few seconds, so it is done without being asked for.
     assert_eq!(line(&verify(&here, &[])), said);
     // Without rows of single paths there is nothing that a block could be compared with.
-    let none = ["--set", "record.paths=false", "--set", "record.events=false", "--set", "record.trajectories=0"];
+    let none = [
+        "--set",
+        "record.paths=false",
+        "--set",
+        "record.events=false",
+        "--set",
+        "record.trajectories=0",
+    ];
     let here = made(&[SCENE, &none].concat());
     let said = line(&verify(&here, &["--blocks", "3"]));
-    assert!(said.contains("simulated nothing: the file has no rows"), "{said}");
+    assert!(
+        said.contains("simulated nothing: the file has no rows"),
+        "{said}"
+    );
     let all = verified(&here, &["--blocks", "all"]);
-    assert_eq!((&all["statistics_checked"], &all["paths_checked"]), (&true.into(), &2900.into()));
+    assert_eq!(
+        (&all["statistics_checked"], &all["paths_checked"]),
+        (&true.into(), &2900.into())
+    );
 }
 
 /// A change of one value or of one attribute, in words.
@@ -116,15 +229,21 @@ struct Change {
 /// of each variable, one of each attribute of the file, and things that are not in the file.
 fn changes(file: &hdf5::File) -> Vec<Change> {
     let mut changes = Vec::new();
-    let mut change = |what: String, make: Box<dyn Fn(&hdf5::File)>| changes.push(Change { what, make });
+    let mut change =
+        |what: String, make: Box<dyn Fn(&hdf5::File)>| changes.push(Change { what, make });
     for (i, name) in file.member_names().expect("names").into_iter().enumerate() {
         let variable = file.dataset(&name).expect("a variable");
         let attributes = variable.attr_names().expect("names");
         let of_library = ["CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"];
-        let own: Vec<String> = attributes.into_iter().filter(|name| !of_library.contains(&name.as_str())).collect();
+        let own: Vec<String> = attributes
+            .into_iter()
+            .filter(|name| !of_library.contains(&name.as_str()))
+            .collect();
         if let Some(attribute) = own.get(i % own.len().max(1)).cloned() {
             let of = name.clone();
-            let make = move |file: &hdf5::File| alter_attribute(&file.dataset(&of).expect("a variable"), &attribute);
+            let make = move |file: &hdf5::File| {
+                alter_attribute(&file.dataset(&of).expect("a variable"), &attribute)
+            };
             change(format!("an attribute of {name}"), Box::new(make));
         }
         change(
@@ -133,11 +252,19 @@ fn changes(file: &hdf5::File) -> Vec<Change> {
         );
     }
     for name in file.attr_names().expect("names") {
-        change(format!("attribute {name}"), Box::new(move |file| alter_attribute(file, &name)));
+        change(
+            format!("attribute {name}"),
+            Box::new(move |file| alter_attribute(file, &name)),
+        );
     }
-    change("another attribute".into(), Box::new(|file| new_attribute(file, "scale_factor")));
+    change(
+        "another attribute".into(),
+        Box::new(|file| new_attribute(file, "scale_factor")),
+    );
     let first = file.member_names().expect("names").remove(0);
-    let scale = move |file: &hdf5::File| new_attribute(&file.dataset(&first).expect("there"), "scale_factor");
+    let scale = move |file: &hdf5::File| {
+        new_attribute(&file.dataset(&first).expect("there"), "scale_factor")
+    };
     change("another attribute of a variable".into(), Box::new(scale));
     let more = |file: &hdf5::File| drop(file.new_dataset::<f64>().create("more").expect("made"));
     change("another variable".into(), Box::new(more));
@@ -145,7 +272,11 @@ fn changes(file: &hdf5::File) -> Vec<Change> {
 }
 
 fn new_attribute(location: &hdf5::Location, name: &str) {
-    location.new_attr::<f64>().create(name).and_then(|new| new.write_scalar(&2.0)).expect("written");
+    location
+        .new_attr::<f64>()
+        .create(name)
+        .and_then(|new| new.write_scalar(&2.0))
+        .expect("written");
 }
 
 fn other_text(text: &VarLenUnicode) -> VarLenUnicode {
@@ -154,18 +285,31 @@ fn other_text(text: &VarLenUnicode) -> VarLenUnicode {
 
 /// The next number, or a number instead of none.
 fn other_real(x: f64) -> f64 {
-    if x.is_nan() { 1.0 } else { f64::from_bits(x.to_bits() + 1) }
+    if x.is_nan() {
+        1.0
+    } else {
+        f64::from_bits(x.to_bits() + 1)
+    }
 }
 
 fn alter_attribute(location: &hdf5::Location, name: &str) {
     let attribute = location.attr(name).expect("an attribute");
     let kind = attribute.dtype().expect("a type");
     match () {
-        () if kind.is::<f64>() => attribute.write_scalar(&other_real(attribute.read_scalar().expect("read"))),
-        () if kind.is::<u64>() => attribute.write_scalar(&(attribute.read_scalar::<u64>().expect("read") + 1)),
-        () if kind.is::<i8>() => {
-            attribute.write_raw(&attribute.read_raw::<i8>().expect("read").iter().map(|x| x + 1).collect::<Vec<_>>())
+        () if kind.is::<f64>() => {
+            attribute.write_scalar(&other_real(attribute.read_scalar().expect("read")))
         }
+        () if kind.is::<u64>() => {
+            attribute.write_scalar(&(attribute.read_scalar::<u64>().expect("read") + 1))
+        }
+        () if kind.is::<i8>() => attribute.write_raw(
+            &attribute
+                .read_raw::<i8>()
+                .expect("read")
+                .iter()
+                .map(|x| x + 1)
+                .collect::<Vec<_>>(),
+        ),
         () => attribute.write_scalar(&other_text(&attribute.read_scalar().expect("read"))),
     }
     .expect("written");
@@ -173,7 +317,11 @@ fn alter_attribute(location: &hdf5::Location, name: &str) {
 
 /// Changes the first or the last value of a variable.
 fn alter(variable: &hdf5::Dataset, is_first: bool) {
-    fn with<T: hdf5::H5Type + Clone>(variable: &hdf5::Dataset, is_first: bool, change: impl Fn(&T) -> T) {
+    fn with<T: hdf5::H5Type + Clone>(
+        variable: &hdf5::Dataset,
+        is_first: bool,
+        change: impl Fn(&T) -> T,
+    ) {
         let mut values: Vec<T> = variable.read_raw().expect("read");
         let at = if is_first { 0 } else { values.len() - 1 };
         values[at] = change(&values[at]);
@@ -210,7 +358,11 @@ fn not_found(make: &[&str], tried: &mut BTreeSet<String>) -> Vec<String> {
         let output = verify(&here, &[]);
         match output.status.code() {
             Some(0) => missed.push(what),
-            Some(1 | 2) => assert!(text(&output.stderr).contains("a.h5: "), "{what}: {}", text(&output.stderr)),
+            Some(1 | 2) => assert!(
+                text(&output.stderr).contains("a.h5: "),
+                "{what}: {}",
+                text(&output.stderr)
+            ),
             code => panic!("{what}: {code:?}"),
         }
     }
@@ -240,14 +392,43 @@ fn all_but_these_are_found(make: &[&str], others: &[&str], tried: &mut BTreeSet<
 #[test]
 fn every_value_and_attribute_of_a_run_is_compared() {
     let tried = &mut BTreeSet::new();
-    let scene = ["--set", "record.events=true", "--set", "record.trajectories=20", "--set", "time.output_step=20"];
+    let scene = [
+        "--set",
+        "record.events=true",
+        "--set",
+        "record.trajectories=20",
+        "--set",
+        "time.output_step=20",
+    ];
     all_but_these_are_found(
-        &[&["run", RHO025, "--quiet", "--paths", "300", "--scheme", "event-driven"], &scene[..]].concat(),
+        &[
+            &[
+                "run",
+                RHO025,
+                "--quiet",
+                "--paths",
+                "300",
+                "--scheme",
+                "event-driven",
+            ],
+            &scene[..],
+        ]
+        .concat(),
         &["a value of event"],
         tried,
     );
     all_but_these_are_found(
-        &["run", RHO025, "--quiet", "--step", "0.1", "--paths", "300", "--set", "time.output_step=20"],
+        &[
+            "run",
+            RHO025,
+            "--quiet",
+            "--step",
+            "0.1",
+            "--paths",
+            "300",
+            "--set",
+            "time.output_step=20",
+        ],
         &[],
         tried,
     );
@@ -258,11 +439,34 @@ fn every_value_and_attribute_of_a_run_is_compared() {
 #[test]
 fn every_value_of_a_part_and_of_an_ended_run_is_compared() {
     let tried = &mut BTreeSet::new();
-    let part = ["run", RHO025, "--quiet", "--step", "0.1", "--paths", "700", "--part", "2/3"];
-    all_but_these_are_found(&[&part[..], &["--set", "time.output_step=20"]].concat(), &[], tried);
-    let bridge = ["run", BRIDGE, "--quiet", "--paths", "3", "--set", "time.output_step=10000000"];
+    let part = [
+        "run", RHO025, "--quiet", "--step", "0.1", "--paths", "700", "--part", "2/3",
+    ];
+    all_but_these_are_found(
+        &[&part[..], &["--set", "time.output_step=20"]].concat(),
+        &[],
+        tried,
+    );
+    let bridge = [
+        "run",
+        BRIDGE,
+        "--quiet",
+        "--paths",
+        "3",
+        "--set",
+        "time.output_step=10000000",
+    ];
     all_but_these_are_found(&bridge, &[], tried);
-    let ended = ["run", RHO025, "--quiet", "--step", "0.1", "--until", "stick_duration_mean < 50%", "--no-bias"];
+    let ended = [
+        "run",
+        RHO025,
+        "--quiet",
+        "--step",
+        "0.1",
+        "--until",
+        "stick_duration_mean < 50%",
+        "--no-bias",
+    ];
     all_but_these_are_found(
         &[&ended[..], &["--set", "time.output_step=20"]].concat(),
         &["attribute ended_by", "attribute paths"],
@@ -275,22 +479,63 @@ fn every_value_of_a_part_and_of_an_ended_run_is_compared() {
 #[test]
 fn every_value_and_attribute_of_a_sweep_is_compared() {
     let tried = &mut BTreeSet::new();
-    let grid = ["sweep", RHO025, "--vary", "friction.static=1.1:1.2:2", "--paths", "300", "--step", "0.1", "--quiet"];
-    all_but_these_are_found(&grid, &["a value of f_s", "a value of point_seconds"], tried);
-    let star = ["sweep", RHO025, "--elasticity", "friction.static", "--paths", "300", "--step", "0.1", "--quiet"];
-    all_but_these_are_found(&star, &["a value of key_value", "a value of point_seconds"], tried);
+    let grid = [
+        "sweep",
+        RHO025,
+        "--vary",
+        "friction.static=1.1:1.2:2",
+        "--paths",
+        "300",
+        "--step",
+        "0.1",
+        "--quiet",
+    ];
+    all_but_these_are_found(
+        &grid,
+        &["a value of f_s", "a value of point_seconds"],
+        tried,
+    );
+    let star = [
+        "sweep",
+        RHO025,
+        "--elasticity",
+        "friction.static",
+        "--paths",
+        "300",
+        "--step",
+        "0.1",
+        "--quiet",
+    ];
+    all_but_these_are_found(
+        &star,
+        &["a value of key_value", "a value of point_seconds"],
+        tried,
+    );
 }
 
 /// What was measured and asked is believed, unless the fit does not follow from it; the last bit of
 /// one sample is too little. A blank behind the scenario is none of its values.
 #[test]
 fn every_value_and_attribute_of_a_calibration_is_compared() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/bridge.toml");
+    let scene = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/bridge/bridge.toml"
+    );
     let data = fs::read_to_string(scene.replace("bridge.toml", "twin.csv")).expect("there");
     let here = tempfile::tempdir().expect("a folder");
     let short = here.path().join("short.csv").display().to_string();
-    fs::write(&short, data.lines().take(3000).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
-    let missed = not_found(&["calibrate", scene, &short, "--starts", "2"], &mut BTreeSet::new());
+    fs::write(
+        &short,
+        data.lines()
+            .take(3000)
+            .map(|line| format!("{line}\n"))
+            .collect::<String>(),
+    )
+    .expect("written");
+    let missed = not_found(
+        &["calibrate", scene, &short, "--starts", "2"],
+        &mut BTreeSet::new(),
+    );
     let believed = [
         "attribute scenario",
         "attribute temperature_resolution",
@@ -300,7 +545,9 @@ fn every_value_and_attribute_of_a_calibration_is_compared() {
         "a value of displacement",
     ];
     assert!(
-        missed.iter().all(|what| OF_PROGRAM.contains(&what.as_str()) || believed.contains(&what.as_str())),
+        missed
+            .iter()
+            .all(|what| OF_PROGRAM.contains(&what.as_str()) || believed.contains(&what.as_str())),
         "{missed:?}"
     );
 }
@@ -309,10 +556,25 @@ fn every_value_and_attribute_of_a_calibration_is_compared() {
 #[test]
 fn every_value_and_attribute_of_a_trade_is_compared_with_the_others() {
     let missed = not_found(&["trade", RHO025, "--budget", "2s"], &mut BTreeSet::new());
-    let believed = ["paths", "diverged", "seconds", "seconds_first", "change", "change_error"];
-    let believed = believed.map(|name| format!("rung_{name}")).into_iter().chain(["statistic_pairing".to_string()]);
+    let believed = [
+        "paths",
+        "diverged",
+        "seconds",
+        "seconds_first",
+        "change",
+        "change_error",
+    ];
+    let believed = believed
+        .map(|name| format!("rung_{name}"))
+        .into_iter()
+        .chain(["statistic_pairing".to_string()]);
     let believed: Vec<String> = believed.map(|name| format!("a value of {name}")).collect();
-    assert!(missed.iter().all(|what| OF_PROGRAM.contains(&what.as_str()) || believed.contains(what)), "{missed:?}");
+    assert!(
+        missed
+            .iter()
+            .all(|what| OF_PROGRAM.contains(&what.as_str()) || believed.contains(what)),
+        "{missed:?}"
+    );
 }
 
 /// One value is changed in its last bits, in every table of a file, in its statistics, and in its
@@ -321,20 +583,48 @@ fn every_value_and_attribute_of_a_trade_is_compared_with_the_others() {
 fn whatever_was_changed_is_named_although_the_checksum_fits() {
     type Change = fn(&hdf5::File);
     let changes: [(&str, Change, &[&str]); 8] = [
-        ("path_stick_time", |file| add(file, "path_stick_time", 2899, 1e-9), &["path 2899:", "path_stick_time is "]),
-        ("path_sticks", |file| add(file, "path_sticks", 256, 1_u32), &["path 256:", "path_sticks is "]),
-        ("event_count", |file| add(file, "event_count", 1000, 1_u32), &["path 1000:", "event_count is "]),
-        ("event_force", |file| add(file, "event_force", 1, 1e-12), &["path 0: event_force, value 1 of the path"]),
+        (
+            "path_stick_time",
+            |file| add(file, "path_stick_time", 2899, 1e-9),
+            &["path 2899:", "path_stick_time is "],
+        ),
+        (
+            "path_sticks",
+            |file| add(file, "path_sticks", 256, 1_u32),
+            &["path 256:", "path_sticks is "],
+        ),
+        (
+            "event_count",
+            |file| add(file, "event_count", 1000, 1_u32),
+            &["path 1000:", "event_count is "],
+        ),
+        (
+            "event_force",
+            |file| add(file, "event_force", 1, 1e-12),
+            &["path 0: event_force, value 1 of the path"],
+        ),
         (
             "trajectory_velocity",
             |file| add(file, "trajectory_velocity", 1299 * row(file) + 3, 1e-12),
             &["path 1299: trajectory_velocity, value 3 of the path"],
         ),
-        ("estimate", |file| add(file, "estimate", 4, 1e-12), &["estimate, value 4, is "]),
-        ("interval_high", |file| add(file, "interval_high", 0, 1e-12), &["interval_high, value 0, is "]),
+        (
+            "estimate",
+            |file| add(file, "estimate", 4, 1e-12),
+            &["estimate, value 4, is "],
+        ),
+        (
+            "interval_high",
+            |file| add(file, "interval_high", 0, 1e-12),
+            &["interval_high, value 0, is "],
+        ),
         (
             "seed",
-            |file| file.attr("seed").and_then(|seed| seed.write_scalar(&2_u64)).expect("written"),
+            |file| {
+                file.attr("seed")
+                    .and_then(|seed| seed.write_scalar(&2_u64))
+                    .expect("written")
+            },
             &["seed is 2 in the file, and 1 when"],
         ),
     ];
@@ -344,7 +634,10 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
         let output = verify(&here, &["--blocks", "all"]);
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{name}: {said}");
-        assert!(named.iter().all(|named| said.contains(named)), "{name}: {said}");
+        assert!(
+            named.iter().all(|named| said.contains(named)),
+            "{name}: {said}"
+        );
     }
     // The scenario itself is changed to one that does not give the rows.
     let here = made(SCENE);
@@ -353,12 +646,18 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
         let scenario: hdf5::types::VarLenUnicode = attribute.read_scalar().expect("read");
         let other = scenario.replace("static = 1.2 ", "static = 1.25 ");
         assert_ne!(scenario.as_str(), other);
-        attribute.write_scalar(&other.parse::<hdf5::types::VarLenUnicode>().expect("text")).expect("written");
+        attribute
+            .write_scalar(&other.parse::<hdf5::types::VarLenUnicode>().expect("text"))
+            .expect("written");
     };
     forge(&here, true, edit);
     let output = verify(&here, &["--blocks", "1"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("path "), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("path "),
+        "{}",
+        text(&output.stderr)
+    );
 }
 
 /// A scenario that was stored with a calibration asks for it, with what `--set` changed.
@@ -368,8 +667,23 @@ fn a_calibration_is_compared_with_its_scenario() {
     let data = fs::read_to_string(scene.replace("bridge.toml", "twin.csv")).expect("there");
     let rows = tempfile::tempdir().expect("a folder");
     let short = rows.path().join("short.csv").display().to_string();
-    fs::write(&short, data.lines().take(3000).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
-    let make = ["calibrate", scene, &short, "--method", "slips", "--set", "friction.static=4.9e5"];
+    fs::write(
+        &short,
+        data.lines()
+            .take(3000)
+            .map(|line| format!("{line}\n"))
+            .collect::<String>(),
+    )
+    .expect("written");
+    let make = [
+        "calibrate",
+        scene,
+        &short,
+        "--method",
+        "slips",
+        "--set",
+        "friction.static=4.9e5",
+    ];
     assert_eq!(verify(&made(&make), &[]).status.code(), Some(0));
     let changes = [
         ("title = \"", "title = \"Another ", "title is"),
@@ -383,11 +697,16 @@ fn a_calibration_is_compared_with_its_scenario() {
             let text: VarLenUnicode = attribute.read_scalar().expect("read");
             let other = text.replace(from, to);
             assert_ne!(text.as_str(), other);
-            attribute.write_scalar(&other.parse::<VarLenUnicode>().expect("a text")).expect("written");
+            attribute
+                .write_scalar(&other.parse::<VarLenUnicode>().expect("a text"))
+                .expect("written");
         });
         let output = verify(&here, &[]);
         let said = text(&output.stderr);
-        assert!(!output.status.success() && said.contains(named), "{to}: {said}");
+        assert!(
+            !output.status.success() && said.contains(named),
+            "{to}: {said}"
+        );
     }
 }
 
@@ -406,10 +725,19 @@ fn bytes_that_were_changed_are_damage_and_other_files_are_told_apart() {
     fs::write(&path, &bytes).expect("written");
     let output = verify(&here, &[]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("checksum"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("checksum"),
+        "{}",
+        text(&output.stderr)
+    );
     fs::write(&path, "a text").expect("written");
     assert_eq!(verify(&here, &[]).status.code(), Some(2));
-    assert_eq!(command::mc(here.path(), &["verify", "none.h5"]).status.code(), Some(2));
+    assert_eq!(
+        command::mc(here.path(), &["verify", "none.h5"])
+            .status
+            .code(),
+        Some(2)
+    );
 }
 
 #[test]
@@ -417,14 +745,26 @@ fn a_file_of_another_program_is_said_to_be_one() {
     let here = made(SCENE);
     forge(&here, true, |file| {
         let version: hdf5::types::VarLenUnicode = "9.9.9".parse().expect("text");
-        file.attr("program_version").and_then(|attribute| attribute.write_scalar(&version)).expect("written");
+        file.attr("program_version")
+            .and_then(|attribute| attribute.write_scalar(&version))
+            .expect("written");
         add(file, "path_stick_time", 5, 1.0);
     });
     let output = verify(&here, &["--blocks", "all"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("written by mc 9.9.9") && said.contains("the program that wrote it"), "{said}");
+    assert!(
+        said.contains("written by mc 9.9.9") && said.contains("the program that wrote it"),
+        "{said}"
+    );
     let here = made(SCENE);
-    forge(&here, false, |file| file.attr("seed").and_then(|seed| seed.write_scalar(&1_u64)).expect("written"));
-    assert!(text(&verify(&here, &[]).stdout).contains("none: another program"), "another program drops the seal");
+    forge(&here, false, |file| {
+        file.attr("seed")
+            .and_then(|seed| seed.write_scalar(&1_u64))
+            .expect("written")
+    });
+    assert!(
+        text(&verify(&here, &[]).stdout).contains("none: another program"),
+        "another program drops the seal"
+    );
 }

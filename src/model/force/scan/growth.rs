@@ -10,8 +10,16 @@ const TIMES: [f64; 4] = [10.0, 100.0, 1000.0, 10_000.0];
 /// The power of the distance above which growth is not called linear.
 const LINEAR: f64 = 1.1;
 /// Directions in x and x'.
-const DIRECTIONS: [[f64; 2]; 8] =
-    [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+const DIRECTIONS: [[f64; 2]; 8] = [
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, -1.0],
+    [1.0, 1.0],
+    [1.0, -1.0],
+    [-1.0, 1.0],
+    [-1.0, -1.0],
+];
 /// The times, as parts of the duration.
 const INSTANTS: [f64; 5] = [0.0, 0.13, 0.37, 0.71, 1.0];
 
@@ -37,7 +45,11 @@ pub(super) fn found(probe: &mut Probe) -> Option<Found> {
 fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option<Found> {
     // What depends on the velocity; a force of x alone takes back the energy that it adds.
     let part = |probe: &mut Probe, point: [f64; 3]| {
-        let rest = if moves { probe.at([point[X], 0.0, point[2]]) } else { 0.0 };
+        let rest = if moves {
+            probe.at([point[X], 0.0, point[2]])
+        } else {
+            0.0
+        };
         probe.at(point) - rest
     };
     let values = points.map(|point| part(probe, point));
@@ -51,20 +63,37 @@ fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option
     if !(values[0].is_finite() && outward > 0.0 && grows(1) && grows(2)) {
         return None;
     }
-    let effect = if moves { "adds energy" } else { "pushes outward" };
-    let shown = if values[2].is_finite() { far } else { points[0] };
+    let effect = if moves {
+        "adds energy"
+    } else {
+        "pushes outward"
+    };
+    let shown = if values[2].is_finite() {
+        far
+    } else {
+        points[0]
+    };
     let (value, place) = (short(probe.at(shown)), probe.words(shown));
-    let sentence = format!("the force {effect} and grows faster than linearly: it is {value} at {place}");
+    let sentence =
+        format!("the force {effect} and grows faster than linearly: it is {value} at {place}");
     Some((largest_term(probe), sentence))
 }
 
 /// Where the force pushes outward more than the spring holds, or adds more energy than the damping
 /// and friction take, at the same instant at ever larger distances and, for the energy, in every
 /// direction.
-pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f64) -> Option<String> {
+pub(super) fn beyond_hold(
+    probe: &mut Probe,
+    body: &Oscillator,
+    dynamic_force: f64,
+) -> Option<String> {
     let instants = &probe.instants(&INSTANTS);
     let at = |probe: &Probe, [x, velocity]: [f64; 2], times: f64, instant: f64| {
-        [x * times * probe.scales[X], velocity * times * probe.scales[XDOT], instant]
+        [
+            x * times * probe.scales[X],
+            velocity * times * probe.scales[XDOT],
+            instant,
+        ]
     };
     for instant in instants {
         for direction in [[1.0, 0.0], [-1.0, 0.0]] {
@@ -74,9 +103,14 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f
             };
             let outward = TIMES.map(|times| excess(probe, times) / times);
             // In proportion to the distance; growth that is faster is a doubt of its own.
-            if outward.iter().all(|excess| *excess > 0.5 * outward[0] && *excess < 2.0 * outward[0]) {
+            if outward
+                .iter()
+                .all(|excess| *excess > 0.5 * outward[0] && *excess < 2.0 * outward[0])
+            {
                 let place = probe.words(at(probe, direction, TIMES[0], *instant));
-                return Some(format!("[force] pushes outward more than the spring pulls back, as at {place}"));
+                return Some(format!(
+                    "[force] pushes outward more than the spring pulls back, as at {place}"
+                ));
             }
         }
     }
@@ -85,9 +119,17 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f
         let part = probe.at([x, velocity, t]) - probe.at([x, 0.0, t]);
         part * velocity.signum() > 2.0 * body.damping * velocity.abs() + dynamic_force
     };
-    let moving = || DIRECTIONS.into_iter().filter(|direction| direction[1] != 0.0);
+    let moving = || {
+        DIRECTIONS
+            .into_iter()
+            .filter(|direction| direction[1] != 0.0)
+    };
     let always = instants.iter().all(|instant| {
-        moving().all(|direction| TIMES.into_iter().all(|times| adds(probe, direction, times, *instant)))
+        moving().all(|direction| {
+            TIMES
+                .into_iter()
+                .all(|times| adds(probe, direction, times, *instant))
+        })
     });
     always.then(|| {
         let place = probe.words(at(probe, [0.0, 1.0], TIMES[0], instants[0]));

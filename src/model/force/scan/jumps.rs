@@ -45,18 +45,30 @@ pub(super) fn tracks(probe: &Probe) -> Vec<Track> {
     for t in probe.instants(&INSTANTS) {
         for offset in OFFSETS {
             let (x, velocity) = (offset * scales[X], offset * scales[XDOT]);
-            all.push(Track { from: [-scales[X], velocity, t], along: [2.0 * scales[X], 0.0, 0.0] });
-            all.push(Track { from: [x, -scales[XDOT], t], along: [0.0, 2.0 * scales[XDOT], 0.0] });
+            all.push(Track {
+                from: [-scales[X], velocity, t],
+                along: [2.0 * scales[X], 0.0, 0.0],
+            });
+            all.push(Track {
+                from: [x, -scales[XDOT], t],
+                along: [0.0, 2.0 * scales[XDOT], 0.0],
+            });
         }
         for up in [1.0, -1.0] {
             let along = [2.0 * scales[X], up * 2.0 * scales[XDOT], 0.0];
-            all.push(Track { from: [-scales[X], -up * scales[XDOT], t], along });
+            all.push(Track {
+                from: [-scales[X], -up * scales[XDOT], t],
+                along,
+            });
         }
     }
     if scales[TIME] > 0.0 {
         for x in OFFSETS {
             let others = OFFSETS.map(|velocity| [x * scales[X], velocity * scales[XDOT], 0.0]);
-            all.extend(others.map(|from| Track { from, along: [0.0, 0.0, scales[TIME]] }));
+            all.extend(others.map(|from| Track {
+                from,
+                along: [0.0, 0.0, scales[TIME]],
+            }));
         }
     }
     all
@@ -76,15 +88,23 @@ struct Suspect {
 impl Suspect {
     fn new(probe: &Probe, node: usize) -> Option<Suspect> {
         let itself = |argument| argument;
-        let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) = match probe.formula.nodes[node].term {
-            Term::Unary(Unary::Sign, a) => (a, itself, false),
-            Term::Unary(Unary::Tan, a) => (a, libm::cos, true),
-            Term::Unary(Unary::Sqrt | Unary::Log, a) => (a, itself, true),
-            Term::Binary(Binary::Div, _, a) | Term::Binary(Binary::Power, a, _) => (a, itself, true),
-            Term::Whole(a, power) if power < 0 => (a, itself, true),
-            _ => return None,
-        };
-        Some(Suspect { node, argument, margin, can_be_steep })
+        let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) =
+            match probe.formula.nodes[node].term {
+                Term::Unary(Unary::Sign, a) => (a, itself, false),
+                Term::Unary(Unary::Tan, a) => (a, libm::cos, true),
+                Term::Unary(Unary::Sqrt | Unary::Log, a) => (a, itself, true),
+                Term::Binary(Binary::Div, _, a) | Term::Binary(Binary::Power, a, _) => {
+                    (a, itself, true)
+                }
+                Term::Whole(a, power) if power < 0 => (a, itself, true),
+                _ => return None,
+            };
+        Some(Suspect {
+            node,
+            argument,
+            margin,
+            can_be_steep,
+        })
     }
 
     /// The margin at the point that was computed last.
@@ -96,7 +116,9 @@ impl Suspect {
 /// Searches for one doubt for each operation that can be the cause.
 pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
     let nodes = probe.formula.nodes.len();
-    let suspects: Vec<Suspect> = (0..nodes).filter_map(|node| Suspect::new(probe, node)).collect();
+    let suspects: Vec<Suspect> = (0..nodes)
+        .filter_map(|node| Suspect::new(probe, node))
+        .collect();
     let mut all: Vec<Option<String>> = vec![None; nodes];
     let mut no_value: Vec<Option<String>> = vec![None; nodes];
     // Whether there is no value at neighbouring samples with different arguments: on a whole side.
@@ -109,11 +131,19 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
         for i in 0..=INTERVALS {
             let point = track.point(i as f64 / INTERVALS as f64);
             let g = probe.at(point);
-            let node = probe.values.iter().position(|value| !value.is_finite()).filter(|_| !g.is_finite());
+            let node = probe
+                .values
+                .iter()
+                .position(|value| !value.is_finite())
+                .filter(|_| !g.is_finite());
             match node {
                 None => largest = largest.max(g.abs()),
                 Some(node) if no_value[node].is_none() => {
-                    let what = if probe.values[node].is_nan() { "has no value" } else { "is infinite" };
+                    let what = if probe.values[node].is_nan() {
+                        "has no value"
+                    } else {
+                        "is infinite"
+                    };
                     no_value[node] = Some(format!("the force {what} at {}", probe.words(point)));
                 }
                 Some(_) => {}
@@ -121,7 +151,8 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
             for (margins, suspect) in margins.iter_mut().zip(&suspects) {
                 let margin = suspect.margin(probe);
                 let is_same = node == Some(suspect.node) && before == node;
-                is_wide[suspect.node] |= is_same && margins.last().is_some_and(|last| *last != margin);
+                is_wide[suspect.node] |=
+                    is_same && margins.last().is_some_and(|last| *last != margin);
                 margins.push(margin);
             }
             before = node;
@@ -135,7 +166,9 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
                 let part = refined(probe, &track, suspect, low, high);
                 // A margin that only comes nearer to zero than elsewhere is no cause.
                 probe.at(track.point(part));
-                let size = margins.iter().fold(0.0, |size: f64, margin| size.max(margin.abs()));
+                let size = margins
+                    .iter()
+                    .fold(0.0, |size: f64, margin| size.max(margin.abs()));
                 if suspect.margin(probe).abs() > NEAR * size {
                     continue;
                 }
@@ -145,9 +178,20 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
     }
     // What has no value on a whole side is not told as what happens at the edge of it.
     let told = |(node, (beside, no_value)): (usize, (Option<String>, Option<String>))| {
-        Some((node, if is_wide[node] { no_value.or(beside) } else { beside.or(no_value) }?))
+        Some((
+            node,
+            if is_wide[node] {
+                no_value.or(beside)
+            } else {
+                beside.or(no_value)
+            }?,
+        ))
     };
-    all.into_iter().zip(no_value).enumerate().filter_map(told).collect()
+    all.into_iter()
+        .zip(no_value)
+        .enumerate()
+        .filter_map(told)
+        .collect()
 }
 
 /// The intervals, as parts of a line, in which the margin crosses or may touch zero.
@@ -163,7 +207,11 @@ fn zeros(margins: &[f64]) -> Vec<(f64, f64)> {
         let [before, here, after] = [three[0], three[1], three[2]];
         if here == 0.0 && before != 0.0 && after != 0.0 {
             all.push((part(i + 1), part(i + 1)));
-        } else if here * before > 0.0 && here * after > 0.0 && here.abs() < before.abs() && here.abs() <= after.abs() {
+        } else if here * before > 0.0
+            && here * after > 0.0
+            && here.abs() < before.abs()
+            && here.abs() <= after.abs()
+        {
             all.push((part(i), part(i + 2)));
         }
     }
@@ -171,7 +219,13 @@ fn zeros(margins: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// The zero of the margin in an interval, or where it is nearest to zero if it does not cross.
-fn refined(probe: &mut Probe, track: &Track, suspect: &Suspect, mut low: f64, mut high: f64) -> f64 {
+fn refined(
+    probe: &mut Probe,
+    track: &Track,
+    suspect: &Suspect,
+    mut low: f64,
+    mut high: f64,
+) -> f64 {
     let mut at = |part: f64| {
         probe.at(track.point(part));
         suspect.margin(probe)
@@ -186,7 +240,11 @@ fn refined(probe: &mut Probe, track: &Track, suspect: &Suspect, mut low: f64, mu
             if margin == 0.0 {
                 return middle;
             }
-            *if (margin > 0.0) == (first > 0.0) { &mut low } else { &mut high } = middle;
+            *if (margin > 0.0) == (first > 0.0) {
+                &mut low
+            } else {
+                &mut high
+            } = middle;
         } else {
             let (left, right) = (low + 0.4 * width, high - 0.4 * width);
             if at(left).abs() <= at(right).abs() {
@@ -201,21 +259,35 @@ fn refined(probe: &mut Probe, track: &Track, suspect: &Suspect, mut low: f64, mu
 
 /// What g does on both sides of a point of a line, if it does not become equal there at a bounded
 /// slope. `largest` is the largest |g| that was found on the line.
-fn beside(probe: &mut Probe, track: &Track, part: f64, largest: f64, can_be_steep: bool) -> Option<String> {
+fn beside(
+    probe: &mut Probe,
+    track: &Track,
+    part: f64,
+    largest: f64,
+    can_be_steep: bool,
+) -> Option<String> {
     let place = probe.words(track.point(part));
     let mut g = |distance: f64| probe.at(track.point(part + distance));
     let sides = DISTANCES.map(|distance| [g(-distance), g(distance)]);
     let gaps = sides.map(|[left, right]| (right - left).abs());
-    let slopes = DISTANCES
-        .map(|distance| [-1.0, 1.0].map(|side| (g(2.0 * side * distance) - g(side * distance)).abs() / distance));
-    let grows = |side: usize| slopes[1][side] > 2.0 * slopes[0][side] && slopes[2][side] > 2.0 * slopes[1][side];
+    let slopes = DISTANCES.map(|distance| {
+        [-1.0, 1.0].map(|side| (g(2.0 * side * distance) - g(side * distance)).abs() / distance)
+    });
+    let grows = |side: usize| {
+        slopes[1][side] > 2.0 * slopes[0][side] && slopes[2][side] > 2.0 * slopes[1][side]
+    };
     let steep = |side: usize| grows(side) && slopes[2][side] > 1e3 * largest;
     let unbounded = |side: usize| steep(side) && sides[2][side].abs() > 10.0 * sides[1][side].abs();
     if [0, 1].into_iter().any(unbounded) {
         return Some(format!("the force grows without bound at {place}"));
     }
-    if gaps[2] > 0.5 * gaps[0] && gaps[2] > 0.5 * gaps[1] && gaps[2] > 1e-9 * largest && gaps[2].is_finite() {
+    if gaps[2] > 0.5 * gaps[0]
+        && gaps[2] > 0.5 * gaps[1]
+        && gaps[2] > 1e-9 * largest
+        && gaps[2].is_finite()
+    {
         return Some(format!("the force jumps by {} at {place}", short(gaps[2])));
     }
-    (can_be_steep && [0, 1].into_iter().any(steep)).then(|| format!("the slope of the force is unbounded at {place}"))
+    (can_be_steep && [0, 1].into_iter().any(steep))
+        .then(|| format!("the slope of the force is unbounded at {place}"))
 }

@@ -47,7 +47,13 @@ pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
     let mut said = HashSet::new();
     all.retain(|(_, sentence)| said.insert(sentence.clone()));
     let place = |node: usize| probe.formula.nodes[node].place.clone();
-    all.into_iter().map(|(node, sentence)| Doubt { start: place(node).start, end: place(node).end, sentence }).collect()
+    all.into_iter()
+        .map(|(node, sentence)| Doubt {
+            start: place(node).start,
+            end: place(node).end,
+            sentence,
+        })
+        .collect()
 }
 
 /// How stiff a force is on this body, and how strongly it damps.
@@ -57,13 +63,32 @@ pub fn steepest(force: &Expression, scales: Scales, body: &Oscillator) -> Steepe
 
 /// Where a force drives this body outward however far it is, or adds energy to it however fast it
 /// is, in one sentence; none where that does not show. The body slides under this friction f_d.
-pub fn beyond_hold(force: &Expression, scales: Scales, body: &Oscillator, dynamic_force: f64) -> Option<String> {
+pub fn beyond_hold(
+    force: &Expression,
+    scales: Scales,
+    body: &Oscillator,
+    dynamic_force: f64,
+) -> Option<String> {
     growth::beyond_hold(&mut probe(force, scales), body, dynamic_force)
 }
 
 fn probe(force: &Expression, scales: Scales) -> Probe<'_> {
-    let sound = |scale: f64| if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
-    let end = if force.uses_time() && scales.end.is_finite() { scales.end.max(0.0) } else { 0.0 };
+    let sound = |scale: f64| {
+        if scale.is_finite() && scale > 0.0 {
+            scale
+        } else {
+            1.0
+        }
+    };
+    let end = if force.uses_time() && scales.end.is_finite() {
+        scales.end.max(0.0)
+    } else {
+        0.0
+    };
     let scales = [sound(scales.displacement), sound(scales.velocity), end];
-    Probe { formula: force.formula(), scales, values: Vec::new() }
+    Probe {
+        formula: force.formula(),
+        scales,
+        values: Vec::new(),
+    }
 }

@@ -26,15 +26,29 @@ impl Probe<'_> {
         if end == 0.0 {
             return vec![0.0];
         }
-        let extremes = self.formula.used_inputs().flat_map(|input| input.extremes()).filter(|t| *t <= end);
-        parts.iter().map(|part| part * end).chain(extremes).collect()
+        let extremes = self
+            .formula
+            .used_inputs()
+            .flat_map(|input| input.extremes())
+            .filter(|t| *t <= end);
+        parts
+            .iter()
+            .map(|part| part * end)
+            .chain(extremes)
+            .collect()
     }
 
     /// The coordinates of a point that matter, in words.
     pub fn words(&self, point: [f64; 3]) -> String {
-        let uses = |i| self.formula.uses(i) || (i == TIME && self.formula.used_inputs().next().is_some());
-        let names = [("x", X), ("xdot", XDOT), ("t", TIME)].into_iter().filter(|(_, i)| uses(*i));
-        names.map(|(name, i)| format!("{name} = {}", short(point[i]))).collect::<Vec<_>>().join(", ")
+        let uses =
+            |i| self.formula.uses(i) || (i == TIME && self.formula.used_inputs().next().is_some());
+        let names = [("x", X), ("xdot", XDOT), ("t", TIME)]
+            .into_iter()
+            .filter(|(_, i)| uses(*i));
+        names
+            .map(|(name, i)| format!("{name} = {}", short(point[i])))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 }
 
@@ -43,7 +57,9 @@ pub(super) fn short(number: f64) -> String {
     // 0 is added so that -0 is not written.
     let rounded = format!("{number:.3e}").parse().unwrap_or(number) + 0.0;
     match rounded.abs() {
-        size if size == 0.0 || (1e-4..1e6).contains(&size) || !size.is_finite() => rounded.to_string(),
+        size if size == 0.0 || (1e-4..1e6).contains(&size) || !size.is_finite() => {
+            rounded.to_string()
+        }
         _ => format!("{rounded:e}"),
     }
 }

@@ -37,15 +37,27 @@ pub(super) fn found(probe: &mut Probe, body: &Oscillator) -> Steepest {
             continue;
         }
         let along = track.along[if moves_x { X } else { XDOT }];
-        let g: Vec<f64> = (0..=INTERVALS).map(|i| probe.at(track.point(i as f64 / INTERVALS as f64))).collect();
-        let reached = if moves_x { within(&g, energy, body.stiffness, &track) } else { 0..INTERVALS };
-        let mut falls: Vec<(f64, usize)> =
-            reached.map(|i| (g[i] - g[i + 1], i)).filter(|(fall, _)| *fall > 0.0).collect();
+        let g: Vec<f64> = (0..=INTERVALS)
+            .map(|i| probe.at(track.point(i as f64 / INTERVALS as f64)))
+            .collect();
+        let reached = if moves_x {
+            within(&g, energy, body.stiffness, &track)
+        } else {
+            0..INTERVALS
+        };
+        let mut falls: Vec<(f64, usize)> = reached
+            .map(|i| (g[i] - g[i + 1], i))
+            .filter(|(fall, _)| *fall > 0.0)
+            .collect();
         falls.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, interval) in falls.into_iter().take(CLOSER) {
-            let Some((slope, part)) = closer(probe, &track, interval, along) else { continue };
+            let Some((slope, part)) = closer(probe, &track, interval, along) else {
+                continue;
+            };
             // The place of a slope is known to about a thousandth of the scales.
-            let rounded = |i: usize, number: f64| (number / probe.scales[i] * 2e3).round() / 2e3 * probe.scales[i];
+            let rounded = |i: usize, number: f64| {
+                (number / probe.scales[i] * 2e3).round() / 2e3 * probe.scales[i]
+            };
             let [x, velocity, t] = track.point(part);
             let place = || probe.words([rounded(X, x), rounded(XDOT, velocity), t]);
             if moves_x && slope > steepest.stiffness {
@@ -62,7 +74,9 @@ pub(super) fn found(probe: &mut Probe, body: &Oscillator) -> Steepest {
 fn within(g: &[f64], energy: f64, stiffness: f64, track: &Track) -> std::ops::Range<usize> {
     let x = |i: usize| track.point(i as f64 / INTERVALS as f64)[X];
     // The energy that spring and force take from one end of an interval to the other.
-    let taken = |from: usize, to: usize| 0.5 * (stiffness * (x(from) + x(to)) - g[from] - g[to]) * (x(to) - x(from));
+    let taken = |from: usize, to: usize| {
+        0.5 * (stiffness * (x(from) + x(to)) - g[from] - g[to]) * (x(to) - x(from))
+    };
     let middle = INTERVALS / 2;
     let (mut low, mut high, mut left) = (middle, middle, energy);
     while low > 0 && left >= 0.0 {

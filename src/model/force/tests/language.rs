@@ -31,21 +31,35 @@ const SAME: [(&str, Plain); 34] = [
     ("-+-x", |x, _, _| x),
     (".5*x + 1e-3*xdot", |x, v, _| 0.5 * x + 1e-3 * v),
     ("pi*x*xdot*t", |x, v, t| std::f64::consts::PI * x * v * t),
-    ("sign(x) + 2*sign(xdot)", |x, v, _| signum(x) + 2.0 * signum(v)),
+    ("sign(x) + 2*sign(xdot)", |x, v, _| {
+        signum(x) + 2.0 * signum(v)
+    }),
     ("min(x, xdot, t)", |x, v, t| x.min(v).min(t)),
     ("max(x, 1, xdot)", |x, v, _| x.max(1.0).max(v)),
     ("sqrt(abs(x))", |x, _, _| x.abs().sqrt()),
     ("exp(-x) - log(t)", |x, _, t| libm::exp(-x) - libm::log(t)),
     ("sin(x)*cos(xdot)", |x, v, _| libm::sin(x) * libm::cos(v)),
-    ("tan(x) + atan(xdot)", |x, v, _| libm::tan(x) + libm::atan(v)),
+    ("tan(x) + atan(xdot)", |x, v, _| {
+        libm::tan(x) + libm::atan(v)
+    }),
     ("tanh(xdot/vs)", |_, v, _| libm::tanh(v / VS)),
-    ("mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)", |_, v, _| MU * (1.0 - libm::exp(-v.abs() / VS)) * signum(v)),
+    ("mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)", |_, v, _| {
+        MU * (1.0 - libm::exp(-v.abs() / VS)) * signum(v)
+    }),
     ("(mu - 0.05*x^2)*xdot", |x, v, _| (MU - 0.05 * (x * x)) * v),
     ("-20*max(x - 3, 0)", |x, _, _| -20.0 * (x - 3.0).max(0.0)),
-    ("1.5*cos(2*t) - x^3", |x, _, t| 1.5 * libm::cos(2.0 * t) - x * (x * x)),
-    ("sin(x + 1)*sin(x + 1) - (1 + x)", |x, _, _| libm::sin(x + 1.0) * libm::sin(x + 1.0) - (1.0 + x)),
-    ("x*mu + xdot*vs - (xdot*x + 3)", |x, v, _| x * MU + v * VS - (v * x + 3.0)),
-    ("x/(1 + xdot/(1 + t/(1 + x)))", |x, v, t| x / (1.0 + v / (1.0 + t / (1.0 + x)))),
+    ("1.5*cos(2*t) - x^3", |x, _, t| {
+        1.5 * libm::cos(2.0 * t) - x * (x * x)
+    }),
+    ("sin(x + 1)*sin(x + 1) - (1 + x)", |x, _, _| {
+        libm::sin(x + 1.0) * libm::sin(x + 1.0) - (1.0 + x)
+    }),
+    ("x*mu + xdot*vs - (xdot*x + 3)", |x, v, _| {
+        x * MU + v * VS - (v * x + 3.0)
+    }),
+    ("x/(1 + xdot/(1 + t/(1 + x)))", |x, v, t| {
+        x / (1.0 + v / (1.0 + t / (1.0 + x)))
+    }),
 ];
 
 fn signum(x: f64) -> f64 {
@@ -70,7 +84,10 @@ fn an_expression_has_the_bits_of_the_same_formula_in_rust() {
                 let expected = plain(x, velocity, time);
                 // The order of two zeros is left open by `min` of Rust.
                 let is_same = agree(g, expected) || (g == 0.0 && expected == 0.0);
-                assert!(is_same, "{text} at {x}, {velocity}, {time}: {g} is not {expected}");
+                assert!(
+                    is_same,
+                    "{text} at {x}, {velocity}, {time}: {g} is not {expected}"
+                );
             }
         }
     }
@@ -79,15 +96,24 @@ fn an_expression_has_the_bits_of_the_same_formula_in_rust() {
 /// Checks that g of many paths is that of each of them, on every instruction set and in blocks of
 /// every size.
 fn check_lanes(force: &Force, time: f64) -> Result<(), TestCaseError> {
-    let x: Vec<f64> = (0..248).map(|i| VALUES[i % 9] + (i / 9) as f64 * 0.125).collect();
+    let x: Vec<f64> = (0..248)
+        .map(|i| VALUES[i % 9] + (i / 9) as f64 * 0.125)
+        .collect();
     let velocity: Vec<f64> = (0..248).map(|i| VALUES[(i * 5 + 2) % 9]).collect();
-    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+    for set in InstructionSet::ALL
+        .into_iter()
+        .filter(|set| set.is_available())
+    {
         for lanes in [8, 16, 64, 248] {
             let mut g = vec![0.0; lanes];
             force.fill(set, &x[..lanes], &velocity[..lanes], time, &mut g);
             for (i, g) in g.into_iter().enumerate() {
                 let one = force.at(set, x[i], velocity[i], time);
-                prop_assert!(agree(g, one), "lane {i} of {lanes} on {}: {g} is not {one}", set.name());
+                prop_assert!(
+                    agree(g, one),
+                    "lane {i} of {lanes} on {}: {g} is not {one}",
+                    set.name()
+                );
             }
         }
     }
@@ -97,7 +123,8 @@ fn check_lanes(force: &Force, time: f64) -> Result<(), TestCaseError> {
 #[test]
 fn lanes_have_the_bits_of_a_scalar_in_blocks_of_every_size() {
     for (text, _) in SAME {
-        check_lanes(&Force::new(expression(text)), 0.7).unwrap_or_else(|error| panic!("{text}: {error}"));
+        check_lanes(&Force::new(expression(text)), 0.7)
+            .unwrap_or_else(|error| panic!("{text}: {error}"));
     }
 }
 
@@ -128,7 +155,9 @@ fn a_law_in_rust_is_a_force() {
 
 #[test]
 fn equal_expressions_are_equal_forces() {
-    let force = |text, mu| Force::new(Expression::parse(text, &[("mu".into(), mu)]).expect("an expression"));
+    let force = |text, mu| {
+        Force::new(Expression::parse(text, &[("mu".into(), mu)]).expect("an expression"))
+    };
     assert_eq!(force("mu*x", 1.0), force("mu*x", 1.0));
     assert_ne!(force("mu*x", 1.0), force("mu*x", 2.0));
     assert_ne!(force("mu*x", 1.0), force("mu*xdot", 1.0));
@@ -143,15 +172,32 @@ fn time_and_unused_names_are_known() {
 
 #[test]
 fn a_linear_force_is_known_by_algebra() {
-    let linear = |text| expression(text).linear().map(|Linear { displacement, velocity }| (displacement, velocity));
+    let linear = |text| {
+        expression(text).linear().map(
+            |Linear {
+                 displacement,
+                 velocity,
+             }| (displacement, velocity),
+        )
+    };
     assert_eq!(linear("-0.5*x - 2*mu*xdot"), Some((-0.5, -0.6)));
     assert_eq!(linear("0"), Some((0.0, 0.0)));
     assert_eq!(linear("x - x + 3*xdot"), Some((0.0, 3.0)));
     assert_eq!(linear("(x + xdot)/4"), Some((0.25, 0.25)));
     assert_eq!(linear("-(1 - x) + exp(x - x)"), Some((1.0, 0.0)));
-    for text in
-        ["x^2", "abs(x)", "x*t", "t", "1", "x + 1", "x*xdot", "1/x", "x/(x - x)", "min(x, xdot)", "1e300*x*1e300"]
-    {
+    for text in [
+        "x^2",
+        "abs(x)",
+        "x*t",
+        "t",
+        "1",
+        "x + 1",
+        "x*xdot",
+        "1/x",
+        "x/(x - x)",
+        "min(x, xdot)",
+        "1e300*x*1e300",
+    ] {
         assert_eq!(linear(text), None, "{text}");
     }
 }
@@ -205,12 +251,23 @@ impl Sample {
             Sample::Variable(i) => ["x", "xdot", "t"][*i].to_string(),
             Sample::Negative(a) => format!("-{}", a.text(3)),
             Sample::Operator('^', of) => format!("{}^{}", of.0.text(5), of.1.text(3)),
-            Sample::Operator(c, of) => format!("{} {c} {}", of.0.text(self.level()), of.1.text(self.level() + 1)),
+            Sample::Operator(c, of) => format!(
+                "{} {c} {}",
+                of.0.text(self.level()),
+                of.1.text(self.level() + 1)
+            ),
             Sample::Call(name, all) => {
-                format!("{name}({})", all.iter().map(|a| a.text(0)).collect::<Vec<_>>().join(", "))
+                format!(
+                    "{name}({})",
+                    all.iter().map(|a| a.text(0)).collect::<Vec<_>>().join(", ")
+                )
             }
         };
-        if self.level() < least { format!("({text})") } else { text }
+        if self.level() < least {
+            format!("({text})")
+        } else {
+            text
+        }
     }
 
     fn is_constant(&self) -> bool {
@@ -273,9 +330,15 @@ impl Sample {
 /// a^b by squaring: the powers of a whose exponents are those of two that b consists of, from the
 /// lowest on.
 fn whole(a: f64, b: f64) -> f64 {
-    let squares = std::iter::successors(Some(a), |a| Some(a * a)).take(7).enumerate();
-    let needed = squares.filter(|(i, _)| b.abs() as u32 >> i & 1 == 1).map(|(_, square)| square);
-    let product = needed.reduce(|product, square| product * square).unwrap_or(1.0);
+    let squares = std::iter::successors(Some(a), |a| Some(a * a))
+        .take(7)
+        .enumerate();
+    let needed = squares
+        .filter(|(i, _)| b.abs() as u32 >> i & 1 == 1)
+        .map(|(_, square)| square);
+    let product = needed
+        .reduce(|product, square| product * square)
+        .unwrap_or(1.0);
     if b < 0.0 { 1.0 / product } else { product }
 }
 

@@ -35,9 +35,17 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
     pub(super) fn advance_forced<L: Lanes>(&mut self) {
         let c = Splat::<L>::new(self.c);
         let regimes = [c.regime(L::splat(0.0)); TOGETHER];
-        let mut room = Room { regimes, chi: [[0.0; TOGETHER]; DRAWN], g: [[0.0; TOGETHER]; 4] };
+        let mut room = Room {
+            regimes,
+            chi: [[0.0; TOGETHER]; DRAWN],
+            g: [[0.0; TOGETHER]; 4],
+        };
         let (lanes, steps) = (self.work.paths.noise.len(), self.work.forcing.len() - 1);
-        let has_load = self.kernel.own.as_ref().is_some_and(|own| own.sides().is_some());
+        let has_load = self
+            .kernel
+            .own
+            .as_ref()
+            .is_some_and(|own| own.sides().is_some());
         for lane in (0..lanes).step_by(TOGETHER) {
             let group = lane..lanes.min(lane + TOGETHER);
             let velocities = self.work.paths.velocity[group.clone()].chunks_exact(L::WIDTH);
@@ -75,9 +83,17 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
     fn compute(&self, group: Range<usize>, n: usize, g: &mut [[f64; TOGETHER]; 4]) {
         if let Some(own) = &self.kernel.own {
             let time = (self.work.n + n as u64) as f64 * self.c.h;
-            let (x, v) = (&self.work.paths.displacement[group.clone()], &self.work.paths.velocity[group.clone()]);
+            let (x, v) = (
+                &self.work.paths.displacement[group.clone()],
+                &self.work.paths.velocity[group.clone()],
+            );
             let [up, down] = own.in_stick();
-            let all = [up, down, own.in_slip(Sign::Positive), own.in_slip(Sign::Negative)];
+            let all = [
+                up,
+                down,
+                own.in_slip(Sign::Positive),
+                own.in_slip(Sign::Negative),
+            ];
             let needed = if own.sides().is_some() { 4 } else { 1 };
             for (force, g) in all.into_iter().zip(g).take(needed) {
                 force.fill(self.kernel.instructions, x, v, time, &mut g[..group.len()]);
@@ -87,7 +103,13 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
 
     /// Takes these paths from the n-th instant of the run to the next one.
     #[inline(always)]
-    fn step<L: Lanes, const LOAD: bool>(&mut self, c: &Splat<L>, group: Range<usize>, n: usize, room: &mut Room<L>) {
+    fn step<L: Lanes, const LOAD: bool>(
+        &mut self,
+        c: &Splat<L>,
+        group: Range<usize>,
+        n: usize,
+        room: &mut Room<L>,
+    ) {
         let (zero, forcing) = (L::splat(0.0), L::splat(self.work.forcing[n]));
         let every_lane = (1 << L::WIDTH) - 1;
         let paths = &mut *self.work.paths;
@@ -95,10 +117,19 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
         let v = paths.velocity[group.clone()].chunks_exact_mut(L::WIDTH);
         let noise = paths.noise[group.clone()].chunks_exact_mut(L::WIDTH);
         let [g, sides @ ..] = &room.g;
-        let (g, chi) = (g.chunks_exact(L::WIDTH), room.chi[n % DRAWN].chunks_exact(L::WIDTH));
+        let (g, chi) = (
+            g.chunks_exact(L::WIDTH),
+            room.chi[n % DRAWN].chunks_exact(L::WIDTH),
+        );
         let mut lane = group.start;
-        for (((((x, v), noise), g), chi), regime) in x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes) {
-            let state = State { x: L::load(x), v: L::load(v), noise: if NOISE { L::load(noise) } else { zero } };
+        for (((((x, v), noise), g), chi), regime) in
+            x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes)
+        {
+            let state = State {
+                x: L::load(x),
+                v: L::load(v),
+                noise: if NOISE { L::load(noise) } else { zero },
+            };
             let b = c.force::<NOISE>(&state, forcing);
             let s = c.impulse(b + L::load(g), &state);
             let (turned, mut next_v);
@@ -107,13 +138,24 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
                 let at = lane - group.start;
                 let (is_up, _) = c.beyond(s, state.v);
                 let (_, is_down) = c.beyond(c.impulse(b + L::load(&lower[at..]), &state), state.v);
-                let up = c.impulse(b + L::load(&up[at..]), &state).sub(c.dynamic_impulse);
-                let down = c.impulse(b + L::load(&down[at..]), &state).add(c.dynamic_impulse);
+                let up = c
+                    .impulse(b + L::load(&up[at..]), &state)
+                    .sub(c.dynamic_impulse);
+                let down = c
+                    .impulse(b + L::load(&down[at..]), &state)
+                    .add(c.dynamic_impulse);
                 // The corrected scheme may let go a body that friction would still brake.
-                next_v = L::either(L::and(is_up, up.gt(zero)), up, L::and(is_down, down.lt(zero)), down);
+                next_v = L::either(
+                    L::and(is_up, up.gt(zero)),
+                    up,
+                    L::and(is_down, down.lt(zero)),
+                    down,
+                );
                 next_v = up.mul_add(zero, down.mul_add(zero, next_v));
-                let (was_up, was_down) = (L::bitmask(state.v.gt(zero)), L::bitmask(state.v.lt(zero)));
-                turned = (was_up ^ L::bitmask(next_v.gt(zero))) | (was_down ^ L::bitmask(next_v.lt(zero)));
+                let (was_up, was_down) =
+                    (L::bitmask(state.v.gt(zero)), L::bitmask(state.v.lt(zero)));
+                turned = (was_up ^ L::bitmask(next_v.gt(zero)))
+                    | (was_down ^ L::bitmask(next_v.lt(zero)));
             } else {
                 turned = every_lane ^ L::bitmask(regime.holds(s, L::always()));
                 next_v = regime.velocity(s);

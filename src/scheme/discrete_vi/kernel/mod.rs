@@ -46,8 +46,16 @@ pub(super) struct Coefficients {
 
 impl Coefficients {
     fn new(model: &Model, h: f64, is_corrected: bool, noise: &NoiseScale) -> Self {
-        let Model { oscillator, friction, .. } = model;
-        let exit_force = if is_corrected { corrected_exit(model, h) } else { friction.static_force };
+        let Model {
+            oscillator,
+            friction,
+            ..
+        } = model;
+        let exit_force = if is_corrected {
+            corrected_exit(model, h)
+        } else {
+            friction.static_force
+        };
         Coefficients {
             h,
             h_over_m: h / oscillator.mass,
@@ -104,11 +112,21 @@ impl NoiseScale {
             };
         };
         let over = |h: f64| Transition::new(noise.relaxation_rate, noise.diffusion, h);
-        let Transition { decay: shorter_decay, increment_sd } = over(h / refinement as f64);
+        let Transition {
+            decay: shorter_decay,
+            increment_sd,
+        } = over(h / refinement as f64);
         let draws = increment_sd > 0.0;
         let unit = if draws { increment_sd * SQRT_2 } else { 1.0 };
         let temperature = noise.intensity * unit;
-        NoiseScale { decay: over(h).decay, refinement, shorter_decay, unit, temperature, draws }
+        NoiseScale {
+            decay: over(h).decay,
+            refinement,
+            shorter_decay,
+            unit,
+            temperature,
+            draws,
+        }
     }
 
     /// Draws the next increment of v/unit.
@@ -146,13 +164,21 @@ impl Paths {
 
     /// One path.
     pub(super) fn point(&self, lane: usize) -> State {
-        State { x: self.displacement[lane], v: self.velocity[lane], noise: self.noise[lane] }
+        State {
+            x: self.displacement[lane],
+            v: self.velocity[lane],
+            noise: self.noise[lane],
+        }
     }
 
     /// All paths at this x and x', and the given v(0)/unit.
     pub(super) fn at(displacement: f64, velocity: f64, noise: &[f64]) -> Self {
         let all = |value: f64| vec![value; noise.len()];
-        Paths { displacement: all(displacement), velocity: all(velocity), noise: noise.to_vec() }
+        Paths {
+            displacement: all(displacement),
+            velocity: all(velocity),
+            noise: noise.to_vec(),
+        }
     }
 }
 
@@ -204,13 +230,20 @@ impl Kernel {
 
     /// g of these forces at t_n.
     fn own_force(&self, force: &Force, at: &State, n: u64) -> f64 {
-        force.at(self.instructions, at.x, at.v, n as f64 * self.coefficients.h)
+        force.at(
+            self.instructions,
+            at.x,
+            at.v,
+            n as f64 * self.coefficients.h,
+        )
     }
 
     /// b at rest with the forces that decide at the two thresholds, rounded as in the lanes.
     pub(super) fn pulls(&self, at: &State, forcing: f64, n: u64) -> [f64; 2] {
         let b = self.linear_force(at, forcing);
-        self.own.as_ref().map_or([b; 2], |own| own.in_stick().map(|force| b + self.own_force(force, at, n)))
+        self.own.as_ref().map_or([b; 2], |own| {
+            own.in_stick().map(|force| b + self.own_force(force, at, n))
+        })
     }
 
     /// The direction in which friction lets these pulls go, up to an impulse. It is rounded as the
@@ -220,13 +253,19 @@ impl Kernel {
         if h_over_m * up <= impulse && h_over_m * down >= -impulse {
             return None;
         }
-        Some(if h_over_m * down < -impulse { Sign::Negative } else { Sign::Positive })
+        Some(if h_over_m * down < -impulse {
+            Sign::Negative
+        } else {
+            Sign::Positive
+        })
     }
 
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
     pub(super) fn force(&self, at: &State, forcing: f64, n: u64) -> f64 {
         let b = self.linear_force(at, forcing);
-        self.own.as_ref().map_or(b, |own| b + self.own_force(own, at, n))
+        self.own
+            .as_ref()
+            .map_or(b, |own| b + self.own_force(own, at, n))
     }
 
     /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is
@@ -241,7 +280,13 @@ impl Kernel {
         turns: &mut Vec<Turn>,
     ) {
         turns.clear();
-        let work = Work { n, forcing, streams, paths, turns };
+        let work = Work {
+            n,
+            forcing,
+            streams,
+            paths,
+            turns,
+        };
         match (self.own.is_some(), self.has_noise, self.is_corrected) {
             (false, false, false) => self.run::<false, false, false>(work),
             (false, false, true) => self.run::<false, false, true>(work),
@@ -255,8 +300,12 @@ impl Kernel {
     }
 
     fn run<const OWN: bool, const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
-        let mut run =
-            LaneRun::<OWN, NOISE, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
+        let mut run = LaneRun::<OWN, NOISE, CORRECTED> {
+            kernel: self,
+            c: &self.coefficients,
+            scale: &self.noise,
+            work,
+        };
         self.instructions.run(&mut run);
     }
 }
@@ -278,7 +327,9 @@ struct LaneRun<'a, const OWN: bool, const NOISE: bool, const CORRECTED: bool> {
     work: Work<'a>,
 }
 
-impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram for LaneRun<'_, OWN, NOISE, CORRECTED> {
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram
+    for LaneRun<'_, OWN, NOISE, CORRECTED>
+{
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         if OWN {
@@ -316,10 +367,17 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
             *regime = c.regime(state.v);
         }
 
-        let mut normals = if NOISE { Some(self.work.streams.take::<L, R>(lane)) } else { None };
+        let mut normals = if NOISE {
+            Some(self.work.streams.take::<L, R>(lane))
+        } else {
+            None
+        };
         let every_lane = (1 << L::WIDTH) - 1;
 
-        for (n, &forcing) in self.work.forcing[..self.work.forcing.len() - 1].iter().enumerate() {
+        for (n, &forcing) in self.work.forcing[..self.work.forcing.len() - 1]
+            .iter()
+            .enumerate()
+        {
             let chi = match &mut normals {
                 Some(normals) => self.scale.increment(normals),
                 None => [L::splat(0.0); R],
@@ -375,7 +433,11 @@ impl<L: Lanes> State<L> {
         State {
             x: L::load(&paths.displacement[lane..]),
             v: L::load(&paths.velocity[lane..]),
-            noise: if NOISE { L::load(&paths.noise[lane..]) } else { L::splat(0.0) },
+            noise: if NOISE {
+                L::load(&paths.noise[lane..])
+            } else {
+                L::splat(0.0)
+            },
         }
     }
 
@@ -482,20 +544,34 @@ impl<L: Lanes> Splat<L> {
             ),
             most: v.where_zero(
                 self.exit_impulse,
-                L::either(up, L::splat(f64::INFINITY), down, zero.sub(self.slip_impulse)),
+                L::either(
+                    up,
+                    L::splat(f64::INFINITY),
+                    down,
+                    zero.sub(self.slip_impulse),
+                ),
             ),
         }
     }
 
     /// The state at the next instant, where V is V'.
     #[inline(always)]
-    fn next<const NOISE: bool, const CORRECTED: bool>(&self, at: &State<L>, next_v: L, chi: L) -> State<L> {
+    fn next<const NOISE: bool, const CORRECTED: bool>(
+        &self,
+        at: &State<L>,
+        next_v: L,
+        chi: L,
+    ) -> State<L> {
         State {
             // X' = X + h V, corrected: X + h V'
             x: self.h.mul_add(if CORRECTED { next_v } else { at.v }, at.x),
             v: next_v,
             // (v/unit)' = e^{-theta h} (v/unit) + chi
-            noise: if NOISE { self.decay.mul_add(at.noise, chi) } else { at.noise },
+            noise: if NOISE {
+                self.decay.mul_add(at.noise, chi)
+            } else {
+                at.noise
+            },
         }
     }
 }
@@ -525,17 +601,40 @@ impl<L: Lanes> Regime<L> {
 
 /// Records the lanes that turned in a step.
 #[inline(always)]
-fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, before: &State<L>, after: &State<L>) {
+fn note<L: Lanes>(
+    turns: &mut Vec<Turn>,
+    lane: usize,
+    step: usize,
+    turned: u32,
+    before: &State<L>,
+    after: &State<L>,
+) {
     keep(turns, lane, step, turned, &before.spill(), &after.spill());
 }
 
 #[cold]
 #[inline(never)]
-fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before: &Spilled, after: &Spilled) {
-    let point = |Spilled([x, v, noise]): &Spilled, i: usize| State { x: x[i], v: v[i], noise: noise[i] };
+fn keep(
+    turns: &mut Vec<Turn>,
+    lane: usize,
+    step: usize,
+    mut turned: u32,
+    before: &Spilled,
+    after: &Spilled,
+) {
+    let point = |Spilled([x, v, noise]): &Spilled, i: usize| State {
+        x: x[i],
+        v: v[i],
+        noise: noise[i],
+    };
     while turned != 0 {
         let i = turned.trailing_zeros() as usize;
-        turns.push(Turn { lane: lane + i, step, before: point(before, i), after: point(after, i) });
+        turns.push(Turn {
+            lane: lane + i,
+            step,
+            before: point(before, i),
+            after: point(after, i),
+        });
         turned &= turned - 1;
     }
 }

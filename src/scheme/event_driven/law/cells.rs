@@ -51,19 +51,29 @@ pub struct Forcing<L = f64> {
 impl Cell {
     /// The cell with this number, for a scene.
     pub fn new(scene: &Scene, ladder: &StepLadder, index: u64) -> Self {
-        let nothing = Forcing { value: 0.0, curvature: 0.0 };
+        let nothing = Forcing {
+            value: 0.0,
+            curvature: 0.0,
+        };
         let mut cell = Cell {
             index,
             start: 0.0,
             end: 0.0,
             // Another one than that of any cell, so that the transitions are computed.
             length: f64::NAN,
-            transition: Transition { decay: 1.0, increment_sd: 0.0 },
+            transition: Transition {
+                decay: 1.0,
+                increment_sd: 0.0,
+            },
             two_transitions: None,
             terms: vec![Complex::ZERO; scene.harmonics.len()],
             first: nothing,
             last: nothing,
-            frequencies: scene.harmonics.iter().map(|h| h.angular_frequency).collect(),
+            frequencies: scene
+                .harmonics
+                .iter()
+                .map(|h| h.angular_frequency)
+                .collect(),
         };
         cell.move_to(scene, ladder, index);
         cell
@@ -89,7 +99,10 @@ impl Cell {
     /// B and B'' a time after the start of the cell.
     #[inline(always)]
     pub fn forcing<L: Lanes>(&self, after: L) -> Forcing<L> {
-        let mut all = Forcing { value: L::splat(0.0), curvature: L::splat(0.0) };
+        let mut all = Forcing {
+            value: L::splat(0.0),
+            curvature: L::splat(0.0),
+        };
         for (term, &w) in self.terms.iter().zip(&self.frequencies) {
             // The length of a cell is at most 1/w, for which `small_unit` is accurate.
             let (cos, sin) = small_unit(after * w);
@@ -105,7 +118,10 @@ impl Cell {
     pub fn term<L: Lanes>(&self, harmonic: usize, after: L) -> Complex<L> {
         let p = self.terms[harmonic];
         let (cos, sin) = small_unit(after * self.frequencies[harmonic]);
-        Complex { re: cos * p.re - sin * p.im, im: sin * p.re + cos * p.im }
+        Complex {
+            re: cos * p.re - sin * p.im,
+            im: sin * p.re + cos * p.im,
+        }
     }
 
     /// Sets all terms of B to those a time after the start of the cell.
@@ -121,7 +137,11 @@ impl Cell {
 /// It depends on `end` only for a run that is extremely short: the search inside a cell resolves no
 /// times below 2^-40 of a step.
 pub fn cell_length(longest: f64, end: f64) -> f64 {
-    round_down(if end > 0.0 { longest.min((end * MOST_RUNS).max(longest * SHORTEST_CELL)) } else { longest })
+    round_down(if end > 0.0 {
+        longest.min((end * MOST_RUNS).max(longest * SHORTEST_CELL))
+    } else {
+        longest
+    })
 }
 
 /// A cell lasts at most this many times as long as the run.
@@ -140,5 +160,9 @@ fn round_down(length: f64) -> f64 {
     if decade > length {
         decade /= 10.0;
     }
-    [5.0, 2.5, 2.0].into_iter().map(|m| m * decade).find(|rounded| *rounded <= length).unwrap_or(decade)
+    [5.0, 2.5, 2.0]
+        .into_iter()
+        .map(|m| m * decade)
+        .find(|rounded| *rounded <= length)
+        .unwrap_or(decade)
 }

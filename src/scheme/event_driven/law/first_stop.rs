@@ -52,13 +52,19 @@ impl<L: Lanes> SlipVelocity<L> {
     #[inline(always)]
     pub fn is_finite(&self) -> L::Mask {
         let most = L::splat(LARGEST);
-        L::and(self.velocity.abs().lt(most), self.acceleration.abs().lt(most))
+        L::and(
+            self.velocity.abs().lt(most),
+            self.acceleration.abs().lt(most),
+        )
     }
 
     /// The difference of two motions.
     #[inline(always)]
     pub fn less(self, other: Self) -> Self {
-        SlipVelocity { velocity: self.velocity - other.velocity, acceleration: self.acceleration - other.acceleration }
+        SlipVelocity {
+            velocity: self.velocity - other.velocity,
+            acceleration: self.acceleration - other.acceleration,
+        }
     }
 
     /// `a` where `mask` holds, `b` elsewhere.
@@ -91,10 +97,22 @@ impl KnownStep {
     /// The mean of the distance and of the motion at a time u.
     pub fn mean(&self, u: f64) -> (f64, SlipVelocity) {
         let inverse = 1.0 / self.length;
-        let whole = Interval { end: self.end, travel: self.travel, length: self.length, inverse, noise: 0.0 };
+        let whole = Interval {
+            end: self.end,
+            travel: self.travel,
+            length: self.length,
+            inverse,
+            noise: 0.0,
+        };
         let (quintic, p) = (Quintic::new(self.start, &whole), u * inverse);
         let velocity = quintic.velocity(p) * inverse;
-        (quintic.travel(p), SlipVelocity { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
+        (
+            quintic.travel(p),
+            SlipVelocity {
+                velocity,
+                acceleration: quintic.acceleration(p) * inverse * inverse,
+            },
+        )
     }
 }
 
@@ -178,21 +196,41 @@ impl StopSearch {
 
     /// Draws a state near the zero of V, with three normals.
     #[inline(always)]
-    pub fn near_stop<L: Lanes>(&self, left: SlipVelocity<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
+    pub fn near_stop<L: Lanes>(
+        &self,
+        left: SlipVelocity<L>,
+        next: &Interval<L>,
+        normals: [L; 3],
+    ) -> NearStop<L> {
         let mean = Quintic::new(left, next);
         let p = mean.near_zero();
         let h = next.length;
         let (travel, motion) = mean.drawn(next, p, normals);
-        let SlipVelocity { velocity, acceleration } = motion;
+        let SlipVelocity {
+            velocity,
+            acceleration,
+        } = motion;
         // `after` and `behind` may both equal the whole interval, where a step is so short that its
         // moments underflow.
         let (after, behind) = (p * h, (L::splat(1.0) - p) * h);
-        let late = (-velocity / acceleration).or_at_least(-after).or_at_most(behind);
+        let late = (-velocity / acceleration)
+            .or_at_least(-after)
+            .or_at_most(behind);
         let tolerated = acceleration * STOP_PRECISION;
         // At the stop V falls, by `caution` standard deviations.
         let falls = acceleration.lt(L::splat(0.0));
-        let is_at_it = L::and(falls, (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated));
-        NearStop { after, behind, travel, motion, late, is_at_it }
+        let is_at_it = L::and(
+            falls,
+            (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated),
+        );
+        NearStop {
+            after,
+            behind,
+            travel,
+            motion,
+            late,
+            is_at_it,
+        }
     }
 }
 
@@ -215,9 +253,15 @@ impl<L: Lanes> NearStop<L> {
     /// Time and distance from the start of the interval to the zero of V.
     #[inline(always)]
     pub fn zero(&self) -> (L, L) {
-        let SlipVelocity { velocity, acceleration } = self.motion;
+        let SlipVelocity {
+            velocity,
+            acceleration,
+        } = self.motion;
         let t = self.late;
-        (self.after + t, self.travel + t * (velocity + t * 0.5 * acceleration))
+        (
+            self.after + t,
+            self.travel + t * (velocity + t * 0.5 * acceleration),
+        )
     }
 
     /// The parts of the interval before and after this state.
@@ -254,13 +298,23 @@ impl<L: Lanes> Interval<L> {
     /// An interval of a length, for noise of intensity `noise`.
     #[inline(always)]
     pub fn new(end: SlipVelocity<L>, travel: L, length: L, noise: f64) -> Self {
-        Interval { end, travel, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
+        Interval {
+            end,
+            travel,
+            length,
+            inverse: L::splat(1.0) / length,
+            noise: length.sqrt() * noise,
+        }
     }
 
     /// The same interval with other values at its end.
     #[inline(always)]
     pub fn with_end(self, travel: L, end: SlipVelocity<L>) -> Self {
-        Interval { end, travel, ..self }
+        Interval {
+            end,
+            travel,
+            ..self
+        }
     }
 
     /// The two parts of the interval, divided at a fraction `p` of it, where the distance and the
@@ -268,13 +322,21 @@ impl<L: Lanes> Interval<L> {
     #[inline(always)]
     pub fn parted(self, p: L, travel: L, motion: SlipVelocity<L>) -> [Self; 2] {
         let behind = L::splat(1.0) - p;
-        [self.part(p).with_end(travel, motion), self.part(behind).with_end(self.travel - travel, self.end)]
+        [
+            self.part(p).with_end(travel, motion),
+            self.part(behind).with_end(self.travel - travel, self.end),
+        ]
     }
 
     /// The same interval with a fraction `p` of its length.
     #[inline(always)]
     fn part(self, p: L) -> Self {
-        Interval { length: p * self.length, inverse: self.inverse / p, noise: self.noise * p.sqrt(), ..self }
+        Interval {
+            length: p * self.length,
+            inverse: self.inverse / p,
+            noise: self.noise * p.sqrt(),
+            ..self
+        }
     }
 
     /// `a` where `mask` holds, `b` elsewhere.
@@ -294,7 +356,10 @@ impl<L: Lanes> Interval<L> {
 #[inline(always)]
 pub fn middle(h: f64, [x0, x1]: [f64; 2], [v0, v1]: [f64; 2], [a0, a1]: [f64; 2]) -> (f64, f64) {
     let x = 0.5 * (x0 + x1) + h * (0.15625 * (v0 - v1) + 0.015625 * h * (a0 + a1));
-    (x, 1.875 * ((x1 - x0) / h) - 0.4375 * (v0 + v1) + 0.03125 * h * (a1 - a0))
+    (
+        x,
+        1.875 * ((x1 - x0) / h) - 0.4375 * (v0 + v1) + 0.03125 * h * (a1 - a0),
+    )
 }
 
 /// Draws the state in the middle of an interval with three normals, and divides the interval there.
@@ -304,7 +369,12 @@ pub fn halves<L: Lanes>(
     next: &Interval<L>,
     [one, two, three]: [L; 3],
 ) -> (Interval<L>, Interval<L>) {
-    let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
+    let (v0, v1, a0, a1) = (
+        left.velocity,
+        next.end.velocity,
+        left.acceleration,
+        next.end.acceleration,
+    );
     let (h, noise) = (next.length, next.noise);
     let da = noise * 0.25 * one;
     let middle = SlipVelocity {
@@ -315,13 +385,32 @@ pub fn halves<L: Lanes>(
     let bend = (a0 + a1) * 0.015625 - da * (1.0 / 48.0) + noise * MIDDLE_WAY * three;
     let travel = next.travel * 0.5 + h * ((v0 - v1) * 0.15625 + h * bend);
     let (length, inverse, noise) = (h * 0.5, next.inverse * 2.0, noise * ROOT_HALF);
-    let near = Interval { end: middle, travel, length, inverse, noise };
-    (near, Interval { end: next.end, travel: next.travel - travel, length, inverse, noise })
+    let near = Interval {
+        end: middle,
+        travel,
+        length,
+        inverse,
+        noise,
+    };
+    (
+        near,
+        Interval {
+            end: next.end,
+            travel: next.travel - travel,
+            length,
+            inverse,
+            noise,
+        },
+    )
 }
 
 /// The same at the fraction `EARLY` of the interval.
 #[inline(always)]
-pub fn early_parts<L: Lanes>(left: SlipVelocity<L>, next: &Interval<L>, normals: [L; 3]) -> (Interval<L>, Interval<L>) {
+pub fn early_parts<L: Lanes>(
+    left: SlipVelocity<L>,
+    next: &Interval<L>,
+    normals: [L; 3],
+) -> (Interval<L>, Interval<L>) {
     let early = L::splat(EARLY);
     let (travel, motion) = state_inside(left, next, early, normals);
     let [near, far] = next.parted(early, travel, motion);
@@ -352,7 +441,11 @@ pub fn conditional_factor<L: Lanes>(p: L, [one, two, three]: [L; 3]) -> [L; 3] {
     let v = s * 0.5 * (unit - q * 5.0) * one + root_12d * (1.0 / 12.0) * two;
     let x = (unit - q * 6.0) * (1.0 / 6.0) * one + s * 0.5 * (unit - q * 2.0) * inverse_d * two;
     let (scale_v, scale_x) = (root_q * q, root_q * q * q);
-    [scale_x * (x * inverse_e + inverse_d * ROOT_60TH * three), scale_v * v * inverse_e, root_q * root_e * one]
+    [
+        scale_x * (x * inverse_e + inverse_d * ROOT_60TH * three),
+        scale_v * v * inverse_e,
+        root_q * root_e * one,
+    ]
 }
 
 /// 60^{-1/2}.
@@ -410,7 +503,13 @@ impl<L: Lanes> Quintic<L> {
         let (h, inverse, noise) = (next.length, next.inverse, next.noise);
         let velocity = self.velocity(p) * inverse + noise * h * dv;
         let acceleration = self.acceleration(p) * inverse * inverse + noise * da;
-        (self.travel(p) + noise * h * h * dx, SlipVelocity { velocity, acceleration })
+        (
+            self.travel(p) + noise * h * h * dx,
+            SlipVelocity {
+                velocity,
+                acceleration,
+            },
+        )
     }
 
     #[inline(always)]
@@ -439,7 +538,10 @@ impl<L: Lanes> Quintic<L> {
         let (zero, half) = (L::splat(0.0), L::splat(0.5));
         let middle = self.velocity(half);
         let is_late = middle.gt(zero);
-        let (from, to) = (L::select(is_late, middle, self.d0), L::select(is_late, self.d1, middle));
+        let (from, to) = (
+            L::select(is_late, middle, self.d0),
+            L::select(is_late, self.d1, middle),
+        );
         let begin = L::select(is_late, half, zero);
         let mut p = begin + half * from / (from - to);
         for _ in 0..NEWTON_STEPS {
@@ -458,18 +560,35 @@ mod tests {
     fn the_factor_of_a_draw_inverts_the_precision_at_any_fraction() {
         for p in [1e-12f64, 1e-6, 0.01, 0.2, 0.276, 0.5, 0.7, 0.999] {
             let (u, r): (f64, f64) = (p, 1.0 - p);
-            let off = (360.0 * (r.powi(-4) - u.powi(-4)), 60.0 * (u.powi(-3) + r.powi(-3)));
+            let off = (
+                360.0 * (r.powi(-4) - u.powi(-4)),
+                60.0 * (u.powi(-3) + r.powi(-3)),
+            );
             let precision = [
                 [720.0 * (u.powi(-5) + r.powi(-5)), off.0, off.1],
-                [off.0, 192.0 * (u.powi(-3) + r.powi(-3)), 36.0 * (r.powi(-2) - u.powi(-2))],
-                [off.1, 36.0 * (r.powi(-2) - u.powi(-2)), 9.0 * (1.0 / u + 1.0 / r)],
+                [
+                    off.0,
+                    192.0 * (u.powi(-3) + r.powi(-3)),
+                    36.0 * (r.powi(-2) - u.powi(-2)),
+                ],
+                [
+                    off.1,
+                    36.0 * (r.powi(-2) - u.powi(-2)),
+                    9.0 * (1.0 / u + 1.0 / r),
+                ],
             ];
-            let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|z| conditional_factor(p, z));
+            let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+                .map(|z| conditional_factor(p, z));
             // F^T (precision) F = 1.
             for (i, a) in columns.iter().enumerate() {
                 for (j, b) in columns.iter().enumerate() {
-                    let product: f64 = (0..9).map(|k| a[k / 3] * precision[k / 3][k % 3] * b[k % 3]).sum();
-                    assert!((product - f64::from(u8::from(i == j))).abs() < 1e-8, "{p} {i} {j}: {product}");
+                    let product: f64 = (0..9)
+                        .map(|k| a[k / 3] * precision[k / 3][k % 3] * b[k % 3])
+                        .sum();
+                    assert!(
+                        (product - f64::from(u8::from(i == j))).abs() < 1e-8,
+                        "{p} {i} {j}: {product}"
+                    );
                 }
             }
         }
@@ -477,8 +596,14 @@ mod tests {
 
     /// The motion at the start of an interval of length h, and the interval, for noise c.
     fn an_interval(h: f64, c: f64) -> (SlipVelocity, Interval) {
-        let left = SlipVelocity { velocity: 0.7, acceleration: -1.3 };
-        let end = SlipVelocity { velocity: -0.4, acceleration: 0.9 };
+        let left = SlipVelocity {
+            velocity: 0.7,
+            acceleration: -1.3,
+        };
+        let end = SlipVelocity {
+            velocity: -0.4,
+            acceleration: 0.9,
+        };
         (left, Interval::new(end, 0.31, h, c))
     }
 
@@ -487,18 +612,35 @@ mod tests {
     #[test]
     fn the_mean_motion_is_the_derivative_of_the_mean_distance() {
         let (left, next) = an_interval(0.8, 0.0);
-        let step =
-            KnownStep { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
+        let step = KnownStep {
+            start: left,
+            end: next.end,
+            travel: next.travel,
+            length: 0.8,
+            root_length: 0.8f64.sqrt(),
+        };
         for i in 0..=20 {
             let (inside, d) = (0.8 * (f64::from(i) / 20.0).clamp(0.01, 0.99), 1e-4);
-            let ((before, slow), (here, now), (after, fast)) =
-                (step.mean(inside - d), step.mean(inside), step.mean(inside + d));
-            assert!(((after - before) / (2.0 * d) - now.velocity).abs() < 1e-6, "{inside}: {here}");
-            assert!(((fast.velocity - slow.velocity) / (2.0 * d) - now.acceleration).abs() < 1e-5, "{inside}");
+            let ((before, slow), (here, now), (after, fast)) = (
+                step.mean(inside - d),
+                step.mean(inside),
+                step.mean(inside + d),
+            );
+            assert!(
+                ((after - before) / (2.0 * d) - now.velocity).abs() < 1e-6,
+                "{inside}: {here}"
+            );
+            assert!(
+                ((fast.velocity - slow.velocity) / (2.0 * d) - now.acceleration).abs() < 1e-5,
+                "{inside}"
+            );
         }
         let (ends, whole) = (step.mean(0.8), step.mean(0.0));
         assert!((ends.0 - 0.31).abs() < 1e-12 && whole.0 == 0.0, "{ends:?}");
-        assert!((ends.1.acceleration - 0.9).abs() < 1e-11 && (whole.1.acceleration + 1.3).abs() < 1e-12, "{ends:?}");
+        assert!(
+            (ends.1.acceleration - 0.9).abs() < 1e-11 && (whole.1.acceleration + 1.3).abs() < 1e-12,
+            "{ends:?}"
+        );
     }
 
     /// The state in the middle of an interval, given both ends, is Gaussian. Its precision is the
@@ -512,15 +654,33 @@ mod tests {
         let (left, next) = an_interval(h, c);
         let middle = |normals: [f64; 3]| {
             let (near, far) = halves(left, &next, normals);
-            assert!((near.travel + far.travel - next.travel).abs() < 1e-15 && near.length == 0.4 && far.length == 0.4);
-            assert!((near.noise - c * 0.4f64.sqrt()).abs() < 1e-15 && (far.inverse - 2.5).abs() < 1e-15);
-            assert_eq!((far.end.velocity, far.end.acceleration), (next.end.velocity, next.end.acceleration));
+            assert!(
+                (near.travel + far.travel - next.travel).abs() < 1e-15
+                    && near.length == 0.4
+                    && far.length == 0.4
+            );
+            assert!(
+                (near.noise - c * 0.4f64.sqrt()).abs() < 1e-15 && (far.inverse - 2.5).abs() < 1e-15
+            );
+            assert_eq!(
+                (far.end.velocity, far.end.acceleration),
+                (next.end.velocity, next.end.acceleration)
+            );
             [near.travel, near.end.velocity, near.end.acceleration]
         };
         let mean = middle([0.0; 3]);
-        let step = KnownStep { start: left, end: next.end, travel: next.travel, length: h, root_length: h.sqrt() };
+        let step = KnownStep {
+            start: left,
+            end: next.end,
+            travel: next.travel,
+            length: h,
+            root_length: h.sqrt(),
+        };
         let (travel, motion) = step.mean(0.5 * h);
-        for (got, want) in mean.into_iter().zip([travel, motion.velocity, motion.acceleration]) {
+        for (got, want) in mean
+            .into_iter()
+            .zip([travel, motion.velocity, motion.acceleration])
+        {
             assert!((got - want).abs() < 1e-12, "{mean:?}");
         }
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normals| {
@@ -535,8 +695,14 @@ mod tests {
         ];
         for (i, a) in columns.iter().enumerate() {
             for (j, b) in columns.iter().enumerate() {
-                let product: f64 = (0..9).map(|k| a[k / 3] * precision[k / 3][k % 3] * b[k % 3]).sum::<f64>() / (c * c);
-                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-9, "{i} {j}: {product}");
+                let product: f64 = (0..9)
+                    .map(|k| a[k / 3] * precision[k / 3][k % 3] * b[k % 3])
+                    .sum::<f64>()
+                    / (c * c);
+                assert!(
+                    (product - f64::from(u8::from(i == j))).abs() < 1e-9,
+                    "{i} {j}: {product}"
+                );
             }
         }
     }

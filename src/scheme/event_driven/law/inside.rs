@@ -15,7 +15,8 @@ use super::first_stop::{Interval, SlipVelocity, state_inside};
 use super::scene::Scene;
 use crate::lanes::Lanes;
 use crate::noise::{
-    AddressedDraws, Distances, TimeChange, bridge_at, meeting_probability, misses_other, no_meeting_probability,
+    AddressedDraws, Distances, TimeChange, bridge_at, meeting_probability, misses_other,
+    no_meeting_probability,
 };
 
 /// An instant at which the state is observed.
@@ -89,7 +90,12 @@ impl<L: Lanes> SlipPiece<L> {
     /// from the motion without noise, which is known at both its ends.
     #[inline(always)]
     pub fn less(self, [before, behind]: [&Way<L>; 2]) -> Self {
-        let SlipPiece { travel, start, interval, .. } = self;
+        let SlipPiece {
+            travel,
+            start,
+            interval,
+            ..
+        } = self;
         let off = interval.travel - (behind.travel - before.travel);
         SlipPiece {
             travel: travel - before.travel,
@@ -102,7 +108,13 @@ impl<L: Lanes> SlipPiece<L> {
     /// Draws the state at an instant with three normals. `here` is the motion without noise at the
     /// instant.
     #[inline(always)]
-    pub fn state(&self, scene: &Scene, glance: Glance, here: &Way<L>, normals: [L; 3]) -> Slipping<L> {
+    pub fn state(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        here: &Way<L>,
+        normals: [L; 3],
+    ) -> Slipping<L> {
         let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(glance.time));
         let body = &scene.oscillator;
         // In a piece of zero length the state is that at its start.
@@ -111,11 +123,16 @@ impl<L: Lanes> SlipPiece<L> {
         let is_inside = part.gt(zero);
         let (way, drawn) = state_inside(self.start, &self.interval, part, normals);
         let passed = L::select(is_inside, way, zero);
-        let SlipVelocity { velocity, acceleration } = SlipVelocity::select(is_inside, drawn, self.start);
+        let SlipVelocity {
+            velocity,
+            acceleration,
+        } = SlipVelocity::select(is_inside, drawn, self.start);
         // The velocity is positive in law, but for a probability that the search neglects.
         let velocity = velocity.or_at_least(-here.motion.velocity);
         let off_travel = self.travel + passed;
-        let balance = acceleration * body.mass + velocity * (2.0 * body.damping) + off_travel * body.stiffness;
+        let balance = acceleration * body.mass
+            + velocity * (2.0 * body.damping)
+            + off_travel * body.stiffness;
         Slipping {
             travel: here.travel + off_travel,
             velocity: here.motion.velocity + velocity,
@@ -123,7 +140,10 @@ impl<L: Lanes> SlipPiece<L> {
             part,
             passed,
             off_travel,
-            off: SlipVelocity { velocity, acceleration },
+            off: SlipVelocity {
+                velocity,
+                acceleration,
+            },
         }
     }
 
@@ -160,7 +180,14 @@ impl<L: Lanes> SlipPiece<L> {
             interval: second,
             ..*self
         };
-        [SlipPiece { until: L::splat(glance.time), interval: first, ..*self }, behind]
+        [
+            SlipPiece {
+                until: L::splat(glance.time),
+                interval: first,
+                ..*self
+            },
+            behind,
+        ]
     }
 }
 
@@ -170,7 +197,12 @@ pub type Known = (f64, f64);
 /// Draws n at a time between two known values of it: from its bridge, or, at and beyond one of
 /// their times, that value itself.
 #[inline(always)]
-pub fn noise_between(scene: &Scene, [before, behind]: [Known; 2], time: f64, draws: &mut AddressedDraws) -> f64 {
+pub fn noise_between(
+    scene: &Scene,
+    [before, behind]: [Known; 2],
+    time: f64,
+    draws: &mut AddressedDraws,
+) -> f64 {
     if time <= before.0 {
         before.1
     } else if time >= behind.0 {
@@ -178,7 +210,13 @@ pub fn noise_between(scene: &Scene, [before, behind]: [Known; 2], time: f64, dra
     } else {
         let parts = (time - before.0, behind.0 - time);
         let ends = (before.1, behind.1);
-        let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, parts.0, parts.1, ends);
+        let (mean, sd) = bridge_at(
+            scene.relaxation_rate,
+            scene.diffusion,
+            parts.0,
+            parts.1,
+            ends,
+        );
         mean + sd * draws.normal()
     }
 }
@@ -229,7 +267,10 @@ impl<L: Lanes> Bridge<L> {
     #[inline(always)]
     pub fn anywhere(&self, normal: L) -> Stuck<L> {
         let noise = self.mean + self.sd * normal;
-        Stuck { noise, force: self.rest + noise }
+        Stuck {
+            noise,
+            force: self.rest + noise,
+        }
     }
 
     /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
@@ -240,7 +281,10 @@ impl<L: Lanes> Bridge<L> {
         let along = limit - side * (self.rest + self.mean) + self.sd * one;
         let distance = (along * along + self.sd * self.sd * (two * two + three * three)).sqrt();
         let force = side * (limit - distance);
-        Stuck { noise: force - self.rest, force }
+        Stuck {
+            noise: force - self.rest,
+            force,
+        }
     }
 }
 
@@ -249,7 +293,13 @@ impl<L: Lanes> StickPiece<L> {
     /// number. `halves` are the time changes of the parts before and after the instant, and `limits`
     /// those of b and -b at the start, at the instant and at the end.
     #[inline(always)]
-    pub fn stays(&self, limits: [[L; 2]; 3], halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+    pub fn stays(
+        &self,
+        limits: [[L; 2]; 3],
+        halves: &[TimeChange<L>; 2],
+        force: L,
+        uniform: L,
+    ) -> L::Mask {
         let ([first, last], [start, here, end]) = (halves, limits);
         let before = stay([start, here], first, (self.force.0, force));
         uniform.lt(before * stay([here, end], last, (force, self.force.1)))
@@ -258,7 +308,11 @@ impl<L: Lanes> StickPiece<L> {
     /// The side, 1 or -1, on which the stick band is left at the end of the piece.
     #[inline(always)]
     pub fn exit_side(&self) -> L {
-        L::select(self.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0))
+        L::select(
+            self.force.1.lt(L::splat(0.0)),
+            L::splat(-1.0),
+            L::splat(1.0),
+        )
     }
 
     /// Whether a bridge through b inside the piece, which meets the threshold at the end of the
@@ -272,10 +326,18 @@ impl<L: Lanes> StickPiece<L> {
         uniform: L,
     ) -> L::Mask {
         let one = L::splat(1.0);
-        let (is_up, [upper, lower]) =
-            (self.exit_side().gt(L::splat(0.0)), distances([start, here], (self.force.0, force)));
-        let this = (L::select(is_up, upper.0, lower.0), L::select(is_up, upper.1, lower.1));
-        let other = (L::select(is_up, lower.0, upper.0), L::select(is_up, lower.1, upper.1));
+        let (is_up, [upper, lower]) = (
+            self.exit_side().gt(L::splat(0.0)),
+            distances([start, here], (self.force.0, force)),
+        );
+        let this = (
+            L::select(is_up, upper.0, lower.0),
+            L::select(is_up, upper.1, lower.1),
+        );
+        let other = (
+            L::select(is_up, lower.0, upper.0),
+            L::select(is_up, lower.1, upper.1),
+        );
         let misses_this = one - meeting_probability(this, first.duration);
         let misses_both = no_meeting_probability(this, other, first.duration);
         // Where rounding leaves nothing of both, the other threshold is far away.
@@ -292,7 +354,10 @@ impl<L: Lanes> StickPiece<L> {
         let (is_first, is_last) = (time.le(self.after.0), time.ge(self.after.1));
         let noise = L::select(is_last, self.noise.1, drawn.noise);
         let force = L::select(is_last, self.force.1, drawn.force);
-        Stuck { noise: L::select(is_first, self.noise.0, noise), force: L::select(is_first, self.force.0, force) }
+        Stuck {
+            noise: L::select(is_first, self.noise.0, noise),
+            force: L::select(is_first, self.force.0, force),
+        }
     }
 
     /// The part of the piece after an instant.
@@ -317,7 +382,10 @@ fn stay<L: Lanes>(limits: [[L; 2]; 2], half: &TimeChange<L>, ends: (L, L)) -> L 
 /// The distances of two values of b from the upper threshold and from the lower one.
 #[inline(always)]
 fn distances<L: Lanes>([first, last]: [[L; 2]; 2], (from, to): (L, L)) -> [Distances<L>; 2] {
-    [(first[0] - from, last[0] - to), (first[1] + from, last[1] + to)]
+    [
+        (first[0] - from, last[0] - to),
+        (first[1] + from, last[1] + to),
+    ]
 }
 
 /// The number of attempts to draw a bridge that stays inside the band. An attempt takes up to

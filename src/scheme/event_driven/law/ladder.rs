@@ -51,7 +51,10 @@ impl StepLadder {
             firsts.push(firsts[firsts.len() - 1] + parts(pair[1] - pair[0]) as u64);
         }
         let usual = usual_spacing(&times);
-        StepLadder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
+        StepLadder {
+            length: usual / parts(usual),
+            cuts: Some(Arc::new(Cuts { times, firsts })),
+        }
     }
 
     /// Whether all cells have the same length.
@@ -64,16 +67,35 @@ impl StepLadder {
     pub fn rung(&self, index: u64) -> CellPlace {
         let Some(cuts) = &self.cuts else {
             let (start, end) = (index as f64 * self.length, (index + 1) as f64 * self.length);
-            return CellPlace { start, end, length: self.length, sample: 0.0 };
+            return CellPlace {
+                start,
+                end,
+                length: self.length,
+                sample: 0.0,
+            };
         };
         let Cuts { times, firsts } = cuts.as_ref();
-        let piece = firsts.partition_point(|first| *first <= index).clamp(1, firsts.len() - 1) - 1;
+        let piece = firsts
+            .partition_point(|first| *first <= index)
+            .clamp(1, firsts.len() - 1)
+            - 1;
         let (from, to) = (times[piece], times[piece + 1]);
         let (done, parts) = (index - firsts[piece], firsts[piece + 1] - firsts[piece]);
         let length = (to - from) / parts as f64;
         // The last cell before a sample ends exactly at the sample.
-        let at = |part: u64| if part == parts { to } else { from + part as f64 * length };
-        CellPlace { start: at(done), end: at(done + 1), length, sample: from }
+        let at = |part: u64| {
+            if part == parts {
+                to
+            } else {
+                from + part as f64 * length
+            }
+        };
+        CellPlace {
+            start: at(done),
+            end: at(done + 1),
+            length,
+            sample: from,
+        }
     }
 }
 
@@ -97,12 +119,26 @@ mod tests {
         }
         assert_eq!(at, 3.3);
         // The four intervals between samples have 3, 1, 3 and 3 cells.
-        assert_eq!([2, 3, 6, 9].map(|index| ladder.rung(index).end), [1.0, 1.3, 2.3, 3.3]);
-        assert_eq!([0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).sample), [0.0, 0.0, 1.0, 1.3, 2.3, 2.3]);
+        assert_eq!(
+            [2, 3, 6, 9].map(|index| ladder.rung(index).end),
+            [1.0, 1.3, 2.3, 3.3]
+        );
+        assert_eq!(
+            [0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).sample),
+            [0.0, 0.0, 1.0, 1.3, 2.3, 2.3]
+        );
         assert_eq!((ladder.length, ladder.is_even()), (1.0 / 3.0, false));
         assert_eq!(ladder.rung(10).start, 3.3);
         // Ten minutes are filled by three cells of 200 s.
         assert_eq!(StepLadder::cut(vec![0.0, 600.0], 200.0).length, 200.0);
-        assert_eq!(StepLadder::even(0.5).rung(7), CellPlace { start: 3.5, end: 4.0, length: 0.5, sample: 0.0 });
+        assert_eq!(
+            StepLadder::even(0.5).rung(7),
+            CellPlace {
+                start: 3.5,
+                end: 4.0,
+                length: 0.5,
+                sample: 0.0
+            }
+        );
     }
 }

@@ -14,7 +14,9 @@ use super::ladder::{CellPlace, StepLadder};
 use super::stick_band::{Limit, Limits};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
-use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature};
+use crate::model::{
+    Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature,
+};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -87,7 +89,10 @@ impl Scene {
             .collect();
         let Temperature { offset, trend, .. } = model.temperature;
         let series = model.temperature.series.clone();
-        let line = model.temperature.has_line().then_some([gain * offset, gain * trend]);
+        let line = model
+            .temperature
+            .has_line()
+            .then_some([gain * offset, gain * trend]);
         let mut noises = model.temperature.effective_noises();
         let (noise, two_noises) = match (noises.next(), noises.next()) {
             (Some(first), Some(second)) => {
@@ -95,12 +100,22 @@ impl Scene {
                 (both.inside(), Some(both))
             }
             (Some(noise), None) => (one_noise(&noise, gain), None),
-            (None, _) => (OneNoise { relaxation_rate: 1.0, diffusion: 0.0, initial: (0.0, 0.0) }, None),
+            (None, _) => (
+                OneNoise {
+                    relaxation_rate: 1.0,
+                    diffusion: 0.0,
+                    initial: (0.0, 0.0),
+                },
+                None,
+            ),
         };
         // A cell lasts at most from sample to sample, and at most as long as the noise remembers.
         let longest = series.as_ref().map(|series| series.longest_spacing());
         if let Some(longest) = longest.or(line.map(|_| 1.0 / noise.relaxation_rate)) {
-            harmonics.push(ForceHarmonic { force: Complex::ZERO, angular_frequency: LINE_ANGLE / longest });
+            harmonics.push(ForceHarmonic {
+                force: Complex::ZERO,
+                angular_frequency: LINE_ANGLE / longest,
+            });
         }
         Scene {
             oscillator,
@@ -124,13 +139,20 @@ impl Scene {
     #[inline(always)]
     pub fn limits(&self, x: f64, time: f64) -> [f64; 2] {
         let f_s = self.friction.static_force;
-        if self.own.has_load() { self.own.hold(x, time).excess.map(|excess| f_s + excess) } else { [f_s; 2] }
+        if self.own.has_load() {
+            self.own.hold(x, time).excess.map(|excess| f_s + excess)
+        } else {
+            [f_s; 2]
+        }
     }
 
     /// The limits where they are f_s at both ends of a piece.
     #[inline(always)]
     pub fn constant_limits<L: Lanes>(&self) -> [Limits<L>; 2] {
-        [[Limit { value: L::splat(self.friction.static_force), curvature: L::splat(0.0) }; 2]; 2]
+        [[Limit {
+            value: L::splat(self.friction.static_force),
+            curvature: L::splat(0.0),
+        }; 2]; 2]
     }
 
     /// b at rest in a slip in this direction, from b in a stick there.
@@ -167,13 +189,21 @@ impl Scene {
             return (first + second, second);
         }
         let (mean, sd) = self.initial_noise;
-        (if sd > 0.0 { mean + sd * path.for_start().normal() } else { mean }, 0.0)
+        (
+            if sd > 0.0 {
+                mean + sd * path.for_start().normal()
+            } else {
+                mean
+            },
+            0.0,
+        )
     }
 
     /// The relaxation rate that the length of a cell must resolve. With two noises it is larger
     /// than either theta (see [`TwoNoises::rate`]).
     pub fn noise_rate(&self) -> f64 {
-        self.two_noises.map_or(self.relaxation_rate, |both| both.rate())
+        self.two_noises
+            .map_or(self.relaxation_rate, |both| both.rate())
     }
 
     /// The longest cell that holds only so much work, however slowly the noise relaxes.
@@ -182,47 +212,76 @@ impl Scene {
     /// depends on the end. In a cell as long as 1/theta, a noise that hardly relaxes crosses the
     /// stick band any number of times. It takes (f_s/s)^2 to cross it, and a slip takes 1/w0.
     pub fn longest_cell(&self) -> f64 {
-        let (f_s, w0) = (self.friction.static_force, self.oscillator.natural_frequency());
+        let (f_s, w0) = (
+            self.friction.static_force,
+            self.oscillator.natural_frequency(),
+        );
         let crossing = f_s / self.diffusion;
         let cascade = crossing * crossing + if w0 > 0.0 { 1.0 / w0 } else { f64::INFINITY };
-        if cascade > 0.0 { MOST_CASCADES * cascade } else { f64::INFINITY }
+        if cascade > 0.0 {
+            MOST_CASCADES * cascade
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// The size of the changes of b that the noise causes until `end`; none if they are so small
     /// that they are lost in the rounding of the other forces.
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
-        let measured = self.series.as_ref().map_or(0.0, |series| self.force_per_temperature.abs() * series.bound());
-        let line = self.line.map_or(0.0, |[offset, trend]| offset.abs() + trend.abs() * end);
+        let measured = self.series.as_ref().map_or(0.0, |series| {
+            self.force_per_temperature.abs() * series.bound()
+        });
+        let line = self
+            .line
+            .map_or(0.0, |[offset, trend]| offset.abs() + trend.abs() * end);
         let forcing = harmonics + measured + line;
-        let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
-        let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
+        let forces = self.friction.static_force
+            + forcing
+            + self.oscillator.stiffness * self.initial_displacement.abs();
+        let wander =
+            self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
         (wander > BELOW_ROUNDING * forces).then_some(wander)
     }
 
     /// B', computed from the terms of B.
     #[inline]
     pub fn forcing_slope(&self, terms: &[Complex]) -> f64 {
-        -terms.iter().zip(&self.harmonics).map(|(p, h)| p.im * h.angular_frequency).sum::<f64>()
+        -terms
+            .iter()
+            .zip(&self.harmonics)
+            .map(|(p, h)| p.im * h.angular_frequency)
+            .sum::<f64>()
     }
 
     /// B at t = 0.
     pub fn initial_forcing(&self) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.re).sum();
-        let line = self.line.map_or(harmonics, |[offset, _]| harmonics + offset);
-        self.series.as_ref().map_or(line, |series| line + self.force_per_temperature * series.values()[0])
+        let line = self
+            .line
+            .map_or(harmonics, |[offset, _]| harmonics + offset);
+        self.series.as_ref().map_or(line, |series| {
+            line + self.force_per_temperature * series.values()[0]
+        })
     }
 
     /// The cells for this scene, each of at most this length. All have the same length, except that
     /// a cell also ends at every sample of a measured temperature and at every kink of g.
     pub fn ladder(&self, longest: f64, end: f64) -> StepLadder {
-        let samples = self.series.as_ref().map_or(&[][..], |series| series.times());
+        let samples = self
+            .series
+            .as_ref()
+            .map_or(&[][..], |series| series.times());
         let kinks = self.own.kinks(end, longest);
         let mut cuts = [&[0.0], samples, &kinks].concat();
         cuts.retain(|time| *time >= 0.0 && time.is_finite());
         cuts.sort_by(f64::total_cmp);
         cuts.dedup();
-        if cuts.len() < 2 { StepLadder::even(longest) } else { StepLadder::cut(cuts, longest) }
+        if cuts.len() < 2 {
+            StepLadder::even(longest)
+        } else {
+            StepLadder::cut(cuts, longest)
+        }
     }
 
     /// The transition of n over a cell: that of a free Ornstein-Uhlenbeck process, or, where the
@@ -234,7 +293,10 @@ impl Scene {
                 let ahead = (series.times()[series.piece(rung.sample) + 1] - rung.end).max(0.0);
                 // The mean of the bridge is `decay` times n, because its other end is zero.
                 let (decay, increment_sd) = bridge_at(theta, s, rung.length, ahead, (1.0, 0.0));
-                Transition { decay, increment_sd }
+                Transition {
+                    decay,
+                    increment_sd,
+                }
             }
             _ => Transition::new(theta, s, rung.length),
         }
@@ -251,7 +313,9 @@ impl Scene {
         if self.series.is_none() && self.line.is_none() {
             return;
         }
-        let (Some(h), Some(term)) = (self.harmonics.last(), terms.last_mut()) else { return };
+        let (Some(h), Some(term)) = (self.harmonics.last(), terms.last_mut()) else {
+            return;
+        };
         let gain = self.force_per_temperature;
         let measured = |series: &Arc<Series>| {
             let piece = series.piece(sample);
@@ -280,7 +344,11 @@ pub fn one_noise(noise: &Noise, gain: f64) -> OneNoise {
         InitialNoise::At(v) => (force * v, 0.0),
         InitialNoise::Stationary => (0.0, force.abs() * noise.stationary_sd()),
     };
-    OneNoise { relaxation_rate: noise.relaxation_rate, diffusion: force.abs() * noise.diffusion, initial }
+    OneNoise {
+        relaxation_rate: noise.relaxation_rate,
+        diffusion: force.abs() * noise.diffusion,
+        initial,
+    }
 }
 
 /// The largest angle by which the harmonic that represents a straight line turns from sample to

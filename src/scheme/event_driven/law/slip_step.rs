@@ -31,7 +31,11 @@ impl SlipStep {
     pub fn new(oscillator: &DrivenOscillator, harmonics: usize, length: f64) -> Self {
         let mut harmonics = vec![HarmonicResponse::none(); harmonics];
         let transition = oscillator.transition(length, &mut harmonics);
-        SlipStep { transition, root_length: length.sqrt(), harmonics }
+        SlipStep {
+            transition,
+            root_length: length.sqrt(),
+            harmonics,
+        }
     }
 
     /// Turns this step into that of another length.
@@ -47,10 +51,21 @@ impl SlipStep {
 
     /// The step between two places, with the motion there.
     #[inline(always)]
-    pub fn between(&self, eps: f64, (x0, start): (f64, SlipVelocity), (x1, end): (f64, SlipVelocity)) -> KnownStep {
+    pub fn between(
+        &self,
+        eps: f64,
+        (x0, start): (f64, SlipVelocity),
+        (x1, end): (f64, SlipVelocity),
+    ) -> KnownStep {
         let length = self.length();
         let travel = resolved_travel(eps * x0, eps * x1, start, end, length);
-        KnownStep { start, end, travel, length, root_length: self.root_length }
+        KnownStep {
+            start,
+            end,
+            travel,
+            length,
+            root_length: self.root_length,
+        }
     }
 
     /// The mean state at the end of the step, from a known start. `terms`, the terms of B, are
@@ -89,7 +104,10 @@ impl<L: Lanes> HarmonicResponse<L> {
         Push {
             x: p.re * x.0 - p.im * x.1,
             v: p.re * v.0 - p.im * v.1,
-            term: Complex { re: p.re * cos - p.im * sin, im: p.re * sin + p.im * cos },
+            term: Complex {
+                re: p.re * cos - p.im * sin,
+                im: p.re * sin + p.im * cos,
+            },
         }
     }
 }
@@ -101,8 +119,14 @@ impl<L: Lanes> SlipTransition<L> {
     pub fn free(&self, start: SlipPoint<L>, friction: L) -> SlipPoint<L> {
         let [x, v] = [&self.x, &self.v];
         SlipPoint {
-            x: x[0].mul_add(start.x, x[1].mul_add(start.v, x[2].mul_add(start.n, -(x[3] * friction)))),
-            v: v[0].mul_add(start.x, v[1].mul_add(start.v, v[2].mul_add(start.n, -(v[3] * friction)))),
+            x: x[0].mul_add(
+                start.x,
+                x[1].mul_add(start.v, x[2].mul_add(start.n, -(x[3] * friction))),
+            ),
+            v: v[0].mul_add(
+                start.x,
+                v[1].mul_add(start.v, v[2].mul_add(start.n, -(v[3] * friction))),
+            ),
             n: self.n * start.n,
         }
     }
@@ -130,7 +154,10 @@ pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: SlipPoint<L>) -> L 
 /// eps x' and its derivative, from the force b and the friction force `friction` = eps f_d.
 #[inline(always)]
 pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> SlipVelocity<L> {
-    SlipVelocity { velocity: eps * v, acceleration: eps * (force - friction) * (1.0 / body.mass) }
+    SlipVelocity {
+        velocity: eps * v,
+        acceleration: eps * (force - friction) * (1.0 / body.mass),
+    }
 }
 
 /// How long a step lasts, as a search for its stop needs it.
@@ -148,7 +175,11 @@ impl<L: Lanes> Extent<L> {
     /// The extent of a step of this length, for noise of intensity c.
     #[inline(always)]
     pub fn new(length: L, c: f64) -> Self {
-        Extent { length, inverse: L::splat(1.0) / length, noise: length.sqrt() * c }
+        Extent {
+            length,
+            inverse: L::splat(1.0) / length,
+            noise: length.sqrt() * c,
+        }
     }
 
     /// A step between two states, each with its b: the motion at its start, and the interval that
@@ -161,19 +192,38 @@ impl<L: Lanes> Extent<L> {
         (start, start_force): (&SlipPoint<L>, L),
         (end, end_force): (&SlipPoint<L>, L),
     ) -> (SlipVelocity<L>, Interval<L>) {
-        let Extent { length, inverse, noise } = self;
+        let Extent {
+            length,
+            inverse,
+            noise,
+        } = self;
         let (body, friction) = (&scene.oscillator, eps * scene.friction.dynamic_force);
         let first = motion(body, eps, start.v, start_force, friction);
         let last = motion(body, eps, end.v, end_force, friction);
         let travel = resolved_travel(eps * start.x, eps * end.x, first, last, length);
-        (first, Interval { end: last, travel, length, inverse, noise })
+        (
+            first,
+            Interval {
+                end: last,
+                travel,
+                length,
+                inverse,
+                noise,
+            },
+        )
     }
 }
 
 /// The distance x1 - x0. Where rounding of x0 and x1 hides the difference (far from x = 0, or in a
 /// very short step), it is the distance that the cubic through the motion at both ends covers.
 #[inline(always)]
-pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: SlipVelocity<L>, end: SlipVelocity<L>, h: L) -> L {
+pub fn resolved_travel<L: Lanes>(
+    x0: L,
+    x1: L,
+    start: SlipVelocity<L>,
+    end: SlipVelocity<L>,
+    h: L,
+) -> L {
     let travel = x1 - x0;
     let slopes = (start.velocity + end.velocity) * 0.5;
     let cubic = h * (slopes + h * (1.0 / 12.0) * (start.acceleration - end.acceleration));

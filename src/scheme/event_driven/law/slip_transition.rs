@@ -84,7 +84,11 @@ impl<L: Lanes> HarmonicResponse<L> {
     #[inline(always)]
     pub fn none() -> Self {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        HarmonicResponse { x: (zero, zero), v: (zero, zero), turn: (one, zero) }
+        HarmonicResponse {
+            x: (zero, zero),
+            v: (zero, zero),
+            turn: (one, zero),
+        }
     }
 }
 
@@ -119,27 +123,44 @@ impl DrivenOscillator {
         let (g, w0) = (damping_rate, natural_frequency);
         // The roots of the free oscillator: |l1|, |l2| <= |gamma| + sqrt(gamma^2 - w0^2) if it does
         // not oscillate, w0 otherwise.
-        let free = if g.abs() > w0 { g.abs() + ((g - w0) * (g + w0)).sqrt() } else { w0 };
-        let fastest = frequencies.iter().copied().fold(free.max(relaxation_rate), f64::max);
+        let free = if g.abs() > w0 {
+            g.abs() + ((g - w0) * (g + w0)).sqrt()
+        } else {
+            w0
+        };
+        let fastest = frequencies
+            .iter()
+            .copied()
+            .fold(free.max(relaxation_rate), f64::max);
         // Everything below is in units of 1/fastest.
         let damping = 2.0 * g / fastest;
         let stiffness = (w0 / fastest) * (w0 / fastest);
         let theta = relaxation_rate / fastest;
         let answer = |re: &dyn Fn(usize) -> f64| response(damping, stiffness, re);
         let zero = |_: usize| 0.0;
-        let (g_x, constant) = (answer(&|k| (-theta).powi(k as i32)), answer(&|k| if k == 0 { 1.0 } else { 0.0 }));
+        let (g_x, constant) = (
+            answer(&|k| (-theta).powi(k as i32)),
+            answer(&|k| if k == 0 { 1.0 } else { 0.0 }),
+        );
         let impulse = free_response(damping, stiffness);
         let decay: Series = std::array::from_fn(|k| (-theta).powi(k as i32) / factorial(k));
-        let spread: Series = std::array::from_fn(|k| (-2.0 * theta).powi(k as i32) / factorial(k + 1));
+        let spread: Series =
+            std::array::from_fn(|k| (-2.0 * theta).powi(k as i32) / factorial(k + 1));
         let slope: Series = std::array::from_fn(|k| (k + 2) as f64 * g_x[k]);
-        let [cov_nx, cov_vv, cov_xx] =
-            [(&decay, &g_x, 2), (&slope, &slope, 2), (&g_x, &g_x, 4)].map(|(a, b, n)| integral_of_product(a, b, n));
+        let [cov_nx, cov_vv, cov_xx] = [(&decay, &g_x, 2), (&slope, &slope, 2), (&g_x, &g_x, 4)]
+            .map(|(a, b, n)| integral_of_product(a, b, n));
         let of_harmonic = |w: f64| {
             // (i w)^k = w^k (1, i, -1, -i, ...)
             let re = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * w.powi(k as i32);
             let im = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * w.powi(k as i32);
-            let turn = |part: &dyn Fn(usize) -> f64| std::array::from_fn(|k| part(k) / factorial(k));
-            side_by_side([answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) }, turn(&re), turn(&im)])
+            let turn =
+                |part: &dyn Fn(usize) -> f64| std::array::from_fn(|k| part(k) / factorial(k));
+            side_by_side([
+                answer(&re),
+                if w == 0.0 { answer(&zero) } else { answer(&im) },
+                turn(&re),
+                turn(&im),
+            ])
         };
         DrivenOscillator {
             per_mass: 1.0 / mass,
@@ -149,8 +170,13 @@ impl DrivenOscillator {
             diffusion,
             frequencies: frequencies.to_vec(),
             fastest,
-            responses: side_by_side([impulse, g_x, cov_nx, cov_vv, cov_xx, constant, decay, spread]),
-            harmonic: frequencies.iter().map(|w| of_harmonic(w / fastest)).collect(),
+            responses: side_by_side([
+                impulse, g_x, cov_nx, cov_vv, cov_xx, constant, decay, spread,
+            ]),
+            harmonic: frequencies
+                .iter()
+                .map(|w| of_harmonic(w / fastest))
+                .collect(),
         }
     }
 
@@ -188,8 +214,22 @@ impl DrivenOscillator {
     #[inline(always)]
     pub fn series<L: Lanes>(&self, h: L) -> SlipTransition<L> {
         let r = h * self.fastest;
-        let (w2, g2, theta, per_mass) = (self.w0_squared, self.two_gamma, self.relaxation_rate, self.per_mass);
-        let [impulse, g_x, cov_nx, cov_vv, cov_xx, constant, remembered, spread] = sums(&self.responses, r);
+        let (w2, g2, theta, per_mass) = (
+            self.w0_squared,
+            self.two_gamma,
+            self.relaxation_rate,
+            self.per_mass,
+        );
+        let [
+            impulse,
+            g_x,
+            cov_nx,
+            cov_vv,
+            cov_xx,
+            constant,
+            remembered,
+            spread,
+        ] = sums(&self.responses, r);
         let (h2, one) = (h * h, L::splat(1.0));
         let impulse = h * impulse;
         let constant = h2 * constant; // int S
@@ -224,13 +264,24 @@ impl DrivenOscillator {
 
     /// The response to a harmonic over a step of [`series`](Self::series).
     #[inline(always)]
-    pub fn response<L: Lanes>(&self, step: &SlipTransition<L>, harmonic: usize) -> HarmonicResponse<L> {
+    pub fn response<L: Lanes>(
+        &self,
+        step: &SlipTransition<L>,
+        harmonic: usize,
+    ) -> HarmonicResponse<L> {
         let (h2, impulse, per_mass) = (step.length * step.length, step.x[1], self.per_mass);
         let [x_re, x_im, cos, sin] = sums(&self.harmonic[harmonic], step.length * self.fastest);
-        let (x, w) = ((h2 * x_re * per_mass, h2 * x_im * per_mass), self.frequencies[harmonic]);
+        let (x, w) = (
+            (h2 * x_re * per_mass, h2 * x_im * per_mass),
+            self.frequencies[harmonic],
+        );
         // G' = i w G + S/m.
         let v = (impulse * per_mass - x.1 * w, x.0 * w);
-        HarmonicResponse { x, v, turn: (cos, sin) }
+        HarmonicResponse {
+            x,
+            v,
+            turn: (cos, sin),
+        }
     }
 
     fn doubled(&self, step: &SlipTransition, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
@@ -247,14 +298,27 @@ impl DrivenOscillator {
         let g_x = a * c + b * g + c * n;
         // Rows of Phi Q, needed for Phi Q Phi^T.
         let (qx, qv) = (
-            [a * xx + b * vx + c * nx, a * vx + b * vv + c * nv, a * nx + b * nv + c * nn],
-            [e * xx + f * vx + g * nx, e * vx + f * vv + g * nv, e * nx + f * nv + g * nn],
+            [
+                a * xx + b * vx + c * nx,
+                a * vx + b * vv + c * nv,
+                a * nx + b * nv + c * nn,
+            ],
+            [
+                e * xx + f * vx + g * nx,
+                e * vx + f * vv + g * nv,
+                e * nx + f * nv + g * nn,
+            ],
         );
         let length = 2.0 * step.length;
         SlipTransition {
             length,
             x: [a * a + b * e, a * b + b * f, g_x, a * d + b * k + d],
-            v: [e * a + f * e, e * b + f * f, e * c + f * g + g * n, e * d + f * k + k],
+            v: [
+                e * a + f * e,
+                e * b + f * f,
+                e * c + f * g + g * n,
+                e * d + f * k + k,
+            ],
             n: n * n,
             covariance: [
                 increment_variance(self.relaxation_rate, self.diffusion, length),
@@ -356,7 +420,13 @@ pub fn given_noise<L: Lanes>(&[nn, nv, nx, vv, vx, xx]: &[L; 6]) -> [L; 5] {
     let l32 = ratio(rvx - rnv * rnx, l22);
     let l33 = (one - rnx * rnx - l32 * l32).or_at_least(zero).sqrt();
     let per_noise = ratio(one, sn);
-    [sv * rnv * per_noise, sv * l22, sx * rnx * per_noise, sx * l32, sx * l33]
+    [
+        sv * rnv * per_noise,
+        sv * l22,
+        sx * rnx * per_noise,
+        sx * l32,
+        sx * l33,
+    ]
 }
 
 /// a/b, or 0 where b = 0.

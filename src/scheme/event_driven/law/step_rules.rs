@@ -62,7 +62,11 @@ impl StepRules {
     /// in it.
     pub fn new(tolerance: f64) -> Self {
         let (least, greatest) = (*TOLERANCES.start(), *TOLERANCES.end());
-        let t = if tolerance > 0.0 { tolerance.clamp(least, greatest) } else { least } / DEFAULT_TOLERANCE;
+        let t = if tolerance > 0.0 {
+            tolerance.clamp(least, greatest)
+        } else {
+            least
+        } / DEFAULT_TOLERANCE;
         StepRules {
             slip_length: (0.5 * t.sqrt()).min(1.0),
             chord_error: (0.08 * t.sqrt()).min(0.15),
@@ -96,7 +100,10 @@ impl StepRules {
         (added > 0.0).then(|| {
             let static_force = scene.friction.static_force + added;
             let root = (static_force - scene.friction.dynamic_force) / scene.diffusion;
-            Resolution { static_force, shortest_slip: root * root }
+            Resolution {
+                static_force,
+                shortest_slip: root * root,
+            }
         })
     }
 }

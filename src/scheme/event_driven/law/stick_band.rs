@@ -64,7 +64,10 @@ pub type Limits<L = f64> = [Limit<L>; 2];
 /// The limit of b where the mask holds, that of -b elsewhere.
 #[inline(always)]
 pub fn on_side<L: Lanes>(is_up: L::Mask, [up, down]: &Limits<L>) -> Limit<L> {
-    Limit { value: L::select(is_up, up.value, down.value), curvature: L::select(is_up, up.curvature, down.curvature) }
+    Limit {
+        value: L::select(is_up, up.value, down.value),
+        curvature: L::select(is_up, up.curvature, down.curvature),
+    }
 }
 
 /// The distance between the limits of b and of -b.
@@ -96,14 +99,21 @@ impl StickBand {
     pub fn new(scene: &Scene, kappa: f64) -> Self {
         let s = scene.diffusion;
         let most_bend = (8.0 * kappa * s) * (8.0 * kappa * s);
-        StickBand { widest: 0.0, most_bend }.of_width(scene, 2.0 * scene.friction.static_force)
+        StickBand {
+            widest: 0.0,
+            most_bend,
+        }
+        .of_width(scene, 2.0 * scene.friction.static_force)
     }
 
     /// The rules where the stick band is this wide.
     #[inline(always)]
     pub fn of_width(self, scene: &Scene, width: f64) -> Self {
         let s = scene.diffusion;
-        StickBand { widest: width / (WIDTH_RULE * s * s), ..self }
+        StickBand {
+            widest: width / (WIDTH_RULE * s * s),
+            ..self
+        }
     }
 
     /// Whether the bridge between two nodes may leave the band, and whether the piece is too
@@ -117,14 +127,29 @@ impl StickBand {
         limits: &[Limits<L>; 2],
     ) -> Reach<L> {
         let (left, right) = nodes;
-        let (up, down) = (side(scene, 0, h, nodes, limits), side(scene, 1, h, nodes, limits));
+        let (up, down) = (
+            side(scene, 0, h, nodes, limits),
+            side(scene, 1, h, nodes, limits),
+        );
         let zero = L::splat(0.0);
-        let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
+        let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(
+            down.is_near,
+            down.bend,
+            zero,
+        ));
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
         let [first, last] = limits;
-        let way = (right.force.or_at_most(last[0].value).or_at_least(-last[1].value) - left.force).abs();
+        let way = (right
+            .force
+            .or_at_most(last[0].value)
+            .or_at_least(-last[1].value)
+            - left.force)
+            .abs();
         let is_wide = h.gt(((width(first) + width(last)) * 0.5 - way) * self.widest);
-        Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
+        Reach {
+            is_near: L::or(up.is_near, down.is_near),
+            is_long: L::or(is_wide, is_bent),
+        }
     }
 }
 
@@ -160,9 +185,19 @@ fn side<L: Lanes>(
     (left, right): (&Node<L>, &Node<L>),
     limits: &[Limits<L>; 2],
 ) -> Side<L> {
-    let (theta, side, [first, last]) = (scene.relaxation_rate, [1.0, -1.0][i], [&limits[0][i], &limits[1][i]]);
-    let (d0, d1) = (first.value - left.force * side, last.value - right.force * side);
-    let (bend0, bend1) = (bend(theta, side, left, first, d0), bend(theta, side, right, last, d1));
+    let (theta, side, [first, last]) = (
+        scene.relaxation_rate,
+        [1.0, -1.0][i],
+        [&limits[0][i], &limits[1][i]],
+    );
+    let (d0, d1) = (
+        first.value - left.force * side,
+        last.value - right.force * side,
+    );
+    let (bend0, bend1) = (
+        bend(theta, side, left, first, d0),
+        bend(theta, side, right, last, d1),
+    );
     let bend = bend0.or_at_least(bend1);
     let shift = bend * 0.125 * h * h;
     let y = h * theta;
@@ -171,7 +206,10 @@ fn side<L: Lanes>(
     let zero = L::splat(0.0);
     let is_beyond = (d0 * 2.0 * d1).ge(variance * FAR_EXPONENT);
     let is_far = L::and(L::and(d0.gt(zero), d1.gt(zero)), is_beyond);
-    Side { bend, is_near: L::not(is_far) }
+    Side {
+        bend,
+        is_near: L::not(is_far),
+    }
 }
 
 /// |U'' - theta^2 U| at one end, where `d` is the distance to the threshold.

@@ -19,7 +19,9 @@ use super::scene::Scene;
 use super::stick_band::{Limits, on_side, width};
 use crate::lanes::Lanes;
 use crate::model::Sign;
-use crate::noise::{AddressedDraws, BentThreshold, TimeChange, first_meeting_probability, misses_other};
+use crate::noise::{
+    AddressedDraws, BentThreshold, TimeChange, first_meeting_probability, misses_other,
+};
 
 /// The constants of a step of one length.
 #[derive(Clone, Debug)]
@@ -48,13 +50,21 @@ impl StickStep {
     /// A step of this length.
     #[inline(always)]
     pub fn new(scene: &Scene, length: f64) -> Self {
-        StickStep { length, noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length) }
+        StickStep {
+            length,
+            noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length),
+        }
     }
 
     /// The side on which the bridge between two forces leaves the band, and the time of this
     /// since the start of the step; none if it stays inside.
     #[inline(always)]
-    pub fn exit(&self, scene: &Scene, ends: &StickEnds<f64>, draws: &mut AddressedDraws) -> Option<(Sign, f64)> {
+    pub fn exit(
+        &self,
+        scene: &Scene,
+        ends: &StickEnds<f64>,
+        draws: &mut AddressedDraws,
+    ) -> Option<(Sign, f64)> {
         let [up, down] = self.first_meeting_probabilities(scene, ends);
         let u = draws.uniform();
         let sign = if u < up {
@@ -67,7 +77,8 @@ impl StickStep {
         let mut attempts = 1;
         loop {
             let [normal, place, acceptance] = [draws.normal(), draws.uniform(), draws.uniform()];
-            let (after, is_accepted) = self.meeting_time(scene, sign.value(), ends, [normal, place, acceptance]);
+            let (after, is_accepted) =
+                self.meeting_time(scene, sign.value(), ends, [normal, place, acceptance]);
             if is_accepted || attempts == ATTEMPTS {
                 return Some((sign, after));
             }
@@ -82,12 +93,24 @@ impl<L: Lanes> StickStep<L> {
     fn threshold(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> BentThreshold<L> {
         let theta = scene.relaxation_rate;
         let is_up = side.gt(L::splat(0.0));
-        let [first, last] = [on_side(is_up, &ends.limits[0]), on_side(is_up, &ends.limits[1])];
-        let (d0, d1) = (first.value - side * ends.start, last.value - side * ends.end);
+        let [first, last] = [
+            on_side(is_up, &ends.limits[0]),
+            on_side(is_up, &ends.limits[1]),
+        ];
+        let (d0, d1) = (
+            first.value - side * ends.start,
+            last.value - side * ends.end,
+        );
         // Threshold = n + distance, on this side.
         let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
-        let minus_c = threshold * (theta * theta) - side * ends.bend - (first.curvature + last.curvature) * 0.5;
-        BentThreshold { distances: (d0, d1), bend: minus_c * self.noise.bow, duration: self.noise.duration }
+        let minus_c = threshold * (theta * theta)
+            - side * ends.bend
+            - (first.curvature + last.curvature) * 0.5;
+        BentThreshold {
+            distances: (d0, d1),
+            bend: minus_c * self.noise.bow,
+            duration: self.noise.duration,
+        }
     }
 
     /// The probabilities that the bridge meets the upper threshold, and the lower one, before the
@@ -98,7 +121,10 @@ impl<L: Lanes> StickStep<L> {
         let up = self.threshold(scene, one, ends).straightened();
         let down = self.threshold(scene, -one, ends).straightened();
         let duration = self.noise.duration;
-        [first_meeting_probability(up, down, duration), first_meeting_probability(down, up, duration)]
+        [
+            first_meeting_probability(up, down, duration),
+            first_meeting_probability(down, up, duration),
+        ]
     }
 
     /// The time at which the bridge meets the threshold on a side, given that it does and meets no
@@ -117,7 +143,10 @@ impl<L: Lanes> StickStep<L> {
         let [first, last] = ends.limits;
         let width = (width(&first) + width(&last)) * 0.5;
         let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
-        let after = self.noise.time_at(scene.relaxation_rate, place).or_at_most(self.length);
+        let after = self
+            .noise
+            .time_at(scene.relaxation_rate, place)
+            .or_at_most(self.length);
         (after, acceptance.lt(chance * misses_other))
     }
 }
@@ -137,7 +166,13 @@ mod tests {
 
     /// The time at which a bridge of this duration between two values of n < 0 first reaches 0, if
     /// it does.
-    fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
+    fn first_touch(
+        scene: &Scene,
+        from: f64,
+        to: f64,
+        duration: f64,
+        draws: &mut AddressedDraws,
+    ) -> Option<f64> {
         let step = StickStep::new(scene, duration);
         let ends = StickEnds {
             limits: scene.constant_limits(),
@@ -158,7 +193,10 @@ mod tests {
     /// quadratic with these hyperbolic coefficients; they are symmetric in the two ends.
     fn bridge(from: f64, to: f64, t: f64, duration: f64) -> (f64, f64) {
         let (before, after, whole) = (t.sinh(), (duration - t).sinh(), duration.sinh());
-        ((from * after + to * before) / whole, (before * after / whole).sqrt())
+        (
+            (from * after + to * before) / whole,
+            (before * after / whole).sqrt(),
+        )
     }
 
     /// Null: the bridge from a to b, read backwards, is the bridge from b to a. The hitting times
@@ -179,7 +217,9 @@ mod tests {
         let n = f64::from(bridges);
         for (from, to) in [(-0.3, -1.1), (-1.1, -0.3)] {
             let mut draws = AddressedDraws::new(21, 0);
-            let touches: Vec<f64> = (0..bridges).filter_map(|_| first_touch(&scene, from, to, h, &mut draws)).collect();
+            let touches: Vec<f64> = (0..bridges)
+                .filter_map(|_| first_touch(&scene, from, to, h, &mut draws))
+                .collect();
             for t in [0.05, 0.5, 1.5, 1.95] {
                 let share = touches.iter().filter(|&&after| after <= t).count() as f64 / n;
 
@@ -197,14 +237,25 @@ mod tests {
                 let mass = (0..nodes).map(|i| {
                     let z = -farthest + 2.0 * farthest * (f64::from(i) + 0.5) / f64::from(nodes);
                     let state = mean + sd * z;
-                    let touched = if state >= 0.0 { 1.0 } else { (-2.0 * from * state / t.sinh()).exp() };
+                    let touched = if state >= 0.0 {
+                        1.0
+                    } else {
+                        (-2.0 * from * state / t.sinh()).exp()
+                    };
                     touched * (-0.5 * z * z).exp()
                 });
-                let exact = mass.sum::<f64>() * 2.0 * farthest / f64::from(nodes) / std::f64::consts::TAU.sqrt();
+                let exact = mass.sum::<f64>() * 2.0 * farthest
+                    / f64::from(nodes)
+                    / std::f64::consts::TAU.sqrt();
 
                 let error = (exact * (1.0 - exact) / n).sqrt();
-                println!("{from} to {to} by {t}: {share}, reversed {reversed}, exact {exact} +- {error}");
-                assert!((share - exact).abs() <= 3.9 * error, "{from} to {to} by {t}: {share}, exact {exact}");
+                println!(
+                    "{from} to {to} by {t}: {share}, reversed {reversed}, exact {exact} +- {error}"
+                );
+                assert!(
+                    (share - exact).abs() <= 3.9 * error,
+                    "{from} to {to} by {t}: {share}, exact {exact}"
+                );
                 assert!(
                     (share - reversed).abs() <= 3.9 * error * 2f64.sqrt(),
                     "{from} to {to} by {t}: {share} {reversed}"
@@ -222,8 +273,9 @@ mod tests {
         let scene = scene();
         for (from, to) in [(-0.1, -0.9), (-0.5, -2.0), (-0.01, -0.02)] {
             let count = |from: f64, to: f64| {
-                let hits = (0..100_000)
-                    .filter(|&i| first_touch(&scene, from, to, 0.7, &mut AddressedDraws::new(23, i)).is_some());
+                let hits = (0..100_000).filter(|&i| {
+                    first_touch(&scene, from, to, 0.7, &mut AddressedDraws::new(23, i)).is_some()
+                });
                 hits.count()
             };
             assert_eq!(count(from, to), count(to, from));
@@ -240,14 +292,18 @@ mod tests {
         let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
         let scene = Scene::new(&noise_alone(f_s, 1e-9));
         let step = StickStep::new(&scene, 1.0);
-        let normal = |x: f64, t: f64| (-x * x / (2.0 * t)).exp() / (std::f64::consts::TAU * t).sqrt();
+        let normal =
+            |x: f64, t: f64| (-x * x / (2.0 * t)).exp() / (std::f64::consts::TAU * t).sqrt();
         for end in [0.3, 1.1] {
             let density = |t: f64| {
                 let images = (-10..=10).map(|k| f_s - from + 4.0 * f_s * f64::from(k));
-                images.map(|d| d / t * normal(d, t)).sum::<f64>() * normal(end - f_s, 1.0 - t) / normal(end - from, 1.0)
+                images.map(|d| d / t * normal(d, t)).sum::<f64>() * normal(end - f_s, 1.0 - t)
+                    / normal(end - from, 1.0)
             };
             let times = (0..20_000).map(|i| (f64::from(i) + 0.5) / 20_000.0);
-            let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| (p + density(t) / 2e4, m + t * density(t) / 2e4));
+            let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| {
+                (p + density(t) / 2e4, m + t * density(t) / 2e4)
+            });
             let ends = StickEnds {
                 limits: scene.constant_limits(),
                 start: from,
@@ -257,12 +313,25 @@ mod tests {
             };
             let mut draws = AddressedDraws::new(26, 0);
             let exits = (0..bridges).filter_map(|_| step.exit(&scene, &ends, &mut draws));
-            let up: Vec<f64> = exits.filter(|exit| exit.0 == Sign::Positive).map(|exit| exit.1).collect();
+            let up: Vec<f64> = exits
+                .filter(|exit| exit.0 == Sign::Positive)
+                .map(|exit| exit.1)
+                .collect();
             let (mean, error) = mean_and_error(&up);
             let (got, n) = (up.len() as f64 / f64::from(bridges), f64::from(bridges));
-            println!("to {end}: {got}, exact {share}; {mean} +- {error}, exact {}", moment / share);
-            assert!((got - share).abs() < 3.9 * (share * (1.0 - share) / n).sqrt(), "to {end}: {got}, exact {share}");
-            assert!((mean - moment / share).abs() < 3.9 * error, "to {end}: {mean}, exact {}", moment / share);
+            println!(
+                "to {end}: {got}, exact {share}; {mean} +- {error}, exact {}",
+                moment / share
+            );
+            assert!(
+                (got - share).abs() < 3.9 * (share * (1.0 - share) / n).sqrt(),
+                "to {end}: {got}, exact {share}"
+            );
+            assert!(
+                (mean - moment / share).abs() < 3.9 * error,
+                "to {end}: {mean}, exact {}",
+                moment / share
+            );
         }
     }
 
@@ -275,9 +344,12 @@ mod tests {
     fn a_start_as_near_as_the_bend_is_not_an_exit() {
         let (scene, h): (Scene, f64) = (scene(), 1e-6);
         let sd = h.sqrt();
-        for (end, bent, exact) in
-            [(-1.0, 0.8, 0.053_349), (-1.0, -0.8, 0.073_214), (0.5, 0.8, 0.076_969), (0.5, -0.8, 0.086_527)]
-        {
+        for (end, bent, exact) in [
+            (-1.0, 0.8, 0.053_349),
+            (-1.0, -0.8, 0.073_214),
+            (0.5, 0.8, 0.076_969),
+            (0.5, -0.8, 0.086_527),
+        ] {
             let step = StickStep::new(&scene, h);
             let bend = bent * sd / (h * h);
             let ends = StickEnds {
@@ -288,11 +360,16 @@ mod tests {
                 mean_noise: 0.0,
             };
             let mut draws = AddressedDraws::new(24, 0);
-            let times: Vec<f64> =
-                (0..100_000).filter_map(|_| step.exit(&scene, &ends, &mut draws)).map(|(_, after)| after / h).collect();
+            let times: Vec<f64> = (0..100_000)
+                .filter_map(|_| step.exit(&scene, &ends, &mut draws))
+                .map(|(_, after)| after / h)
+                .collect();
             let mean = times.iter().sum::<f64>() / times.len() as f64;
             println!("to {end}, bent by {bent}: {mean}, exact {exact}");
-            assert!((mean / exact - 1.0).abs() < 0.06, "to {end}, bent by {bent}: {mean}, exact {exact}");
+            assert!(
+                (mean / exact - 1.0).abs() < 0.06,
+                "to {end}, bent by {bent}: {mean}, exact {exact}"
+            );
         }
     }
 }

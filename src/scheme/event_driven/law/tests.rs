@@ -32,12 +32,24 @@ pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
 /// the code has the Cholesky factor.
 pub fn free_step(start: SlipVelocity, h: f64, c: f64, draws: &mut AddressedDraws) -> KnownStep {
     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
-    let (root, SlipVelocity { velocity, acceleration }) = (c * h.sqrt(), start);
+    let (
+        root,
+        SlipVelocity {
+            velocity,
+            acceleration,
+        },
+    ) = (c * h.sqrt(), start);
     let end = SlipVelocity {
         velocity: velocity + h * acceleration + root * h * (0.5 * one + two / (2.0 * 3f64.sqrt())),
         acceleration: acceleration + root * one,
     };
     let noise = one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt());
     let travel = h * (velocity + 0.5 * h * acceleration) + root * h * h * noise;
-    KnownStep { start, end, travel, length: h, root_length: h.sqrt() }
+    KnownStep {
+        start,
+        end,
+        travel,
+        length: h,
+        root_length: h.sqrt(),
+    }
 }

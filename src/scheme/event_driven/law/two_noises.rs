@@ -55,9 +55,17 @@ impl TwoNoises {
         let [a, b] = self.0;
         let diffusion = a.diffusion.hypot(b.diffusion);
         let rate = |noise: OneNoise| noise.relaxation_rate * (noise.diffusion / diffusion);
-        let relaxation_rate = if diffusion > 0.0 { rate(a).hypot(rate(b)) } else { self.fastest() };
+        let relaxation_rate = if diffusion > 0.0 {
+            rate(a).hypot(rate(b))
+        } else {
+            self.fastest()
+        };
         let initial = (a.initial.0 + b.initial.0, a.initial.1.hypot(b.initial.1));
-        OneNoise { relaxation_rate, diffusion, initial }
+        OneNoise {
+            relaxation_rate,
+            diffusion,
+            initial,
+        }
     }
 
     /// The rate that the length of a cell must resolve, in the way in which it resolves theta of
@@ -68,7 +76,8 @@ impl TwoNoises {
 
     /// The transition of each noise over a cell of this length.
     pub fn transitions(&self, length: f64) -> [Transition; 2] {
-        self.0.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, length))
+        self.0
+            .map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, length))
     }
 
     /// Draws n1(0) and n2(0) of a path.

@@ -43,7 +43,10 @@ impl<L: Lanes> VelocityBounds<L> {
         let (v0, v1, quarter) = (left.velocity, next.end.velocity, next.length * 0.25);
         let (q0, q1) = (quarter * left.acceleration, quarter * next.end.acceleration);
         let middle = next.travel * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0);
-        VelocityBounds { controls: [v0, v0 + q0, middle, v1 - q1, v1], doubt: next.noise * next.length * caution }
+        VelocityBounds {
+            controls: [v0, v0 + q0, middle, v1 - q1, v1],
+            doubt: next.noise * next.length * caution,
+        }
     }
 
     /// Whether V is positive throughout; it may be zero at the start.
@@ -62,8 +65,10 @@ impl<L: Lanes> VelocityBounds<L> {
     pub fn has_one_zero(&self) -> L::Mask {
         let [v0, c1, c2, c3, v1] = self.controls;
         let zero = L::splat(0.0);
-        let ([first, second], [falling, fallen]) =
-            (halves(self.controls), slope_halves([c1 - v0, c2 - c1, c3 - c2, v1 - c3]));
+        let ([first, second], [falling, fallen]) = (
+            halves(self.controls),
+            slope_halves([c1 - v0, c2 - c1, c3 - c2, v1 - c3]),
+        );
         let at_ends = L::and(v0.gt(zero), v1.le(zero));
         let before = L::or(self.is_above(first), self.falls(falling));
         let after = L::or(self.is_below(second), self.falls(fallen));
@@ -81,21 +86,32 @@ impl<L: Lanes> VelocityBounds<L> {
     #[inline(always)]
     fn is_below(&self, [c1, c2, c3, c4]: [L; 4]) -> L::Mask {
         let [s1, s2, s3, s4] = self.doubts();
-        L::and(L::and(c1.lt(-s1), c2.lt(-s2)), L::and(c3.lt(-s3), c4.lt(-s4)))
+        L::and(
+            L::and(c1.lt(-s1), c2.lt(-s2)),
+            L::and(c3.lt(-s3), c4.lt(-s4)),
+        )
     }
 
     /// Whether V falls on a half whose slope has these control points.
     #[inline(always)]
     fn falls(&self, [d0, d1, d2, d3]: [L; 4]) -> L::Mask {
         let most = self.doubt * -SLOPE_SPREAD;
-        L::and(L::and(d0.lt(most), d1.lt(most * 2.0)), L::and(d2.lt(most * 4.0), d3.lt(most * 8.0)))
+        L::and(
+            L::and(d0.lt(most), d1.lt(most * 2.0)),
+            L::and(d2.lt(most * 4.0), d3.lt(most * 8.0)),
+        )
     }
 
     /// `caution` times [`SPREAD`], in the units of [`halves`].
     #[inline(always)]
     fn doubts(&self) -> [L; 4] {
         let [s1, s2, s3, s4] = SPREAD;
-        [self.doubt * (2.0 * s1), self.doubt * (4.0 * s2), self.doubt * (8.0 * s3), self.doubt * (16.0 * s4)]
+        [
+            self.doubt * (2.0 * s1),
+            self.doubt * (4.0 * s2),
+            self.doubt * (8.0 * s3),
+            self.doubt * (16.0 * s4),
+        ]
     }
 }
 
@@ -129,8 +145,15 @@ mod tests {
     /// sd V and sd a at a fraction of an interval with h = c = 1, from the factor of the
     /// conditional law.
     fn spreads(p: f64) -> [f64; 2] {
-        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|z| conditional_factor(p, z));
-        [1, 2].map(|row| columns.iter().map(|column| column[row] * column[row]).sum::<f64>().sqrt())
+        let columns =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|z| conditional_factor(p, z));
+        [1, 2].map(|row| {
+            columns
+                .iter()
+                .map(|column| column[row] * column[row])
+                .sum::<f64>()
+                .sqrt()
+        })
     }
 
     /// Bernstein's polynomial with these control points.
@@ -153,10 +176,23 @@ mod tests {
         let [s1, s2, s3, s4] = SPREAD;
         for i in 1..=100_000 {
             // Equidistant fractions, and fractions down to 1e-12 near the end.
-            for p in [0.5 * f64::from(i) / 1e5, 0.5 * 10f64.powf(-12.0 * f64::from(i) / 1e5)] {
-                let (bound, [v, a], q) = (bernstein(&[0.0, s1, s2, s3, s4], 2.0 * p), spreads(p), p * (1.0 - p));
-                let formula = [q * (q * (4.0 - 15.0 * q) / 12.0).sqrt(), (q * (1.0 - 8.0 * q + 20.0 * q * q)).sqrt()];
-                assert!((v / formula[0] - 1.0).abs() < 1e-7 && (a / formula[1] - 1.0).abs() < 1e-7, "{p}");
+            for p in [
+                0.5 * f64::from(i) / 1e5,
+                0.5 * 10f64.powf(-12.0 * f64::from(i) / 1e5),
+            ] {
+                let (bound, [v, a], q) = (
+                    bernstein(&[0.0, s1, s2, s3, s4], 2.0 * p),
+                    spreads(p),
+                    p * (1.0 - p),
+                );
+                let formula = [
+                    q * (q * (4.0 - 15.0 * q) / 12.0).sqrt(),
+                    (q * (1.0 - 8.0 * q + 20.0 * q * q)).sqrt(),
+                ];
+                assert!(
+                    (v / formula[0] - 1.0).abs() < 1e-7 && (a / formula[1] - 1.0).abs() < 1e-7,
+                    "{p}"
+                );
                 assert!(bound > v && a <= 0.25 + 1e-12, "{p}: {bound} {v} {a}");
             }
         }
@@ -216,9 +252,10 @@ mod tests {
             }
             is_positive &= next.end.velocity > 0.0;
             let has_one_zero = left.velocity > 0.0 && next.end.velocity <= 0.0 && phase < 3;
-            for (count, (said, is)) in
-                counts.iter_mut().zip([(bounds.is_positive(), is_positive), (bounds.has_one_zero(), has_one_zero)])
-            {
+            for (count, (said, is)) in counts.iter_mut().zip([
+                (bounds.is_positive(), is_positive),
+                (bounds.has_one_zero(), has_one_zero),
+            ]) {
                 assert!(is || !said, "{left:?} {next:?}");
                 count[0] += u32::from(is);
                 count[1] += u32::from(said);
@@ -233,24 +270,56 @@ mod tests {
     /// The control points give the derivative of the mean distance, in the middle of each half too.
     #[test]
     fn the_control_points_are_those_of_the_mean_velocity() {
-        let left = SlipVelocity { velocity: 0.7, acceleration: -1.3 };
-        let next = Interval::new(SlipVelocity { velocity: -0.4, acceleration: 0.9 }, 0.31, 0.8, 0.0);
+        let left = SlipVelocity {
+            velocity: 0.7,
+            acceleration: -1.3,
+        };
+        let next = Interval::new(
+            SlipVelocity {
+                velocity: -0.4,
+                acceleration: 0.9,
+            },
+            0.31,
+            0.8,
+            0.0,
+        );
         let controls = VelocityBounds::new(left, &next, 4.0).controls;
-        let step =
-            KnownStep { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
+        let step = KnownStep {
+            start: left,
+            end: next.end,
+            travel: next.travel,
+            length: 0.8,
+            root_length: 0.8f64.sqrt(),
+        };
         let [first, second] = halves(controls);
         let [falling, fallen] = slope_halves([0, 1, 2, 3].map(|i| controls[i + 1] - controls[i]));
-        let scaled = |outer: f64, [a, b, c, d]: [f64; 4]| [outer, a / 2.0, b / 4.0, c / 8.0, d / 16.0];
+        let scaled =
+            |outer: f64, [a, b, c, d]: [f64; 4]| [outer, a / 2.0, b / 4.0, c / 8.0, d / 16.0];
         let slope = |[a, b, c, d]: [f64; 4]| [a, b / 2.0, c / 4.0, d / 8.0].map(|d| 4.0 * d / 0.8);
         for i in 0..=20 {
             let p = f64::from(i) / 20.0;
             let mean = |p: f64| step.mean(p * 0.8).1;
-            assert!((bernstein(&controls, p) - mean(p).velocity).abs() < 1e-12, "{p}");
+            assert!(
+                (bernstein(&controls, p) - mean(p).velocity).abs() < 1e-12,
+                "{p}"
+            );
             let (early, late) = (mean(0.5 * p), mean(1.0 - 0.5 * p));
-            assert!((bernstein(&scaled(0.7, first), p) - early.velocity).abs() < 1e-12, "{p}");
-            assert!((bernstein(&scaled(-0.4, second), p) - late.velocity).abs() < 1e-12, "{p}");
-            assert!((bernstein(&slope(falling), p) - early.acceleration).abs() < 1e-11, "{p}");
-            assert!((bernstein(&slope(fallen), p) - late.acceleration).abs() < 1e-11, "{p}");
+            assert!(
+                (bernstein(&scaled(0.7, first), p) - early.velocity).abs() < 1e-12,
+                "{p}"
+            );
+            assert!(
+                (bernstein(&scaled(-0.4, second), p) - late.velocity).abs() < 1e-12,
+                "{p}"
+            );
+            assert!(
+                (bernstein(&slope(falling), p) - early.acceleration).abs() < 1e-11,
+                "{p}"
+            );
+            assert!(
+                (bernstein(&slope(fallen), p) - late.acceleration).abs() < 1e-11,
+                "{p}"
+            );
         }
     }
 }

@@ -52,8 +52,19 @@ pub fn first_root<const N: usize>(
         let (step, nearest) = jets(r)
             .iter()
             .enumerate()
-            .map(|(i, g)| (if g.value <= 0.0 { 0.0 } else { g.positive_for(span) }, i))
-            .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 || b.0.is_nan() { b } else { a });
+            .map(|(i, g)| {
+                (
+                    if g.value <= 0.0 {
+                        0.0
+                    } else {
+                        g.positive_for(span)
+                    },
+                    i,
+                )
+            })
+            .fold((f64::INFINITY, 0), |a, b| {
+                if b.0 < a.0 || b.0.is_nan() { b } else { a }
+            });
         if step.is_nan() || (step.is_infinite() && end.is_infinite()) {
             return Err(Unresolved::NoNumber);
         }
@@ -70,9 +81,17 @@ impl Jet {
     fn positive_for(&self, span: f64) -> f64 {
         // The bound is used over a distance of at least `span`, or the longer one over which it
         // doubles.
-        let window = if self.bend_growth > 0.0 { span.max(self.bend / self.bend_growth) } else { f64::INFINITY };
+        let window = if self.bend_growth > 0.0 {
+            span.max(self.bend / self.bend_growth)
+        } else {
+            f64::INFINITY
+        };
         let window = window.min(self.holds_for);
-        let bend = if window < f64::INFINITY { self.bend + self.bend_growth * window } else { self.bend };
+        let bend = if window < f64::INFINITY {
+            self.bend + self.bend_growth * window
+        } else {
+            self.bend
+        };
         let step = safe_step(self.value, self.slope, bend);
         // `min` is not used here, because it would hide a NaN.
         if step > window { window } else { step }
@@ -83,7 +102,15 @@ impl Jet {
 /// the form without cancellation for its sign of the slope.
 pub fn safe_step(value: f64, slope: f64, bend: f64) -> f64 {
     let root = (slope * slope + 2.0 * bend * value).sqrt();
-    if slope <= 0.0 { if value == 0.0 { 0.0 } else { 2.0 * value / (root - slope) } } else { (root + slope) / bend }
+    if slope <= 0.0 {
+        if value == 0.0 {
+            0.0
+        } else {
+            2.0 * value / (root - slope)
+        }
+    } else {
+        (root + slope) / bend
+    }
 }
 
 #[cfg(test)]
@@ -109,17 +136,30 @@ mod tests {
             assert_eq!(root.is_some(), found, "{lift}");
             if let Some((r, _)) = root {
                 // The zero to the left of the minimum is where 4.5 u^2 = -lift.
-                assert!((r - (40.0 - (-lift / 4.5).sqrt())).abs() < 1e-2 * (-lift / 4.5f64).sqrt(), "{r}");
+                assert!(
+                    (r - (40.0 - (-lift / 4.5).sqrt())).abs() < 1e-2 * (-lift / 4.5f64).sqrt(),
+                    "{r}"
+                );
             }
         }
     }
 
     #[test]
     fn simple_zeros_are_exact_to_rounding() {
-        let cosine =
-            |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0, holds_for: f64::INFINITY }];
+        let cosine = |r: f64| {
+            [Jet {
+                value: r.cos(),
+                slope: -r.sin(),
+                bend: 1.0,
+                bend_growth: 0.0,
+                holds_for: f64::INFINITY,
+            }]
+        };
         let root = first_root(cosine, 0.0, 9.0, 1.0, &mut WorkLeft::new(100));
         let (root, _) = root.expect("bounded").expect("before the end");
-        assert!((root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16, "{root}");
+        assert!(
+            (root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16,
+            "{root}"
+        );
     }
 }

@@ -18,8 +18,8 @@ use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::stretch::{End, Stretch, Stretches};
 use crate::model::{
-    Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow,
-    can_be_computed_with,
+    Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign,
+    SlipFlow, can_be_computed_with,
 };
 use crate::scheme::columns::Seen;
 use crate::scheme::{Along, Segment, Timeline};
@@ -73,18 +73,45 @@ impl Noiseless {
             Some(InitialNoise::Stationary) | None => 0.0,
         };
         let body = ForcedOscillator::new(model, noise_start);
-        let fastest = body.terms.iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
+        let fastest = body
+            .terms
+            .iter()
+            .map(|t| t.rate.abs())
+            .fold(model.oscillator.natural_frequency(), f64::max);
         // A body without a spring under a constant force has no time scale but that of the run.
-        let longest = if timeline.end > 0.0 { timeline.end } else { 1.0 };
-        let span = (1.0 / fastest).min(if fastest > 0.0 { f64::INFINITY } else { longest }).min(body.bounded_for());
-        Noiseless { model: model.clone(), timeline: *timeline, body, span, work_limit: work_limit(WITHOUT_NOISE) }
+        let longest = if timeline.end > 0.0 {
+            timeline.end
+        } else {
+            1.0
+        };
+        let span = (1.0 / fastest)
+            .min(if fastest > 0.0 {
+                f64::INFINITY
+            } else {
+                longest
+            })
+            .min(body.bounded_for());
+        Noiseless {
+            model: model.clone(),
+            timeline: *timeline,
+            body,
+            span,
+            work_limit: work_limit(WITHOUT_NOISE),
+        }
     }
 
     /// The motion of a sub-phase.
     fn flow<'a>(&'a self, leg: &'a Leg, direction: Sign) -> SlipFlow<'a> {
         let dynamic_force = self.model.friction.dynamic_force;
-        let LegStart { velocity, force, ref terms, line, .. } = leg.from;
-        self.body.slip((terms, line), velocity, force, direction, dynamic_force)
+        let LegStart {
+            velocity,
+            force,
+            ref terms,
+            line,
+            ..
+        } = leg.from;
+        self.body
+            .slip((terms, line), velocity, force, direction, dynamic_force)
     }
 
     fn series(&self) -> Option<&Series> {
@@ -97,15 +124,25 @@ impl Noiseless {
         let left = start.until(self.timeline.end);
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         let trend = self.model.temperature.trend;
-        let Some(series) = self.series() else { return (gain * trend, left, false) };
+        let Some(series) = self.series() else {
+            return (gain * trend, left, false);
+        };
         let mut piece = series.piece(start.value());
         // `start` has more digits than the double that found the piece, so it may lie in a later
         // one.
         while piece + 2 < series.times().len() && start.until(series.times()[piece + 1]) <= 0.0 {
             piece += 1;
         }
-        let until = if piece + 2 < series.times().len() { start.until(series.times()[piece + 1]) } else { left };
-        (gain * (series.slope(piece) + trend), until.min(left), until < left)
+        let until = if piece + 2 < series.times().len() {
+            start.until(series.times()[piece + 1])
+        } else {
+            left
+        };
+        (
+            gain * (series.slope(piece) + trend),
+            until.min(left),
+            until < left,
+        )
     }
 
     fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
@@ -114,7 +151,12 @@ impl Noiseless {
 
     /// The exit from a static phase that begins at a time and a displacement; none if it does not
     /// end before t_end.
-    pub fn stick_exit(&self, start: ExactTime, displacement: f64, work: &mut WorkLeft) -> Resolved<Option<Event>> {
+    pub fn stick_exit(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<Option<Event>> {
         let terms = self.terms_at(start);
         let force = self.force_at_rest(start, &terms, displacement);
         let mut leg = self.stick(start, displacement, force, terms, work)?;
@@ -131,7 +173,8 @@ impl Noiseless {
     fn force_at_rest(&self, time: ExactTime, terms: &[Complex], displacement: f64) -> f64 {
         let body = &self.model.oscillator;
         let measured = self.model.temperature.measured(time.value());
-        body.mass * terms.iter().map(|p| p.re).sum::<f64>() + body.force_at_rest(measured, displacement)
+        body.mass * terms.iter().map(|p| p.re).sum::<f64>()
+            + body.force_at_rest(measured, displacement)
     }
 
     /// A static phase and its exit, the first time at which |b| > f_s.
@@ -153,8 +196,10 @@ impl Noiseless {
         } else {
             let bend = m * self.body.forcing_curvature;
             let distances = |r: f64| {
-                let [increment, slope, _] =
-                    self.body.forcing_increment((&terms, line), r).map(|derivative| derivative * m);
+                let [increment, slope, _] = self
+                    .body
+                    .forcing_increment((&terms, line), r)
+                    .map(|derivative| derivative * m);
                 SIDES.map(|side| Jet {
                     value: (f_s - side * force) - side * increment,
                     slope: -side * slope,
@@ -163,24 +208,55 @@ impl Noiseless {
                     holds_for: f64::INFINITY,
                 })
             };
-            let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span, work)?;
+            let root = first_root(
+                distances,
+                self.inside(distances(0.0)),
+                horizon,
+                self.span,
+                work,
+            )?;
             root.map(|(r, side)| (r, SIDES[side] * f_s))
         };
         let end = exit.filter(|&(r, _)| r <= horizon).map(|(r, force)| {
             let kind = EventKind::SlipStarted(Sign::of(force));
-            (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
+            (
+                r,
+                End::Event(Event {
+                    kind,
+                    time: start.after(r).value(),
+                    displacement,
+                    force,
+                }),
+            )
         });
         let cut = (is_cut && !never).then_some((horizon, End::Cut(())));
-        let from = LegStart { displacement, velocity: 0.0, force, terms, line };
-        Ok(Leg { start, phase: Phase::Static, from, end: end.or(cut) })
+        let from = LegStart {
+            displacement,
+            velocity: 0.0,
+            force,
+            terms,
+            line,
+        };
+        Ok(Leg {
+            start,
+            phase: Phase::Static,
+            from,
+            end: end.or(cut),
+        })
     }
 
     /// Whether |K (beta T - x)| <= f_s for all phases of the forcing.
     fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
-        let Model { oscillator, temperature, .. } = &self.model;
+        let Model {
+            oscillator,
+            temperature,
+            ..
+        } = &self.model;
         let line = temperature.offset.abs() + temperature.trend.abs() * self.timeline.end;
         let measured = line + self.series().map_or(0.0, |series| series.bound());
-        oscillator.mass * self.body.forcing_size() + oscillator.force_bound(measured, displacement.abs()) <= f_s
+        oscillator.mass * self.body.forcing_size()
+            + oscillator.force_bound(measured, displacement.abs())
+            <= f_s
     }
 
     /// A time until which b stays in the band, for a stick that may begin exactly on a
@@ -193,7 +269,11 @@ impl Noiseless {
             slope if slope > 0.0 => safe_step(0.0, slope, g.bend),
             _ => self.indeterminate_start(),
         };
-        if distances.iter().all(|g| g.value > 0.0) { 0.0 } else { stays(&distances[0]).min(stays(&distances[1])) }
+        if distances.iter().all(|g| g.value > 0.0) {
+            0.0
+        } else {
+            stays(&distances[0]).min(stays(&distances[1]))
+        }
     }
 
     /// A sub-phase and its end, the first time after its start at which eps x' = 0.
@@ -209,18 +289,37 @@ impl Noiseless {
         let (line, horizon, is_cut) = self.line(start);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
         let eps = direction.value();
-        let flow = self.body.slip((&terms, line), velocity, force, direction, friction.dynamic_force);
+        let flow = self.body.slip(
+            (&terms, line),
+            velocity,
+            force,
+            direction,
+            friction.dynamic_force,
+        );
         let jet = |r: f64| {
             let state = flow.at(r);
             let (bend, bend_growth) = flow.jerk_bound(&state);
             let (value, slope) = (eps * state.velocity, eps * state.acceleration);
-            [Jet { value, slope, bend, bend_growth, holds_for: self.body.bounded_for() }]
+            [Jet {
+                value,
+                slope,
+                bend,
+                bend_growth,
+                holds_for: self.body.bounded_for(),
+            }]
         };
-        let earliest = if velocity == 0.0 { self.departure(&flow, eps) } else { 0.0 };
+        let earliest = if velocity == 0.0 {
+            self.departure(&flow, eps)
+        } else {
+            0.0
+        };
         let root = first_root(jet, earliest, horizon, self.span, work)?;
         let runs_away = root.is_none() && {
             let state = flow.at(horizon);
-            !can_be_computed_with(&[(displacement + state.displacement).abs(), state.velocity.abs()])
+            !can_be_computed_with(&[
+                (displacement + state.displacement).abs(),
+                state.velocity.abs(),
+            ])
         };
         if runs_away {
             return Err(Unresolved::NoNumber);
@@ -230,11 +329,30 @@ impl Noiseless {
             let displacement = displacement + state.displacement;
             let force = eps * friction.dynamic_force + mass * state.acceleration;
             let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
-            (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
+            (
+                r,
+                End::Event(Event {
+                    kind,
+                    time: start.after(r).value(),
+                    displacement,
+                    force,
+                }),
+            )
         });
         let end = end.or(is_cut.then_some((horizon, End::Cut(()))));
-        let from = LegStart { displacement, velocity, force, terms, line };
-        Ok(Leg { start, phase: Phase::Slip(direction), from, end })
+        let from = LegStart {
+            displacement,
+            velocity,
+            force,
+            terms,
+            line,
+        };
+        Ok(Leg {
+            start,
+            phase: Phase::Slip(direction),
+            from,
+            end,
+        })
     }
 
     /// A time before which eps x' cannot return to zero.
@@ -248,7 +366,10 @@ impl Noiseless {
         let bend = bend + growth * self.span;
         let by_acceleration = safe_step(0.0, eps * flow.start_acceleration, bend);
         let by_jerk = 3.0 * eps * state.jerk / flow.snap_bound(bend);
-        by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
+        by_acceleration
+            .max(by_jerk)
+            .min(self.span)
+            .max(self.indeterminate_start())
     }
 
     /// The shortest time that is resolved after the start of a phase at which value and slope of
@@ -283,12 +404,36 @@ impl Stretches for Noiseless {
         // A body that moves at t = 0: its first stick is empty.
         let force = force - 2.0 * self.model.oscillator.damping * velocity;
         let kind = EventKind::SlipStarted(Sign::of(velocity));
-        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
+        let end = Some((
+            0.0,
+            End::Event(Event {
+                kind,
+                time: 0.0,
+                displacement,
+                force,
+            }),
+        ));
         let (start, phase, line) = (ExactTime::ZERO, Phase::Static, 0.0);
-        Ok(Leg { start, phase, from: LegStart { displacement, velocity: 0.0, force, terms, line }, end })
+        Ok(Leg {
+            start,
+            phase,
+            from: LegStart {
+                displacement,
+                velocity: 0.0,
+                force,
+                terms,
+                line,
+            },
+            end,
+        })
     }
 
-    fn next(&self, leg: &Leg, (duration, end): (f64, End<()>), work: &mut WorkLeft) -> Resolved<Leg> {
+    fn next(
+        &self,
+        leg: &Leg,
+        (duration, end): (f64, End<()>),
+        work: &mut WorkLeft,
+    ) -> Resolved<Leg> {
         work.spend()?;
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
@@ -296,8 +441,19 @@ impl Stretches for Noiseless {
             (End::Event(event), _) => match event.kind.phase() {
                 Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
                 Phase::Slip(sign) => {
-                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
-                    self.slip(start, event.displacement, (velocity, event.force), terms, sign, work)
+                    let velocity = if event.time == 0.0 {
+                        self.model.initial_velocity
+                    } else {
+                        0.0
+                    };
+                    self.slip(
+                        start,
+                        event.displacement,
+                        (velocity, event.force),
+                        terms,
+                        sign,
+                        work,
+                    )
                 }
             },
             (End::Cut(()), Phase::Static) => {
@@ -321,9 +477,15 @@ impl Stretches for Noiseless {
     }
 
     fn segments(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
-        let Phase::Slip(direction) = leg.phase else { return Ok(()) };
-        let (flow, pieces) =
-            (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
+        let Phase::Slip(direction) = leg.phase else {
+            return Ok(());
+        };
+        let (flow, pieces) = (
+            self.flow(leg, direction),
+            (duration / (PIECE * self.span))
+                .ceil()
+                .clamp(1.0, MOST_PIECES),
+        );
         let (mut here, mut i) = (flow.at(0.0), 0.0);
         while i < pieces {
             let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
@@ -334,7 +496,10 @@ impl Stretches for Noiseless {
                 displacement: leg.from.displacement + here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration], temperature: None },
+                along: Along::Smooth {
+                    acceleration: [here.acceleration, there.acceleration],
+                    temperature: None,
+                },
             });
             (here, i) = (there, i + 1.0);
         }
@@ -347,17 +512,27 @@ impl Stretches for Noiseless {
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // With beta = 0 the terms of the body do not contain the temperature that the observer
         // sees. With samples, a leg without an end may extend over several of them.
-        let temperature = if gain == 0.0 || self.series().is_some() || self.model.temperature.has_line() {
-            self.model.temperature.mean(t)
-        } else {
-            let here: f64 = terms.iter().zip(&leg.from.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
-            here / gain
-        };
+        let temperature =
+            if gain == 0.0 || self.series().is_some() || self.model.temperature.has_line() {
+                self.model.temperature.mean(t)
+            } else {
+                let here: f64 = terms
+                    .iter()
+                    .zip(&leg.from.terms)
+                    .map(|(term, p)| (*p * (term.rate * r).exp()).re)
+                    .sum();
+                here / gain
+            };
         Ok(match leg.phase {
             Phase::Static => (leg.from.displacement, 0.0, temperature, true),
             Phase::Slip(direction) => {
                 let state = self.flow(leg, direction).at(r);
-                (leg.from.displacement + state.displacement, state.velocity, temperature, false)
+                (
+                    leg.from.displacement + state.displacement,
+                    state.velocity,
+                    temperature,
+                    false,
+                )
             }
         })
     }

@@ -66,7 +66,12 @@ pub trait Stretches {
     fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Resolved<Seen>;
 
     /// The first part of a stretch, of this duration, in pieces that a quintic describes.
-    fn segments(&self, stretch: &StretchOf<Self>, duration: f64, tell: impl FnMut(Segment)) -> Resolved<()>;
+    fn segments(
+        &self,
+        stretch: &StretchOf<Self>,
+        duration: f64,
+        tell: impl FnMut(Segment),
+    ) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
@@ -77,8 +82,13 @@ pub trait Stretches {
         let mut stretch = self.first(&mut work);
         let follows = observer.borrow().follows();
         let follow = |stretch: &Stretch<_, _>, duration: f64| {
-            let tell = |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
-            if follows { self.segments(stretch, duration, tell) } else { Ok(()) }
+            let tell =
+                |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
+            if follows {
+                self.segments(stretch, duration, tell)
+            } else {
+                Ok(())
+            }
         };
         for stop in self.timeline().stops() {
             while let Ok(here) = &stretch
@@ -102,10 +112,20 @@ pub trait Stretches {
             if is_stopped() {
                 break;
             }
-            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
+            observer
+                .borrow_mut()
+                .snapshot(stop.instant, columns.snapshot(stop.time));
         }
         let why = stretch.err();
-        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
-        Simulated { lost, why, evaluations: self.work_limit() - work.left() }
+        let lost = if why.is_some() {
+            (0..lanes).collect()
+        } else {
+            Vec::new()
+        };
+        Simulated {
+            lost,
+            why,
+            evaluations: self.work_limit() - work.left(),
+        }
     }
 }

@@ -26,9 +26,20 @@ impl<'a> WithUnfeltNoise<'a> {
     /// The observer of these paths of a model.
     pub fn new(model: &Model, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> Self {
         let noise = model.temperature.effective_noise().filter(Noise::is_random);
-        let start = |noise| paths.iter().map(|&path| Lane::start(noise, Stream::new(seed, path))).collect();
+        let start = |noise| {
+            paths
+                .iter()
+                .map(|&path| Lane::start(noise, Stream::new(seed, path)))
+                .collect()
+        };
         let lanes = noise.as_ref().map_or(Vec::new(), start);
-        WithUnfeltNoise { observer, noise, lanes, time: 0.0, temperature: Vec::new() }
+        WithUnfeltNoise {
+            observer,
+            noise,
+            lanes,
+            time: 0.0,
+            temperature: Vec::new(),
+        }
     }
 }
 
@@ -66,9 +77,15 @@ impl Observer for WithUnfeltNoise<'_> {
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
-        let Some(noise) = self.noise else { return self.observer.snapshot(instant, snapshot) };
+        let Some(noise) = self.noise else {
+            return self.observer.snapshot(instant, snapshot);
+        };
         if snapshot.time > self.time {
-            let step = Transition::new(noise.relaxation_rate, noise.diffusion, snapshot.time - self.time);
+            let step = Transition::new(
+                noise.relaxation_rate,
+                noise.diffusion,
+                snapshot.time - self.time,
+            );
             for lane in &mut self.lanes {
                 lane.fluctuation = step.next(lane.fluctuation, lane.draws.normal());
             }
@@ -76,7 +93,14 @@ impl Observer for WithUnfeltNoise<'_> {
         }
         self.temperature.clear();
         let lanes = snapshot.temperature.iter().zip(&self.lanes);
-        self.temperature.extend(lanes.map(|(mean, lane)| mean + noise.intensity * lane.fluctuation));
-        self.observer.snapshot(instant, Snapshot { temperature: &self.temperature, ..snapshot });
+        self.temperature
+            .extend(lanes.map(|(mean, lane)| mean + noise.intensity * lane.fluctuation));
+        self.observer.snapshot(
+            instant,
+            Snapshot {
+                temperature: &self.temperature,
+                ..snapshot
+            },
+        );
     }
 }

@@ -76,14 +76,20 @@ struct Trial {
 /// from g at the start, in the middle and at the end.
 #[inline(always)]
 fn simpson(start: f64, [middle, end]: [f64; 2]) -> [f64; 2] {
-    [(start + 4.0 * middle + end) / 6.0, (start + 2.0 * middle) / 3.0]
+    [
+        (start + 4.0 * middle + end) / 6.0,
+        (start + 2.0 * middle) / 3.0,
+    ]
 }
 
 /// The same by Boole's rule, which also has g after a quarter and after three of them.
 #[inline(always)]
 fn boole(start: f64, [first, middle, third, end]: [f64; 4]) -> [f64; 2] {
     let for_v = (7.0 * start + 32.0 * first + 12.0 * middle + 32.0 * third + 7.0 * end) / 90.0;
-    [for_v, (14.0 * start + 48.0 * first + 12.0 * middle + 16.0 * third) / 90.0]
+    [
+        for_v,
+        (14.0 * start + 48.0 * first + 12.0 * middle + 16.0 * third) / 90.0,
+    ]
 }
 
 /// The larger of the differences of both means.
@@ -109,20 +115,33 @@ impl TrialStart {
             t[end] = self.time + h;
         }
         (t[6], t[7]) = (self.time + 0.25 * h, self.time + 0.75 * h);
-        let (mut g, mut means, mut changes) = ([here; 8], [[here; 2]; WAYS.len()], [[0.0; WAYS.len()]; PASSES]);
+        let (mut g, mut means, mut changes) = (
+            [here; 8],
+            [[here; 2]; WAYS.len()],
+            [[0.0; WAYS.len()]; PASSES],
+        );
         for change in &mut changes {
             for (way, side) in WAYS.into_iter().enumerate() {
-                let [for_v, for_x] = means[way].map(|mean| self.acceleration + (mean - here) / scene.oscillator.mass);
+                let [for_v, for_x] = means[way]
+                    .map(|mean| self.acceleration + (mean - here) / scene.oscillator.mass);
                 let end = [self.x + h * (self.v + 0.5 * h * for_x), self.v + h * for_v];
-                let accelerations =
-                    [self.acceleration, self.acceleration + (g[3 + way] - here) / scene.oscillator.mass];
+                let accelerations = [
+                    self.acceleration,
+                    self.acceleration + (g[3 + way] - here) / scene.oscillator.mass,
+                ];
                 let middle = middle(h, [self.x, end[0]], [self.v, end[1]], accelerations);
-                (x[way], v[way]) = (middle.0 + side * MIDWAY[0] * dx, middle.1 + side * MIDWAY[1] * dv);
+                (x[way], v[way]) = (
+                    middle.0 + side * MIDWAY[0] * dx,
+                    middle.1 + side * MIDWAY[1] * dv,
+                );
                 (x[3 + way], v[3 + way]) = (end[0] + side * dx, end[1] + side * dv);
                 if way == 0 {
                     let (xs, vs, [a0, a1]) = ([self.x, end[0]], [self.v, end[1]], accelerations);
                     (x[6], v[6]) = (quarter(h, xs, vs), quarter(h, vs, accelerations));
-                    (x[7], v[7]) = (quarter(-h, [xs[1], xs[0]], [vs[1], vs[0]]), quarter(-h, [vs[1], vs[0]], [a1, a0]));
+                    (x[7], v[7]) = (
+                        quarter(-h, [xs[1], xs[0]], [vs[1], vs[0]]),
+                        quarter(-h, [vs[1], vs[0]], [a1, a0]),
+                    );
                 }
             }
             g = scene.own.at_each(self.direction, &x, &v, &t);
@@ -143,7 +162,13 @@ impl TrialStart {
         }
         let bends = [0, 1, 2].map(|way| here - 2.0 * g[way] + g[3 + way]);
         let bend = USUAL * largest((bends[1] - bends[0]).abs(), (bends[2] - bends[0]).abs());
-        Trial { means: means[0], end: g[3], error, unsettled, bend }
+        Trial {
+            means: means[0],
+            end: g[3],
+            error,
+            unsettled,
+            bend,
+        }
     }
 }
 
@@ -185,8 +210,18 @@ impl OwnForce {
     #[inline(always)]
     pub fn new(scene: &Scene, direction: Sign, time: f64, path: &Path<f64>) -> Option<Self> {
         scene.own.is_some().then(|| {
-            let here = scene.own.at(Some(direction), path.displacement, path.motion, time);
-            OwnForce { here, push: here, more: 0.0, end: here, start_force: path.force, halvings: 0, may_grow: false }
+            let here = scene
+                .own
+                .at(Some(direction), path.displacement, path.motion, time);
+            OwnForce {
+                here,
+                push: here,
+                more: 0.0,
+                end: here,
+                start_force: path.force,
+                halvings: 0,
+                may_grow: false,
+            }
         })
     }
 
@@ -201,22 +236,41 @@ impl OwnForce {
         path: &mut Path<f64>,
         partial: &'s mut SlipStep,
     ) -> Resolved<(&'s SlipStep, bool)> {
-        let Scene { oscillator, friction, .. } = &slip.noisy.scene;
+        let Scene {
+            oscillator,
+            friction,
+            ..
+        } = &slip.noisy.scene;
         let finest = slip.noisy.halved.len() - 1;
-        let mut halvings = if self.may_grow { self.halvings.saturating_sub(1) } else { self.halvings };
+        let mut halvings = if self.may_grow {
+            self.halvings.saturating_sub(1)
+        } else {
+            self.halvings
+        };
         // Halvings that leave more than what remains of the cell change nothing.
         while halvings < finest && slip.noisy.halved[halvings + 1].length() >= remaining {
             halvings += 1;
         }
         let acceleration = (path.force - slip.friction()) / oscillator.mass;
         let (x, v, time) = (path.displacement, path.motion, slip.time(path));
-        let start = TrialStart { direction: slip.direction, x, v, acceleration, time };
+        let start = TrialStart {
+            direction: slip.direction,
+            x,
+            v,
+            acceleration,
+            time,
+        };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
         let most_error = slip.noisy.rules.most_error * friction.static_force.max(SHARE * forces);
         loop {
             path.work.spend()?;
             let step = &slip.noisy.halved[halvings];
-            let trial = start.trial(&slip.noisy.scene, self.here, step.length().min(remaining), step.spread());
+            let trial = start.trial(
+                &slip.noisy.scene,
+                self.here,
+                step.length().min(remaining),
+                step.spread(),
+            );
             let is_resolved = trial.error <= most_error
                 && trial.unsettled <= most_error
                 && trial.bend <= slip.noisy.rules.most_bend * forces;
@@ -241,30 +295,42 @@ impl OwnForce {
     #[inline(always)]
     fn start_from(&mut self, trial: &Trial, start_force: f64) {
         let [for_v, for_x] = trial.means;
-        (self.push, self.more, self.end, self.start_force) = (for_v, for_x - for_v, trial.end, start_force);
+        (self.push, self.more, self.end, self.start_force) =
+            (for_v, for_x - for_v, trial.end, start_force);
     }
 
     /// Corrects the end of a step that was drawn with the constant for g, and b there.
     #[inline(always)]
-    pub fn correct(&mut self, slip: &Slip<'_>, step: &SlipStep, start: SlipPoint, path: &mut Path<f64>) {
+    pub fn correct(
+        &mut self,
+        slip: &Slip<'_>,
+        step: &SlipStep,
+        start: SlipPoint,
+        path: &mut Path<f64>,
+    ) {
         let scene = &slip.noisy.scene;
         let (h, time, body) = (step.length(), slip.time(path), &scene.oscillator);
         let (friction, unit) = (slip.friction(), h / (6.0 * body.mass));
         // S and S' after the whole step, and after half of it by the cubic between both ends.
         let (whole, slope) = (step.transition.x[1], step.transition.v[1]);
-        let (half, half_slope) = (0.5 * whole + 0.125 * h * (1.0 - slope), 1.5 * whole / h - 0.25 * (1.0 + slope));
+        let (half, half_slope) = (
+            0.5 * whole + 0.125 * h * (1.0 - slope),
+            1.5 * whole / h - 0.25 * (1.0 + slope),
+        );
         let (drawn, mut end) = ((path.displacement, path.motion, path.force), self.end);
         let (mut dx, mut dv) = (3.0 * h * unit * self.more, 0.0);
         for _ in 0..CORRECTIONS {
             let (x1, v1) = (drawn.0 + dx, drawn.1 + dv);
             let force = drawn.2 - body.stiffness * dx - 2.0 * body.damping * dv + end;
-            let accelerations = [self.start_force - friction, force - friction].map(|force| force / body.mass);
+            let accelerations =
+                [self.start_force - friction, force - friction].map(|force| force / body.mass);
             let (xm, vm) = middle(h, [start.x, x1], [start.v, v1], accelerations);
             let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
             (x[1], v[1], t[1]) = (x1, v1, time);
             let middle;
             [middle, end, ..] = scene.own.at_each(slip.direction, &x, &v, &t);
-            let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| unit * (g - self.push));
+            let [on_start, on_middle, on_end] =
+                [self.here, middle, end].map(|g| unit * (g - self.push));
             dx = whole * on_start + 4.0 * half * on_middle;
             dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;
         }
@@ -292,7 +358,9 @@ mod tests {
     use crate::model::{Expression, Force};
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
-    use crate::scheme::event_driven::law::{Cell, DEFAULT_TOLERANCE, StepRules, force, tests::mean_and_error};
+    use crate::scheme::event_driven::law::{
+        Cell, DEFAULT_TOLERANCE, StepRules, force, tests::mean_and_error,
+    };
     use crate::scheme::event_driven::noisy::Noisy;
     use crate::scheme::event_driven::work::WorkLeft;
 
@@ -309,7 +377,12 @@ mod tests {
         model.initial_displacement = 2.0;
         let law = Expression::parse("-0.3*x^3 + 0.4*(1 - x^2)*xdot", &[]).expect("an expression");
         model.force = Some(Force::new(law));
-        let timeline = Timeline { end: DURATION, output_step: DURATION, period: None, after: 0.0 };
+        let timeline = Timeline {
+            end: DURATION,
+            output_step: DURATION,
+            period: None,
+            after: 0.0,
+        };
         Noisy::new(&model, &timeline, &StepRules::new(DEFAULT_TOLERANCE))
     }
 
@@ -317,32 +390,68 @@ mod tests {
     fn noise(noisy: &Noisy, part: &SlipStep, path: u64) -> Vec<SlipPoint> {
         let mut draws = AddressedDraws::new(1, path);
         let sd = part.transition.covariance[0].sqrt();
-        let zero = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
+        let zero = SlipPoint {
+            x: 0.0,
+            v: 0.0,
+            n: 0.0,
+        };
         assert!(noisy.scene.diffusion > 0.0);
-        (0..PARTS).map(|_| part.transition.drawn(zero, sd * draws.normal(), draws.normal_pair())).collect()
+        (0..PARTS)
+            .map(|_| {
+                part.transition
+                    .drawn(zero, sd * draws.normal(), draws.normal_pair())
+            })
+            .collect()
     }
 
     /// x and x' after so many equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
         let cell = Cell::new(scene, &noisy.route.ladder, 0);
-        let slip = Slip { noisy, cell: &cell, direction: Sign::Positive, end_noise: 0.0 };
+        let slip = Slip {
+            noisy,
+            cell: &cell,
+            direction: Sign::Positive,
+            end_noise: 0.0,
+        };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));
         let mut own = OwnForce::new(scene, slip.direction, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
-            let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
+            let start = SlipPoint {
+                x: path.displacement,
+                v: path.motion,
+                n: path.noise,
+            };
             let (direction, time) = (slip.direction, path.after);
-            let from = TrialStart { direction, x: start.x, v: start.v, acceleration: path.force, time };
+            let from = TrialStart {
+                direction,
+                x: start.x,
+                v: start.v,
+                acceleration: path.force,
+                time,
+            };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
             own.start_from(&trial, path.force);
-            let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
+            let mut drawn = SlipPoint {
+                x: 0.0,
+                v: 0.0,
+                n: 0.0,
+            };
             for more in noise {
                 let mean = part.transition.free(drawn, 0.0);
-                drawn = SlipPoint { x: mean.x + more.x, v: mean.v + more.v, n: mean.n + more.n };
+                drawn = SlipPoint {
+                    x: mean.x + more.x,
+                    v: mean.v + more.v,
+                    n: mean.n + more.n,
+                };
             }
             let mean = step.mean(start, &mut [], -own.push);
-            let drawn = SlipPoint { x: mean.x + drawn.x, v: mean.v + drawn.v, n: mean.n + drawn.n };
+            let drawn = SlipPoint {
+                x: mean.x + drawn.x,
+                v: mean.v + drawn.v,
+                n: mean.n + drawn.n,
+            };
             path.after += step.length();
             (path.displacement, path.motion, path.noise) = (drawn.x, drawn.v, drawn.n);
             path.force = force(&scene.oscillator, 0.0, drawn);
@@ -359,13 +468,28 @@ mod tests {
         let noisy = scene();
         let part = SlipStep::new(&noisy.oscillator, 0, DURATION / PARTS as f64);
         let noises: Vec<_> = (0..4000).map(|path| noise(&noisy, &part, path)).collect();
-        let ends = |steps| -> Vec<_> { noises.iter().map(|noise| end(&noisy, &part, noise, steps)).collect() };
+        let ends = |steps| -> Vec<_> {
+            noises
+                .iter()
+                .map(|noise| end(&noisy, &part, noise, steps))
+                .collect()
+        };
         let exact = ends(PARTS);
         let errors = |steps| {
             let pairs: Vec<_> = ends(steps).into_iter().zip(&exact).collect();
-            let of = |of: fn([f64; 2]) -> f64| pairs.iter().map(|(a, b)| of(*a) - of(**b)).collect::<Vec<_>>();
-            [of(|[x, _]| x), of(|[_, v]| v), of(|[x, _]| x * x), of(|[_, v]| v * v)]
-                .map(|errors| mean_and_error(&errors))
+            let of = |of: fn([f64; 2]) -> f64| {
+                pairs
+                    .iter()
+                    .map(|(a, b)| of(*a) - of(**b))
+                    .collect::<Vec<_>>()
+            };
+            [
+                of(|[x, _]| x),
+                of(|[_, v]| v),
+                of(|[x, _]| x * x),
+                of(|[_, v]| v * v),
+            ]
+            .map(|errors| mean_and_error(&errors))
         };
         let (coarse, fine) = (errors(8), errors(16));
         println!("{coarse:?}\n{fine:?}");
@@ -373,6 +497,10 @@ mod tests {
             assert!(fine.abs() < coarse.abs() / 4.0 + 4.0 * error);
         }
         // The largest error is seen clearly, so that a wrong order would be seen too.
-        assert!(coarse.into_iter().any(|(coarse, error)| coarse.abs() > 10.0 * error));
+        assert!(
+            coarse
+                .into_iter()
+                .any(|(coarse, error)| coarse.abs() > 10.0 * error)
+        );
     }
 }

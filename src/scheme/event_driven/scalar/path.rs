@@ -1,6 +1,8 @@
 //! One path, and how it crosses a cell: phase by phase.
 
-use super::super::law::{Cell, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, StickBand, cell_length};
+use super::super::law::{
+    Cell, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, StickBand, cell_length,
+};
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
@@ -50,10 +52,19 @@ pub struct Route {
 impl Route {
     /// The route through cells that are at most this long, where an evaluation takes `cost` times
     /// as long as usual.
-    pub fn new(scene: &Scene, timeline: &Timeline, rules: &StepRules, longest: f64, cost: u64) -> Self {
+    pub fn new(
+        scene: &Scene,
+        timeline: &Timeline,
+        rules: &StepRules,
+        longest: f64,
+        cost: u64,
+    ) -> Self {
         Route {
             timeline: *timeline,
-            ladder: scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end),
+            ladder: scene.ladder(
+                cell_length(longest.min(scene.longest_cell()), timeline.end),
+                timeline.end,
+            ),
             band: StickBand::new(scene, rules.chord_error),
             work_limit: work_limit(cost),
             closeness: 1,
@@ -101,7 +112,15 @@ pub fn start<'w, C: Cascade>(
 ) -> Path<'w, C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
-    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.route().work_limit, is_stopped)) }
+    Path {
+        second_noise,
+        ..Path::new(
+            scene,
+            noise,
+            draws,
+            WorkLeft::watched(cascade.route().work_limit, is_stopped),
+        )
+    }
 }
 
 impl<'w, M: Default> Path<'w, M> {
@@ -144,11 +163,21 @@ pub fn cross<C: Cascade>(
     loop {
         let event = match path.phase {
             Phase::Static => stick(cascade, cell, path, end_noise, pending, watch)?,
-            Phase::Slip(direction) => cascade.slip(cell, path, direction, end_noise, scratch, watch)?,
+            Phase::Slip(direction) => {
+                cascade.slip(cell, path, direction, end_noise, scratch, watch)?
+            }
         };
         let Some(event) = event else { break };
         path.work.spend()?;
-        let (scene, Event { displacement: x, force, time, .. }) = (cascade.scene(), event);
+        let (
+            scene,
+            Event {
+                displacement: x,
+                force,
+                time,
+                ..
+            },
+        ) = (cascade.scene(), event);
         path.displacement = x;
         (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
         path.force = match path.phase {
@@ -166,17 +195,25 @@ pub fn cross<C: Cascade>(
 fn first_slip<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     let (x, v) = (path.displacement, scene.initial_velocity);
     let (direction, free) = (Sign::of(v), path.force - 2.0 * scene.oscillator.damping * v);
-    let moving = |direction| free + (scene.own.at(direction, x, v, 0.0) - scene.own.hold(x, 0.0).pull);
+    let moving =
+        |direction| free + (scene.own.at(direction, x, v, 0.0) - scene.own.hold(x, 0.0).pull);
     path.force = moving(Some(direction));
     let force = moving(None);
-    Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force }
+    Event {
+        kind: EventKind::SlipStarted(direction),
+        time: 0.0,
+        displacement: x,
+        force,
+    }
 }
 
 /// Draws n at the end of a cell, given n at its start: the next value of the skeleton.
 #[inline(always)]
 fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
     let mut draws = path.draws.at(cell.index, NOISE_PLACE);
-    let Some([first, second]) = cell.two_transitions else { return cell.transition.next(path.noise, draws.normal()) };
+    let Some([first, second]) = cell.two_transitions else {
+        return cell.transition.next(path.noise, draws.normal());
+    };
     let [for_first, for_second] = draws.normal_pair();
     let first = first.next(path.noise - path.second_noise, for_first);
     path.second_noise = second.next(path.second_noise, for_second);

@@ -27,11 +27,20 @@ pub struct ScalarPaths<'a, C: Cascade> {
 impl<'a, C: Cascade> ScalarPaths<'a, C> {
     /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`. Their motion is
     /// told as well if an observer follows it.
-    pub fn new(cascade: &'a C, seed: u64, paths: &[u64], is_stopped: &'a dyn Fn() -> bool, follows: bool) -> Self {
+    pub fn new(
+        cascade: &'a C,
+        seed: u64,
+        paths: &[u64],
+        is_stopped: &'a dyn Fn() -> bool,
+        follows: bool,
+    ) -> Self {
         ScalarPaths {
             cascade,
             instructions: InstructionSet::detect(),
-            paths: paths.iter().map(|&path| start(cascade, seed, path, is_stopped)).collect(),
+            paths: paths
+                .iter()
+                .map(|&path| start(cascade, seed, path, is_stopped))
+                .collect(),
             is_stopped,
             events: Vec::new(),
             segments: follows.then(Vec::new),
@@ -53,7 +62,15 @@ struct CrossOneByOne<'p, 'a, C: Cascade> {
 impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let ScalarPaths { cascade, paths, events, segments, scratch, is_stopped, .. } = &mut *self.all;
+        let ScalarPaths {
+            cascade,
+            paths,
+            events,
+            segments,
+            scratch,
+            is_stopped,
+            ..
+        } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
             if is_stopped() {
@@ -64,7 +81,11 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                     inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    let mut watch = Follower { watch: NullObserver, lane, segments: segments.as_mut() };
+                    let mut watch = Follower {
+                        watch: NullObserver,
+                        lane,
+                        segments: segments.as_mut(),
+                    };
                     path.lost = cross(*cascade, cell, path, scratch, &mut watch, emit).err();
                 }
             }
@@ -81,12 +102,20 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
 
     fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
         let instructions = self.instructions;
-        instructions.run_single(&mut CrossOneByOne { all: self, cells, inside: None });
+        instructions.run_single(&mut CrossOneByOne {
+            all: self,
+            cells,
+            inside: None,
+        });
         let mut observer = observer.borrow_mut();
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
         }
-        for (lane, segment) in self.segments.iter_mut().flat_map(|segments| segments.drain(..)) {
+        for (lane, segment) in self
+            .segments
+            .iter_mut()
+            .flat_map(|segments| segments.drain(..))
+        {
             observer.segment(lane, &segment);
         }
     }
@@ -94,7 +123,11 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let cells = std::slice::from_ref(cell);
         let instructions = self.instructions;
-        instructions.run_single(&mut CrossOneByOne { all: self, cells, inside: Some(inside) });
+        instructions.run_single(&mut CrossOneByOne {
+            all: self,
+            cells,
+            inside: Some(inside),
+        });
     }
 
     fn look(&self, passed: &Cell, columns: &mut StateColumns) {
@@ -109,9 +142,15 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
 
     fn simulated(&self) -> Simulated {
         Simulated {
-            lost: (0..self.paths.len()).filter(|&lane| self.paths[lane].lost.is_some()).collect(),
+            lost: (0..self.paths.len())
+                .filter(|&lane| self.paths[lane].lost.is_some())
+                .collect(),
             why: self.paths.iter().find_map(|path| path.lost),
-            evaluations: self.paths.iter().map(|path| self.cascade.route().work_limit - path.work.left()).sum(),
+            evaluations: self
+                .paths
+                .iter()
+                .map(|path| self.cascade.route().work_limit - path.work.left())
+                .sum(),
         }
     }
 }

@@ -3,8 +3,8 @@
 //! own ([`super::own_force`]).
 
 use super::super::law::{
-    Cell, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity, WHOLE_PLACE, force,
-    forcing, motion, noise_between,
+    Cell, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity,
+    WHOLE_PLACE, force, forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
@@ -47,9 +47,18 @@ impl Cascade for Noisy {
 
     fn scratch(&self) -> SlipBuffers {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
-        let flow = RefCell::new(FlowBuffers { part: self.step.clone(), terms: terms.clone() });
+        let flow = RefCell::new(FlowBuffers {
+            part: self.step.clone(),
+            terms: terms.clone(),
+        });
         let (partial, pending) = (self.step.clone(), PendingIntervals::new());
-        SlipBuffers { partial, pending, terms, flow, passed: Vec::new() }
+        SlipBuffers {
+            partial,
+            pending,
+            terms,
+            flow,
+            passed: Vec::new(),
+        }
     }
 
     #[inline(always)]
@@ -62,7 +71,13 @@ impl Cascade for Noisy {
         scratch: &mut SlipBuffers,
         watch: &mut impl Watch,
     ) -> Resolved<Option<Event>> {
-        Slip { noisy: self, cell, direction, end_noise }.go_on(path, scratch, watch)
+        Slip {
+            noisy: self,
+            cell,
+            direction,
+            end_noise,
+        }
+        .go_on(path, scratch, watch)
     }
 
     fn motion_after(&self, event: &Event) -> f64 {
@@ -98,7 +113,13 @@ impl Slip<'_> {
         buffers: &mut SlipBuffers,
         watch: &mut impl Watch,
     ) -> Resolved<Option<Event>> {
-        let SlipBuffers { partial, pending, terms, flow, passed } = buffers;
+        let SlipBuffers {
+            partial,
+            pending,
+            terms,
+            flow,
+            passed,
+        } = buffers;
         if path.after == 0.0 {
             terms.copy_from_slice(&self.cell.terms);
         } else {
@@ -113,7 +134,14 @@ impl Slip<'_> {
                 return Ok(None);
             }
             path.work.spend()?;
-            let (began, start) = (path.after, SlipPoint { x: path.displacement, v: path.motion, n: path.noise });
+            let (began, start) = (
+                path.after,
+                SlipPoint {
+                    x: path.displacement,
+                    v: path.motion,
+                    n: path.noise,
+                },
+            );
             let (step, is_last) = match &mut own {
                 Some(own) => own.step_towards(self, remaining, path, partial)?,
                 None => self.at_most(&self.noisy.step, remaining, partial),
@@ -126,7 +154,11 @@ impl Slip<'_> {
             if !last.is_finite() {
                 return Err(Unresolved::NoNumber);
             }
-            let searched = step.between(self.direction.value(), (start.x, first), (path.displacement, last));
+            let searched = step.between(
+                self.direction.value(),
+                (start.x, first),
+                (path.displacement, last),
+            );
             let push = own.as_ref().map_or(0.0, |own| own.push);
             let flow = StepFlow::new(self, step, (began, start), searched, push, flow);
             let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
@@ -136,7 +168,9 @@ impl Slip<'_> {
             }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
             if watch.follows() {
-                passed.iter().for_each(|piece| watch.segment(self.segment(began, start.x, piece)));
+                passed
+                    .iter()
+                    .for_each(|piece| watch.segment(self.segment(began, start.x, piece)));
             }
             if event.is_some() || is_last {
                 return Ok(event);
@@ -181,11 +215,18 @@ impl Slip<'_> {
         terms: &mut [Complex],
         own: Option<&OwnForce>,
     ) {
-        let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
+        let start = SlipPoint {
+            x: path.displacement,
+            v: path.motion,
+            n: path.noise,
+        };
         let is_whole = is_last && path.after == 0.0;
         let mut noise = self.end_noise;
         if !is_last {
-            let ends = [(0.0, start.n), (self.cell.length - path.after, self.end_noise)];
+            let ends = [
+                (0.0, start.n),
+                (self.cell.length - path.after, self.end_noise),
+            ];
             noise = noise_between(&self.noisy.scene, ends, step.length(), &mut path.draws);
         }
         let normals = match is_whole {
@@ -193,7 +234,9 @@ impl Slip<'_> {
             false => path.draws.normal_pair(),
         };
         let friction = own.map_or(self.friction(), |own| self.friction() - own.push);
-        let end = step.transition.drawn(step.mean(start, terms, friction), noise, normals);
+        let end = step
+            .transition
+            .drawn(step.mean(start, terms, friction), noise, normals);
         path.after += step.length();
         (path.displacement, path.motion, path.noise) = (end.x, end.v, end.n);
         path.force = force(&self.noisy.scene.oscillator, forcing(terms), end);
@@ -209,7 +252,13 @@ impl Slip<'_> {
     #[inline(always)]
     fn motion(&self, path: &Path<f64>) -> SlipVelocity {
         let body = &self.noisy.scene.oscillator;
-        motion(body, self.direction.value(), path.motion, path.force, self.friction())
+        motion(
+            body,
+            self.direction.value(),
+            path.motion,
+            path.force,
+            self.friction(),
+        )
     }
 
     /// Ends the sub-phase at a stop within a step, whose time and x at its start are given. n is
@@ -220,32 +269,63 @@ impl Slip<'_> {
         path.after = began + stop.after;
         path.displacement = x0 + eps * stop.travel;
         let (scene, x, time) = (&self.noisy.scene, path.displacement, self.time(path));
-        let force =
-            scene.held(self.direction, self.friction() + scene.oscillator.mass * eps * stop.acceleration, x, time);
+        let force = scene.held(
+            self.direction,
+            self.friction() + scene.oscillator.mass * eps * stop.acceleration,
+            x,
+            time,
+        );
         path.noise = force - self.cell.forcing(path.after).value + scene.spring(x, time);
-        let kind = let_go(force, scene.limits(x, time)).map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
-        Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
+        let kind = let_go(force, scene.limits(x, time))
+            .map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
+        Event {
+            kind,
+            time: self.cell.start + path.after,
+            displacement: path.displacement,
+            force,
+        }
     }
 
     /// The motion on an interval that was passed, of a step that began at this time and x.
     #[inline(always)]
-    fn segment(&self, began: f64, x0: f64, &Passed { after, travel, start, interval }: &Passed) -> Segment {
+    fn segment(
+        &self,
+        began: f64,
+        x0: f64,
+        &Passed {
+            after,
+            travel,
+            start,
+            interval,
+        }: &Passed,
+    ) -> Segment {
         let eps = self.direction.value();
-        let SlipVelocity { velocity, acceleration } = interval.end;
+        let SlipVelocity {
+            velocity,
+            acceleration,
+        } = interval.end;
         Segment {
             start: self.cell.start + (began + after),
             length: interval.length,
             displacement: x0 + eps * travel,
             way: eps * interval.travel,
             velocity: [eps * start.velocity, eps * velocity],
-            along: Along::Smooth { acceleration: [eps * start.acceleration, eps * acceleration], temperature: None },
+            along: Along::Smooth {
+                acceleration: [eps * start.acceleration, eps * acceleration],
+                temperature: None,
+            },
         }
     }
 
     /// Crosses the remainder of the cell with uniform acceleration, where it is too short for the
     /// noise to be distinguished from rounding.
     fn coast(&self, path: &mut Path<f64>, watch: &mut impl Watch) {
-        let Slip { noisy: Noisy { scene, .. }, cell, direction, end_noise } = *self;
+        let Slip {
+            noisy: Noisy { scene, .. },
+            cell,
+            direction,
+            end_noise,
+        } = *self;
         let body = &scene.oscillator;
         let piece = CoastPiece {
             direction,
@@ -262,13 +342,19 @@ impl Slip<'_> {
             displacement: piece.displacement,
             way: path.displacement - piece.displacement,
             velocity: [piece.velocity, path.motion],
-            along: Along::Smooth { acceleration: [piece.acceleration; 2], temperature: None },
+            along: Along::Smooth {
+                acceleration: [piece.acceleration; 2],
+                temperature: None,
+            },
         });
         path.noise = end_noise;
-        path.force =
-            cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+        path.force = cell.last.value + end_noise
+            - body.stiffness * path.displacement
+            - 2.0 * body.damping * path.motion;
         if scene.own.is_some() {
-            path.force += scene.own.at(Some(direction), path.displacement, path.motion, cell.end);
+            path.force += scene
+                .own
+                .at(Some(direction), path.displacement, path.motion, cell.end);
         }
     }
 }
@@ -290,7 +376,13 @@ impl CoastPiece {
     /// x and x' at a time. The body does not turn.
     #[inline(always)]
     fn at(&self, time: f64) -> (f64, f64) {
-        let CoastPiece { direction, displacement, velocity, acceleration, ends } = *self;
+        let CoastPiece {
+            direction,
+            displacement,
+            velocity,
+            acceleration,
+            ends,
+        } = *self;
         let (eps, since) = (direction.value(), (time - ends[0].0).max(0.0));
         let x = displacement + since * (velocity + 0.5 * since * acceleration);
         (x, eps * (eps * (velocity + since * acceleration)).max(0.0))
@@ -302,11 +394,28 @@ impl WatchedPiece for CoastPiece {
         self.ends[1].0
     }
 
-    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        draws: &mut AddressedDraws,
+    ) -> (Seen, Self, Self) {
         let noise = noise_between(scene, self.ends, glance.time, draws);
         let ((x, v), here) = (self.at(glance.time), (glance.time, noise));
         let seen = (x, v, scene.temperature(glance.forcing, noise), false);
-        let behind = CoastPiece { displacement: x, velocity: v, ends: [here, self.ends[1]], ..*self };
-        (seen, CoastPiece { ends: [self.ends[0], here], ..*self }, behind)
+        let behind = CoastPiece {
+            displacement: x,
+            velocity: v,
+            ends: [here, self.ends[1]],
+            ..*self
+        };
+        (
+            seen,
+            CoastPiece {
+                ends: [self.ends[0], here],
+                ..*self
+            },
+            behind,
+        )
     }
 }

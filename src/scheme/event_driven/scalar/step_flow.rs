@@ -2,8 +2,8 @@
 //! is feeble, and the states inside the step are drawn for an observer.
 
 use super::super::law::{
-    FEEBLE, Glance, Known, KnownStep, Scene, SlipPiece, SlipPoint, SlipStep, SlipStop, SlipVelocity, Way, force,
-    forcing, forwards, motion, noise_between, resolved_travel,
+    FEEBLE, Glance, Known, KnownStep, Scene, SlipPiece, SlipPoint, SlipStep, SlipStop,
+    SlipVelocity, Way, force, forcing, forwards, motion, noise_between, resolved_travel,
 };
 use super::super::noisy::Noisy;
 use super::super::work::Resolved;
@@ -51,14 +51,29 @@ impl<'a> StepFlow<'a> {
         push: f64,
         buffers: &'a RefCell<FlowBuffers>,
     ) -> Self {
-        StepFlow { slip, step, after, start, searched, push, last_drawn: Cell::new([(after, start.n); 2]), buffers }
+        StepFlow {
+            slip,
+            step,
+            after,
+            start,
+            searched,
+            push,
+            last_drawn: Cell::new([(after, start.n); 2]),
+            buffers,
+        }
     }
 
     /// The motion a time after the start of the step.
     #[inline(always)]
     fn since(&self, since: f64) -> Way {
-        let Noisy { scene, oscillator, .. } = self.slip.noisy;
-        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.slip.friction() - self.push);
+        let Noisy {
+            scene, oscillator, ..
+        } = self.slip.noisy;
+        let (body, eps, friction) = (
+            &scene.oscillator,
+            self.slip.direction.value(),
+            self.slip.friction() - self.push,
+        );
         let FlowBuffers { part, terms } = &mut *self.buffers.borrow_mut();
         self.slip.cell.set_terms(self.after, terms);
         let mut to = self.start;
@@ -71,8 +86,18 @@ impl<'a> StepFlow<'a> {
             to = part.mean(self.start, terms, friction);
         }
         let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
-        let travel = resolved_travel(eps * self.start.x, eps * to.x, self.searched.start, motion, since);
-        Way { travel, motion, noise: to.n }
+        let travel = resolved_travel(
+            eps * self.start.x,
+            eps * to.x,
+            self.searched.start,
+            motion,
+            since,
+        );
+        Way {
+            travel,
+            motion,
+            noise: to.n,
+        }
     }
 
     /// The motion at a time after the start of the cell.
@@ -98,7 +123,13 @@ impl<'a> StepFlow<'a> {
                 passed.push(interval);
             }
         };
-        let mut stop = search.first(&self.searched, &mut path.draws, pending, &mut path.work, keep)?;
+        let mut stop = search.first(
+            &self.searched,
+            &mut path.draws,
+            pending,
+            &mut path.work,
+            keep,
+        )?;
         if let Some(stop) = &mut stop
             && search.noise * self.searched.root_length < FEEBLE * stop.acceleration.abs()
         {
@@ -124,18 +155,39 @@ impl<'a> StepFlow<'a> {
     #[inline(always)]
     fn on_the_flow(&self, stop: SlipStop) -> SlipStop {
         let StepFlow { slip, searched, .. } = self;
-        let Scene { oscillator: body, relaxation_rate, .. } = &slip.noisy.scene;
+        let Scene {
+            oscillator: body,
+            relaxation_rate,
+            ..
+        } = &slip.noisy.scene;
         let eps = slip.direction.value();
-        let Way { travel, motion: end, .. } = self.since(searched.length);
-        let (interpolated_travel, interpolated) = KnownStep { end, travel, ..*searched }.mean(stop.after);
+        let Way {
+            travel,
+            motion: end,
+            ..
+        } = self.since(searched.length);
+        let (interpolated_travel, interpolated) = KnownStep {
+            end,
+            travel,
+            ..*searched
+        }
+        .mean(stop.after);
         let most = MOST_DEVIATIONS * slip.noisy.search.noise * searched.root_length;
-        let bounded =
-            |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
+        let bounded = |deviation: f64, most: f64| {
+            if deviation.abs() > most {
+                most.copysign(deviation)
+            } else {
+                deviation
+            }
+        };
         let most_velocity = most * searched.length + (searched.end.velocity - end.velocity).abs();
         let most_acceleration = most + (searched.end.acceleration - end.acceleration).abs();
         let off = SlipVelocity {
             velocity: bounded(-interpolated.velocity, most_velocity),
-            acceleration: bounded(stop.acceleration - interpolated.acceleration, most_acceleration),
+            acceleration: bounded(
+                stop.acceleration - interpolated.acceleration,
+                most_acceleration,
+            ),
         };
 
         let mut moved = stop;
@@ -145,7 +197,9 @@ impl<'a> StepFlow<'a> {
             let velocity = exact.motion.velocity + off.velocity;
             let acceleration = exact.motion.acceleration + off.acceleration;
             let slope = slip.noisy.scene.forcing_slope(&self.buffers.borrow().terms);
-            let change = slope - relaxation_rate * exact.noise - body.stiffness * (eps * exact.motion.velocity);
+            let change = slope
+                - relaxation_rate * exact.noise
+                - body.stiffness * (eps * exact.motion.velocity);
             let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
             let late = -velocity / acceleration;
             let after = moved.after + late;
@@ -153,7 +207,11 @@ impl<'a> StepFlow<'a> {
                 return stop;
             }
             let travel = forwards(travel + late * (velocity + 0.5 * late * acceleration));
-            moved = SlipStop { after, acceleration: acceleration + late * jerk, travel };
+            moved = SlipStop {
+                after,
+                acceleration: acceleration + late * jerk,
+                travel,
+            };
         }
         moved
     }
@@ -161,9 +219,24 @@ impl<'a> StepFlow<'a> {
     /// Shows an observer the intervals that were passed. The last of them ends at the stop, if
     /// there is one. n is known at its end; at a stop it is what the balance of forces requires.
     #[inline(always)]
-    pub fn show(&self, passed: &[Passed], stop: Option<&SlipStop>, known_end: Known, watch: &mut impl Watch) {
+    pub fn show(
+        &self,
+        passed: &[Passed],
+        stop: Option<&SlipStop>,
+        known_end: Known,
+        watch: &mut impl Watch,
+    ) {
         // This is not a closure, because a closure is not compiled for the instruction set.
-        for (i, &Passed { after, travel, start, interval }) in passed.iter().enumerate() {
+        for (
+            i,
+            &Passed {
+                after,
+                travel,
+                start,
+                interval,
+            },
+        ) in passed.iter().enumerate()
+        {
             let end = match stop {
                 Some(stop) if i + 1 == passed.len() => stop.after,
                 _ => after + interval.length,
@@ -171,10 +244,22 @@ impl<'a> StepFlow<'a> {
             let (after, until) = (self.after + after, self.after + end);
             if watch.is_ahead(until) {
                 let (eps, x0) = (self.slip.direction.value(), self.start.x);
-                let piece = SlipPiece { eps, x0, after, until, travel, start, interval };
+                let piece = SlipPiece {
+                    eps,
+                    x0,
+                    after,
+                    until,
+                    travel,
+                    start,
+                    interval,
+                };
                 let piece = piece.less([&self.at(after), &self.at(until)]);
                 let known = [self.last_drawn.get()[0], known_end];
-                watch.look(&self.slip.noisy.scene, || FlowPiece { flow: self, piece, known });
+                watch.look(&self.slip.noisy.scene, || FlowPiece {
+                    flow: self,
+                    piece,
+                    known,
+                });
             }
         }
     }
@@ -182,7 +267,12 @@ impl<'a> StepFlow<'a> {
     /// Draws n at an instant from its bridge between two known times, or between the instant that
     /// was drawn before it and the later of these times.
     #[inline(always)]
-    fn noise(&self, glance: Glance, [mut before, behind]: [Known; 2], draws: &mut AddressedDraws) -> f64 {
+    fn noise(
+        &self,
+        glance: Glance,
+        [mut before, behind]: [Known; 2],
+        draws: &mut AddressedDraws,
+    ) -> f64 {
         let mut last_drawn = self.last_drawn.get();
         let between = &mut last_drawn[usize::from(glance.is_closer)];
         if between.0 > before.0 {
@@ -209,8 +299,17 @@ impl WatchedPiece for FlowPiece<'_> {
     }
 
     #[inline(always)]
-    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
-        let FlowPiece { flow, ref piece, known } = *self;
+    fn parted(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        draws: &mut AddressedDraws,
+    ) -> (Seen, Self, Self) {
+        let FlowPiece {
+            flow,
+            ref piece,
+            known,
+        } = *self;
         let here = flow.at(glance.time);
         let state = piece.state(scene, glance, &here, draws.three_normals());
         let is_felt = piece.is_felt(scene, glance, &here, flow.step.length());
@@ -226,9 +325,21 @@ impl WatchedPiece for FlowPiece<'_> {
         };
         let [first, second] = piece.parted_at(glance, &state);
         let now = (glance.time, noise);
-        let before = FlowPiece { flow, piece: first, known: [known[0], now] };
-        let behind = FlowPiece { flow, piece: second, known: [now, known[1]] };
-        ((x, v, scene.temperature(glance.forcing, noise), false), before, behind)
+        let before = FlowPiece {
+            flow,
+            piece: first,
+            known: [known[0], now],
+        };
+        let behind = FlowPiece {
+            flow,
+            piece: second,
+            known: [now, known[1]],
+        };
+        (
+            (x, v, scene.temperature(glance.forcing, noise), false),
+            before,
+            behind,
+        )
     }
 }
 

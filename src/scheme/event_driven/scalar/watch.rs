@@ -128,7 +128,10 @@ impl Watch for Glances<'_> {
 impl<'a> Glances<'a> {
     /// The instants that remain before the time `end`.
     fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
-        self.glances[self.passed..].iter().copied().take_while(move |glance| glance.at < end)
+        self.glances[self.passed..]
+            .iter()
+            .copied()
+            .take_while(move |glance| glance.at < end)
     }
 
     /// Draws the states at the rows between those of the run, before the time `end`.
@@ -154,7 +157,12 @@ pub trait WatchedPiece: Sized {
     fn end(&self) -> f64;
     /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
     /// piece before and after the instant.
-    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self);
+    fn parted(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        draws: &mut AddressedDraws,
+    ) -> (Seen, Self, Self);
 }
 
 impl WatchedPiece for (StickPiece, StickEnd) {
@@ -163,36 +171,72 @@ impl WatchedPiece for (StickPiece, StickEnd) {
     }
 
     #[inline(always)]
-    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+    fn parted(
+        &self,
+        scene: &Scene,
+        glance: Glance,
+        draws: &mut AddressedDraws,
+    ) -> (Seen, Self, Self) {
         let (piece, kind) = *self;
         let there = stuck(&piece, kind, scene, glance, draws);
-        let seen = (piece.displacement, 0.0, scene.temperature(glance.forcing, there.noise), true);
+        let seen = (
+            piece.displacement,
+            0.0,
+            scene.temperature(glance.forcing, there.noise),
+            true,
+        );
         let before = StickPiece {
             after: (piece.after.0, glance.time),
             noise: (piece.noise.0, there.noise),
             force: (piece.force.0, there.force),
             ..piece
         };
-        let kind_before = if kind == StickEnd::Clear { StickEnd::Clear } else { StickEnd::Kept };
-        (seen, (before, kind_before), (piece.behind(glance, there), kind))
+        let kind_before = if kind == StickEnd::Clear {
+            StickEnd::Clear
+        } else {
+            StickEnd::Kept
+        };
+        (
+            seen,
+            (before, kind_before),
+            (piece.behind(glance, there), kind),
+        )
     }
 }
 
 /// Draws n and b at an instant inside a piece of a stick of one path.
 #[inline(always)]
-fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> Stuck {
+fn stuck(
+    piece: &StickPiece,
+    kind: StickEnd,
+    scene: &Scene,
+    glance: Glance,
+    draws: &mut AddressedDraws,
+) -> Stuck {
     let (before, behind) = (glance.time - piece.after.0, piece.after.1 - glance.time);
     let rest = glance.forcing - scene.spring(piece.displacement, glance.at);
-    let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
+    let (mean, sd) = bridge_at(
+        scene.relaxation_rate,
+        scene.diffusion,
+        before,
+        behind,
+        piece.noise,
+    );
     let bridge = Bridge { mean, sd, rest };
     // Where a force of the user's own is not a number, no threshold is met.
     let kind = if rest.is_nan() { StickEnd::Clear } else { kind };
     let drawn = match kind {
-        _ if before <= 0.0 || behind <= 0.0 => Stuck { noise: mean, force: rest + mean },
+        _ if before <= 0.0 || behind <= 0.0 => Stuck {
+            noise: mean,
+            force: rest + mean,
+        },
         StickEnd::Clear => bridge.anywhere(draws.normal()),
         StickEnd::Kept | StickEnd::Exit => {
             let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
-            let halves = [TimeChange::new(theta, sigma, before), TimeChange::new(theta, sigma, behind)];
+            let halves = [
+                TimeChange::new(theta, sigma, before),
+                TimeChange::new(theta, sigma, behind),
+            ];
             let cell_start = glance.at - glance.time;
             let limits = [piece.after.0, glance.time, piece.after.1]
                 .map(|after| scene.limits(piece.displacement, cell_start + after));
@@ -201,12 +245,18 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
             loop {
                 let (drawn, is_accepted) = if kind == StickEnd::Kept {
                     let drawn = bridge.anywhere(draws.normal());
-                    (drawn, piece.stays(limits, &halves, drawn.force, draws.uniform()))
+                    (
+                        drawn,
+                        piece.stays(limits, &halves, drawn.force, draws.uniform()),
+                    )
                 } else {
                     let side = piece.exit_side();
                     let limit = limits[1][usize::from(side < 0.0)];
                     let drawn = bridge.before_exit(limit, side, draws.three_normals());
-                    (drawn, piece.misses_other(limits, &halves, drawn.force, draws.uniform()))
+                    (
+                        drawn,
+                        piece.misses_other(limits, &halves, drawn.force, draws.uniform()),
+                    )
                 };
                 if is_accepted {
                     break drawn;
@@ -217,7 +267,10 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
                     // There, b on the straight line between them is used.
                     let part = before / (before + behind);
                     let force = piece.force.0 + part * (piece.force.1 - piece.force.0);
-                    break Stuck { noise: force - rest, force };
+                    break Stuck {
+                        noise: force - rest,
+                        force,
+                    };
                 }
             }
         }
@@ -239,12 +292,18 @@ mod tests {
     fn a_row_inside_a_stick_is_drawn_between_both_thresholds() {
         let (f_s, width) = (0.9, 1.8);
         let scene = Scene::new(&noise_alone(f_s, 1e-9));
-        let images = |term: &dyn Fn(f64) -> f64| (-10..=10).map(|k| term(2.0 * width * f64::from(k))).sum::<f64>();
+        let images = |term: &dyn Fn(f64) -> f64| {
+            (-10..=10)
+                .map(|k| term(2.0 * width * f64::from(k)))
+                .sum::<f64>()
+        };
         let normal = |x: f64, t: f64| (-x * x / (2.0 * t)).exp();
         let absorbed = |from: f64, to: f64, t: f64| {
             images(&|shift| normal(to - from + shift, t) - normal(2.0 * f_s - to - from + shift, t))
         };
-        let first = |from: f64, t: f64| images(&|shift| (f_s - from + shift) * normal(f_s - from + shift, t));
+        let first = |from: f64, t: f64| {
+            images(&|shift| (f_s - from + shift) * normal(f_s - from + shift, t))
+        };
         for (from, to, kind) in [
             (-0.75, f_s, StickEnd::Exit),
             (0.3, f_s, StickEnd::Exit),
@@ -253,7 +312,11 @@ mod tests {
         ] {
             let time = 0.6;
             let density = |b: f64| {
-                let after = if kind == StickEnd::Exit { first(b, 1.0 - time) } else { absorbed(b, to, 1.0 - time) };
+                let after = if kind == StickEnd::Exit {
+                    first(b, 1.0 - time)
+                } else {
+                    absorbed(b, to, 1.0 - time)
+                };
                 absorbed(from, b, time) * after
             };
             let (mut mass, mut moment) = (0.0, 0.0);
@@ -261,10 +324,23 @@ mod tests {
                 let b = -f_s + width * (f64::from(i) + 0.5) / 4000.0;
                 (mass, moment) = (mass + density(b), moment + b * density(b));
             }
-            let piece = StickPiece { after: (0.0, 1.0), noise: (from, to), force: (from, to), displacement: 0.0 };
-            let glance = Glance { at: time, time, is_closer: false, forcing: 0.0, place: 0 };
+            let piece = StickPiece {
+                after: (0.0, 1.0),
+                noise: (from, to),
+                force: (from, to),
+                displacement: 0.0,
+            };
+            let glance = Glance {
+                at: time,
+                time,
+                is_closer: false,
+                forcing: 0.0,
+                place: 0,
+            };
             let mut draws = AddressedDraws::new(51, 0);
-            let drawn: Vec<f64> = (0..200_000).map(|_| stuck(&piece, kind, &scene, glance, &mut draws).force).collect();
+            let drawn: Vec<f64> = (0..200_000)
+                .map(|_| stuck(&piece, kind, &scene, glance, &mut draws).force)
+                .collect();
             let (mean, error) = mean_and_error(&drawn);
             println!("{from} to {to}: {mean} +- {error}, exact {}", moment / mass);
             assert!(

@@ -40,7 +40,11 @@ struct InLanes<'p, 'a, S> {
 impl<S: Stage> LaneProgram for InLanes<'_, '_, S> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.stage.run(&mut Crossing::<L> { paths: self.paths, cell: self.cell, lanes: PhantomData });
+        self.stage.run(&mut Crossing::<L> {
+            paths: self.paths,
+            cell: self.cell,
+            lanes: PhantomData,
+        });
     }
 }
 
@@ -131,7 +135,9 @@ impl Stage for Alone<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         while let Some(lane) = crossing.paths.odd.pop() {
-            crossing.paths.cross_alone(lane as usize, crossing.cell, self.inside.as_deref_mut());
+            crossing
+                .paths
+                .cross_alone(lane as usize, crossing.cell, self.inside.as_deref_mut());
         }
         crossing.paths.limit_work();
     }
@@ -149,7 +155,9 @@ impl Vectorised<'_> {
         } else {
             self.run(cell, CrossingStage);
             for turn in 1_u32.. {
-                let Some(task) = self.jobs.longest() else { break };
+                let Some(task) = self.jobs.longest() else {
+                    break;
+                };
                 self.work_on(task, cell);
                 if turn.is_multiple_of(LOOK) && (self.is_stopped)() {
                     return;
@@ -161,9 +169,18 @@ impl Vectorised<'_> {
             }
             self.drop_events_of_odd();
         }
-        self.run(cell, Alone { inside: inside.as_deref_mut() });
+        self.run(
+            cell,
+            Alone {
+                inside: inside.as_deref_mut(),
+            },
+        );
         if let Some(inside) = inside {
-            inside.events.extend(self.events.drain(..).map(|(lane, event)| (lane as usize, event)));
+            inside.events.extend(
+                self.events
+                    .drain(..)
+                    .map(|(lane, event)| (lane as usize, event)),
+            );
         }
         std::mem::swap(&mut self.now, &mut self.next);
     }
@@ -171,7 +188,11 @@ impl Vectorised<'_> {
     /// Runs a stage of the crossing in lanes.
     fn run(&mut self, cell: &Cell, stage: impl Stage) {
         let instructions = self.instructions;
-        instructions.run_paired(&mut InLanes { paths: self, cell, stage });
+        instructions.run_paired(&mut InLanes {
+            paths: self,
+            cell,
+            stage,
+        });
     }
 
     /// Starts a new cell, in which the paths are observed at these instants.
@@ -191,14 +212,28 @@ impl Vectorised<'_> {
 
     /// Marks all lanes to cross the cell alone.
     fn mark_all_odd(&mut self) {
-        let Vectorised { odd, lost, count, .. } = self;
-        odd.extend((0..*count).filter(|lane| !lost.contains_key(lane)).map(|lane| lane as u32));
+        let Vectorised {
+            odd, lost, count, ..
+        } = self;
+        odd.extend(
+            (0..*count)
+                .filter(|lane| !lost.contains_key(lane))
+                .map(|lane| lane as u32),
+        );
     }
 
     /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell
     /// alone.
     fn count_work(&mut self) {
-        let Vectorised { odd, swept, turned_odd, jobs, spent, count, .. } = self;
+        let Vectorised {
+            odd,
+            swept,
+            turned_odd,
+            jobs,
+            spent,
+            count,
+            ..
+        } = self;
         for &lane in jobs.flagged() {
             spent[lane as usize] += jobs.spent(lane as usize);
         }

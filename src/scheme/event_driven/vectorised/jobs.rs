@@ -44,7 +44,10 @@ pub(super) struct Queue {
 impl Queue {
     /// An empty queue with room for `rows` lanes, and a register more.
     pub fn new(rows: usize) -> Self {
-        Queue { lanes: vec![0; rows + ROW], len: 0 }
+        Queue {
+            lanes: vec![0; rows + ROW],
+            len: 0,
+        }
     }
 
     pub fn clear(&mut self) {
@@ -128,7 +131,11 @@ impl Jobs {
             }
         }
         let queue = &mut self.queues[longest];
-        let taken = if queue.len < self.width { queue.len } else { queue.len - queue.len % self.width };
+        let taken = if queue.len < self.width {
+            queue.len
+        } else {
+            queue.len - queue.len % self.width
+        };
         if taken == 0 {
             return None;
         }
@@ -183,7 +190,11 @@ impl Jobs {
         L::store_bits(count.behind(), &mut depths);
         let mut places = [0; ROW];
         for i in 0..L::WIDTH {
-            let depth = if rows[i] == self.nobody() { 0 } else { depths[i] as u32 & (DEPTH as u32 - 1) };
+            let depth = if rows[i] == self.nobody() {
+                0
+            } else {
+                depths[i] as u32 & (DEPTH as u32 - 1)
+            };
             places[i] = depth * self.lanes as u32 + rows[i];
         }
         places
@@ -228,7 +239,10 @@ impl<L: Lanes> Count<L> {
     /// All bits set where the normals of a path are mirrored.
     #[inline(always)]
     pub fn flip(self) -> L::Bits {
-        let is_not = L::xor(L::keep_and_set(self.0, MIRRORED, 0), L::splat_bits(MIRRORED));
+        let is_not = L::xor(
+            L::keep_and_set(self.0, MIRRORED, 0),
+            L::splat_bits(MIRRORED),
+        );
         L::add_bits(L::shr::<39>(is_not), L::splat_bits(u64::MAX))
     }
 

@@ -2,8 +2,8 @@
 
 use super::super::cell_loop::Inside;
 use super::super::law::{
-    Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece, Stuck, TRIES, Way, force,
-    motion, resolved_travel, stick_piece,
+    Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece,
+    Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
 };
 use super::Vectorised;
 use super::crossing::Crossing;
@@ -68,7 +68,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let mut known_odd = 0;
             for (i, &glance) in inside.glances.iter().enumerate() {
                 let draws = now.draws(self.cell.index << 32 | glance.place);
-                let (mut x, mut v, mut noise) = (now.x, L::splat(0.0), self.stick_until(&mut stick, glance, &draws));
+                let (mut x, mut v, mut noise) = (
+                    now.x,
+                    L::splat(0.0),
+                    self.stick_until(&mut stick, glance, &draws),
+                );
                 if let Some(part) = parts.get(i) {
                     let (seen, is_felt) = self.slip_until(&mut slip, part, glance, &draws);
                     let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
@@ -83,7 +87,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             }
         }
         for &lane in self.paths.lost.keys() {
-            inside.seen[..inside.glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
+            inside.seen[..inside.glances.len()]
+                .iter_mut()
+                .for_each(|seen| seen.set(lane, LOST));
         }
     }
 
@@ -109,18 +115,49 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// A slip over the whole cell. `ends` are the steps to its start and to its end.
     #[inline(always)]
-    fn clear_slip(&self, now: &Border<L>, next: &Border<L>, ends: [&SharedStep<L>; 2]) -> ClearSlip<L> {
+    fn clear_slip(
+        &self,
+        now: &Border<L>,
+        next: &Border<L>,
+        ends: [&SharedStep<L>; 2],
+    ) -> ClearSlip<L> {
         let (scene, zero, eps) = (&self.paths.noisy.scene, L::splat(0.0), now.eps);
-        let state = SlipPoint { x: now.x, v: now.v, n: now.n };
-        let end = SlipPoint { x: next.x, v: next.v, n: next.n };
-        let (start, interval) = self.whole_extent().between(scene, eps, (&state, now.force), (&end, next.force));
-        let step = StepStart { after: zero, state, motion: start, eps };
+        let state = SlipPoint {
+            x: now.x,
+            v: now.v,
+            n: now.n,
+        };
+        let end = SlipPoint {
+            x: next.x,
+            v: next.v,
+            n: next.n,
+        };
+        let (start, interval) =
+            self.whole_extent()
+                .between(scene, eps, (&state, now.force), (&end, next.force));
+        let step = StepStart {
+            after: zero,
+            state,
+            motion: start,
+            eps,
+        };
         let until = interval.length;
-        let piece = SlipPiece { eps, x0: state.x, after: zero, until, travel: zero, start, interval };
+        let piece = SlipPiece {
+            eps,
+            x0: state.x,
+            after: zero,
+            until,
+            travel: zero,
+            start,
+            interval,
+        };
         let [nothing, whole] = ends;
         let before = self.shared_way(&step, nothing, 0.0);
         let behind = self.shared_way(&step, whole, self.cell.length);
-        ClearSlip { step, piece: piece.less([&before, &behind]) }
+        ClearSlip {
+            step,
+            piece: piece.less([&before, &behind]),
+        }
     }
 
     /// Draws x, x' and n in a slip that is clear, and goes on to the part of it after the instant,
@@ -135,7 +172,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) -> ((L, L, L), L::Mask) {
         let scene = &self.paths.noisy.scene;
         let here = self.shared_way(step, part, glance.time);
-        let there = piece.state(scene, glance, &here, draws.three_normals(self.paths.normals, 0));
+        let there = piece.state(
+            scene,
+            glance,
+            &here,
+            draws.three_normals(self.paths.normals, 0),
+        );
         let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.cell.length));
         let (x, v) = piece.seen(&there);
         *piece = piece.parted_at(glance, &there)[1];
@@ -146,13 +188,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
-        let (body, zero, cell_start) = (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
+        let (body, zero, cell_start) =
+            (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
             let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
             let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
             let interval = Interval {
-                end: SlipVelocity { velocity: v1, acceleration: a1 },
+                end: SlipVelocity {
+                    velocity: v1,
+                    acceleration: a1,
+                },
                 travel: distance,
                 length,
                 inverse,
@@ -162,13 +208,33 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             // starts from rest.
             let is_later = began.gt(zero);
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let state = SlipPoint { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
+            let state = SlipPoint {
+                x: x0,
+                v: L::select(is_later, zero, now.v),
+                n: L::select(is_later, noise0, now.n),
+            };
             let force0 = L::select(is_later, force0, now.force);
             let friction = eps * scene.friction.dynamic_force;
-            let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
-            let start = SlipVelocity { velocity, acceleration };
+            let step = StepStart {
+                after: began,
+                state,
+                motion: motion(body, eps, state.v, force0, friction),
+                eps,
+            };
+            let start = SlipVelocity {
+                velocity,
+                acceleration,
+            };
             let (from, to) = (began + after, began + (after + length));
-            let piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
+            let piece = SlipPiece {
+                eps,
+                x0,
+                after: from,
+                until: to,
+                travel,
+                start,
+                interval,
+            };
             let mut piece = piece.less([&self.way(&step, from), &self.way(&step, to)]);
             let step_length = L::splat(self.cell.length) - began;
             let mut odd = 0;
@@ -180,7 +246,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 }
                 let draws = now.draws(self.cell.index << 32 | glance.place);
                 let here = self.way(&step, L::splat(glance.time));
-                let there = piece.state(scene, *glance, &here, draws.three_normals(self.paths.normals, 0));
+                let there = piece.state(
+                    scene,
+                    *glance,
+                    &here,
+                    draws.three_normals(self.paths.normals, 0),
+                );
                 let is_felt = piece.is_felt(scene, *glance, &here, step_length);
                 odd |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
@@ -209,8 +280,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let [from, noise, force, _, displacement, ..] = left;
             let [to, end_noise, end_force, ..] = right;
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let mut piece =
-                StickPiece { after: (from, to), noise: (noise, end_noise), force: (force, end_force), displacement };
+            let mut piece = StickPiece {
+                after: (from, to),
+                noise: (noise, end_noise),
+                force: (force, end_force),
+                displacement,
+            };
             for (i, glance) in inside.glances.iter().enumerate() {
                 let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
                 let held = L::bitmask(is_held) & lanes;
@@ -226,7 +301,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     }
                 };
                 let there = piece.inside(*glance, drawn);
-                let seen = (displacement, zero, scene.temperature(glance.forcing, there.noise));
+                let seen = (
+                    displacement,
+                    zero,
+                    scene.temperature(glance.forcing, there.noise),
+                );
                 set(&mut inside.seen[i], &rows, held, seen, true);
                 let rest = piece.behind(*glance, there);
                 piece = StickPiece {
@@ -263,17 +342,40 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut left = L::bitmask(is_between) & held;
         let mut is_left = is_between;
         let (side, f_s) = (piece.exit_side(), L::splat(scene.friction.static_force));
-        let mut stuck = Stuck { noise: bridge.mean, force: bridge.rest + bridge.mean };
+        let mut stuck = Stuck {
+            noise: bridge.mean,
+            force: bridge.rest + bridge.mean,
+        };
         for attempt in 0..TRIES as u64 {
             if left == 0 {
                 return stuck;
             }
             let (drawn, is_accepted) = if kind == StickEnd::Kept {
                 let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
-                (drawn, piece.stays([[f_s; 2]; 3], &halves, drawn.force, draws.uniform(2 * attempt + 1)))
+                (
+                    drawn,
+                    piece.stays(
+                        [[f_s; 2]; 3],
+                        &halves,
+                        drawn.force,
+                        draws.uniform(2 * attempt + 1),
+                    ),
+                )
             } else {
-                let drawn = bridge.before_exit(f_s, side, draws.three_normals(self.paths.normals, 3 * attempt));
-                (drawn, piece.misses_other([[f_s; 2]; 3], &halves, drawn.force, draws.uniform(3 * attempt + 2)))
+                let drawn = bridge.before_exit(
+                    f_s,
+                    side,
+                    draws.three_normals(self.paths.normals, 3 * attempt),
+                );
+                (
+                    drawn,
+                    piece.misses_other(
+                        [[f_s; 2]; 3],
+                        &halves,
+                        drawn.force,
+                        draws.uniform(3 * attempt + 2),
+                    ),
+                )
             };
             let accepted = L::and(is_left, is_accepted);
             stuck.noise = L::select(accepted, drawn.noise, stuck.noise);
@@ -289,9 +391,22 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn bridge(&self, piece: &StickPiece<L>, glance: Glance) -> Bridge<L> {
         let scene = &self.paths.noisy.scene;
-        let (before, behind) = (L::splat(glance.time) - piece.after.0, piece.after.1 - glance.time);
-        let (mean, sd) = short_bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
-        Bridge { mean, sd, rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness }
+        let (before, behind) = (
+            L::splat(glance.time) - piece.after.0,
+            piece.after.1 - glance.time,
+        );
+        let (mean, sd) = short_bridge_at(
+            scene.relaxation_rate,
+            scene.diffusion,
+            before,
+            behind,
+            piece.noise,
+        );
+        Bridge {
+            mean,
+            sd,
+            rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness,
+        }
     }
 
     /// The motion without noise of a step that begins with the cell, at the end of `part`.
@@ -320,7 +435,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let friction = eps * scene.friction.dynamic_force;
         let motion = motion(body, eps, mean.v, force(body, forcing, mean), friction);
         let travel = resolved_travel(eps * step.state.x, eps * mean.x, step.motion, motion, since);
-        Way { travel, motion, noise: mean.n }
+        Way {
+            travel,
+            motion,
+            noise: mean.n,
+        }
     }
 
     /// Adds these lanes to `odd`, unless they are there or have been given up.
@@ -349,13 +468,52 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         if !self.paths.records.is_watched() {
             return;
         }
-        let SearchedSlip { left, after, travel, x, start, eps, .. } = *searched;
-        let held = self.paths.records.hold(start + after, start + (after + interval.length)) & lanes;
+        let SearchedSlip {
+            left,
+            after,
+            travel,
+            x,
+            start,
+            eps,
+            ..
+        } = *searched;
+        let held = self
+            .paths
+            .records
+            .hold(start + after, start + (after + interval.length))
+            & lanes;
         if held != 0 {
-            let Interval { end, travel: distance, length, inverse, noise } = *interval;
-            let [noise0, force0] = [at::<L>(&self.paths.begun[0], rows), at::<L>(&self.paths.begun[1], rows)];
-            let left = [left.velocity, left.acceleration, after, travel, start, x, eps, eps];
-            let right = [end.velocity, end.acceleration, distance, length, inverse, noise, noise0, force0];
+            let Interval {
+                end,
+                travel: distance,
+                length,
+                inverse,
+                noise,
+            } = *interval;
+            let [noise0, force0] = [
+                at::<L>(&self.paths.begun[0], rows),
+                at::<L>(&self.paths.begun[1], rows),
+            ];
+            let left = [
+                left.velocity,
+                left.acceleration,
+                after,
+                travel,
+                start,
+                x,
+                eps,
+                eps,
+            ];
+            let right = [
+                end.velocity,
+                end.acceleration,
+                distance,
+                length,
+                inverse,
+                noise,
+                noise0,
+                force0,
+            ];
             self.paths.records.slips.push(rows, held, left, right);
         }
     }
@@ -375,11 +533,19 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
         let held = self.paths.records.hold(left.after, right.after) & lanes;
         if held != 0 {
-            let StickPiece { after, noise, force, .. } = stick_piece(left, right, displacement);
+            let StickPiece {
+                after,
+                noise,
+                force,
+                ..
+            } = stick_piece(left, right, displacement);
             let x = displacement;
             let left = [after.0, noise.0, force.0, x, x, x, x, x];
             let right = [after.1, noise.1, force.1, x, x, x, x, x];
-            self.paths.records.sticks(kind).push(rows, held, left, right);
+            self.paths
+                .records
+                .sticks(kind)
+                .push(rows, held, left, right);
         }
     }
 }

@@ -126,14 +126,22 @@ impl<'a> Vectorised<'a> {
     /// The path of a lane at the start of the cell.
     fn path(&self, lane: usize) -> Path<'a, f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
-        let left = self.noisy.route.work_limit.saturating_sub(self.spent_before[lane]);
+        let left = self
+            .noisy
+            .route
+            .work_limit
+            .saturating_sub(self.spent_before[lane]);
         Path {
             after: 0.0,
             displacement,
             noise,
             second_noise: 0.0,
             force,
-            phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
+            phase: if eps == 0.0 {
+                Phase::Static
+            } else {
+                Phase::Slip(Sign::of(eps))
+            },
             motion,
             draws: self.draws[lane],
             work: WorkLeft::watched(left, self.is_stopped),
@@ -148,7 +156,16 @@ impl<'a> Vectorised<'a> {
             Phase::Slip(direction) => (direction.value(), path.motion),
         };
         let [origin, key, flip] = path.draws.keys().map(f64::from_bits);
-        self.next[lane] = Row([path.displacement, v, path.noise, path.force, eps, origin, key, flip]);
+        self.next[lane] = Row([
+            path.displacement,
+            v,
+            path.noise,
+            path.force,
+            eps,
+            origin,
+            key,
+            flip,
+        ]);
         self.phases.set(lane, eps != 0.0);
         self.spent[lane] = self.noisy.route.work_limit - path.work.left();
         if let Some(why) = path.lost {
@@ -187,7 +204,14 @@ impl<'a> Vectorised<'a> {
             inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
         } else {
             let emit = |event| self.events.push((lane as u32, event));
-            let crossed = scalar::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut NullObserver, emit);
+            let crossed = scalar::cross(
+                self.noisy,
+                cell,
+                &mut path,
+                &mut self.scratch,
+                &mut NullObserver,
+                emit,
+            );
             path.lost = crossed.err();
         }
         self.put(lane, &path);
@@ -209,7 +233,8 @@ impl LaneProgram for LookAtEnd<'_, '_> {
             let now = Border::<L>::get(&self.paths.now, &rows_from(lane));
             let temperature = scene.temperature(self.passed.last.value, now.n);
             let is_slip = now.eps.abs().gt(L::splat(0.0));
-            self.columns.set_lanes(lane, (now.x, now.v, temperature), !L::bitmask(is_slip));
+            self.columns
+                .set_lanes(lane, (now.x, now.v, temperature), !L::bitmask(is_slip));
         }
     }
 }
@@ -239,7 +264,11 @@ impl PathSet for Vectorised<'_> {
     }
 
     fn look(&self, passed: &Cell, columns: &mut StateColumns) {
-        self.instructions.run(&mut LookAtEnd { paths: self, passed, columns });
+        self.instructions.run(&mut LookAtEnd {
+            paths: self,
+            passed,
+            columns,
+        });
         for &lane in self.lost.keys() {
             columns.set(lane, LOST);
         }
@@ -254,7 +283,10 @@ impl PathSet for Vectorised<'_> {
         Simulated {
             lost: self.lost.keys().copied().collect(),
             why: self.lost.values().next().copied(),
-            evaluations: self.spent[..self.count].iter().map(|&spent| spent.min(limit)).sum(),
+            evaluations: self.spent[..self.count]
+                .iter()
+                .map(|&spent| spent.min(limit))
+                .sum(),
         }
     }
 }

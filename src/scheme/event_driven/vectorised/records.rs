@@ -71,7 +71,13 @@ pub(super) fn is_inside<L: Lanes>(time: f64, from: L, to: L) -> L::Mask {
 impl Pieces {
     /// Records a piece in each lane of a mask.
     #[inline(always)]
-    pub fn push<L: Lanes>(&mut self, rows: &RowNumbers, lanes: u32, left: [L; ROW], right: [L; ROW]) {
+    pub fn push<L: Lanes>(
+        &mut self,
+        rows: &RowNumbers,
+        lanes: u32,
+        left: [L; ROW],
+        right: [L; ROW],
+    ) {
         if self.lanes.len() <= self.len + ROW {
             self.grow();
         }
@@ -109,6 +115,11 @@ impl Pieces {
             places[i] = (first + i) as u32;
             lanes[i] = self.lanes[first + i];
         }
-        (lanes, (1 << count) - 1, L::gather_rows(&self.left, &places), L::gather_rows(&self.right, &places))
+        (
+            lanes,
+            (1 << count) - 1,
+            L::gather_rows(&self.left, &places),
+            L::gather_rows(&self.right, &places),
+        )
     }
 }

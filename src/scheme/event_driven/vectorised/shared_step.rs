@@ -16,16 +16,27 @@ impl<L: Lanes> SharedStep<L> {
     /// The step from the start of the cell to a time inside it.
     #[inline(always)]
     pub fn until(noisy: &Noisy, cell: &Cell, after: f64) -> Self {
-        Self::new(&SlipStep::new(&noisy.oscillator, noisy.step.harmonics.len(), after), cell)
+        Self::new(
+            &SlipStep::new(&noisy.oscillator, noisy.step.harmonics.len(), after),
+            cell,
+        )
     }
 
     /// A step that begins with this cell.
     #[inline(always)]
     pub fn new(step: &SlipStep, cell: &Cell) -> Self {
-        let pushes: Vec<Push> =
-            step.harmonics.iter().zip(&cell.terms).map(|(response, term)| response.push(*term)).collect();
+        let pushes: Vec<Push> = step
+            .harmonics
+            .iter()
+            .zip(&cell.terms)
+            .map(|(response, term)| response.push(*term))
+            .collect();
         let forcing = pushes.iter().map(|push| push.term.re).sum();
-        SharedStep { transition: splat(&step.transition), pushes, forcing }
+        SharedStep {
+            transition: splat(&step.transition),
+            pushes,
+            forcing,
+        }
     }
 
     /// The mean state at the end of the step.

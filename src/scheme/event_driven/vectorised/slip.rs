@@ -1,8 +1,8 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
 use super::super::law::{
-    Extent, FEEBLE, FINEST, Interval, Node, SAME_LENGTH, SHORTEST, STOP_REFINEMENTS, SlipPoint, SlipTransition,
-    SlipVelocity, early_parts, force, forwards, given_noise, halves,
+    Extent, FEEBLE, FINEST, Interval, Node, SAME_LENGTH, SHORTEST, STOP_REFINEMENTS, SlipPoint,
+    SlipTransition, SlipVelocity, early_parts, force, forwards, given_noise, halves,
 };
 use super::super::noisy::Noisy;
 use super::crossing::{Crossing, Task};
@@ -34,25 +34,79 @@ pub(super) struct SearchedSlip<L: Lanes> {
 impl<L: Lanes> SearchedSlip<L> {
     #[inline(always)]
     pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
-        let SearchedSlip { left, after, travel, count, x, start, eps, .. } = *self;
-        let row = [left.velocity, left.acceleration, after, travel, count.number(), x, start, eps];
+        let SearchedSlip {
+            left,
+            after,
+            travel,
+            count,
+            x,
+            start,
+            eps,
+            ..
+        } = *self;
+        let row = [
+            left.velocity,
+            left.acceleration,
+            after,
+            travel,
+            count.number(),
+            x,
+            start,
+            eps,
+        ];
         L::scatter_rows(row, &mut jobs.left, rows);
         L::scatter_rows(self.row_of(&self.interval), &mut jobs.right, rows);
     }
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
-        let [velocity, acceleration, after, travel, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
+        let [velocity, acceleration, after, travel, count, x, start, eps] =
+            L::gather_rows(&jobs.left, rows);
         let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
-        let (left, count) = (SlipVelocity { velocity, acceleration }, Count::of(count));
-        SearchedSlip { left, after, travel, count, x, start, eps, interval, origin, key }
+        let (left, count) = (
+            SlipVelocity {
+                velocity,
+                acceleration,
+            },
+            Count::of(count),
+        );
+        SearchedSlip {
+            left,
+            after,
+            travel,
+            count,
+            x,
+            start,
+            eps,
+            interval,
+            origin,
+            key,
+        }
     }
 
     /// An interval as a row.
     #[inline(always)]
-    fn row_of(&self, &Interval { end, travel, length, inverse, noise }: &Interval<L>) -> [L; ROW] {
+    fn row_of(
+        &self,
+        &Interval {
+            end,
+            travel,
+            length,
+            inverse,
+            noise,
+        }: &Interval<L>,
+    ) -> [L; ROW] {
         let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
-        [end.velocity, end.acceleration, travel, length, inverse, noise, origin, key]
+        [
+            end.velocity,
+            end.acceleration,
+            travel,
+            length,
+            inverse,
+            noise,
+            origin,
+            key,
+        ]
     }
 
     #[inline(always)]
@@ -74,8 +128,21 @@ impl<L: Lanes> SearchedSlip<L> {
 fn interval_of<L: Lanes>(
     [v, a, travel, length, inverse, noise, origin, key]: [L; ROW],
 ) -> (Interval<L>, L::Bits, L::Bits) {
-    let end = SlipVelocity { velocity: v, acceleration: a };
-    (Interval { end, travel, length, inverse, noise }, origin.to_bits(), key.to_bits())
+    let end = SlipVelocity {
+        velocity: v,
+        acceleration: a,
+    };
+    (
+        Interval {
+            end,
+            travel,
+            length,
+            inverse,
+            noise,
+        },
+        origin.to_bits(),
+        key.to_bits(),
+    )
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -83,11 +150,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
-        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 * FINEST)));
+        let too_short = searched
+            .interval
+            .length
+            .le(L::splat(self.cell.length * (2.0 * FINEST)));
         let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
-        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let normals = searched
+            .draws(self.cell.index)
+            .three_normals(self.paths.normals, 0);
         let parts = halves(searched.left, &searched.interval, normals);
         self.search_parts(searched, rows, lanes, parts, L::always());
     }
@@ -104,10 +176,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         is_divided: L::Mask,
     ) {
         let search = self.paths.noisy.search;
-        self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
+        self.paths
+            .jobs
+            .place_behind(rows, searched.count, searched.row_of(&far));
         let near_clear = L::and(is_divided, search.is_clear(searched.left, &near));
         let waits = L::and(is_divided, L::not(near_clear));
-        searched.count = searched.count.drawn(2).spent_where(is_divided).behind_where(waits);
+        searched.count = searched
+            .count
+            .drawn(2)
+            .spent_where(is_divided)
+            .behind_where(waits);
         self.saw_slip(rows, L::bitmask(near_clear) & lanes, &searched, &near);
         searched.pass(near_clear, &near);
         searched.interval = Interval::select(near_clear, &far, &near);
@@ -130,9 +208,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         more: u32,
         is_clear: L::Mask,
     ) {
-        let is_stop = self.paths.noisy.search.is_stop(searched.left, &searched.interval);
+        let is_stop = self
+            .paths
+            .noisy
+            .search
+            .is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
-        let searched = SearchedSlip { count: searched.count.alone_where(is_stop), ..searched };
+        let searched = SearchedSlip {
+            count: searched.count.alone_where(is_stop),
+            ..searched
+        };
         searched.put(&mut self.paths.jobs, rows);
         let stops = L::bitmask(is_stop) & lanes;
         self.queue(Task::FindStop, rows, stops);
@@ -162,10 +247,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn find_stop(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
         let search = self.paths.noisy.search;
-        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let normals = searched
+            .draws(self.cell.index)
+            .three_normals(self.paths.normals, 0);
         let near = search.near_stop(searched.left, &searched.interval, normals);
         let is_first = searched.count.has_none();
-        let count = searched.count.drawn(2).spent_where(is_first).behind_where(L::always());
+        let count = searched
+            .count
+            .drawn(2)
+            .spent_where(is_first)
+            .behind_where(L::always());
 
         let is_before = near.motion.velocity.gt(L::splat(0.0));
         let [before, behind] = near.parted(&searched.interval, search.noise);
@@ -186,7 +277,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
         let found = L::bitmask(near.is_at_it) & lanes;
         let acceleration = near.motion.acceleration;
-        let is_finite = (found_after + found_travel + acceleration).abs().lt(L::splat(f64::INFINITY));
+        let is_finite = (found_after + found_travel + acceleration)
+            .abs()
+            .lt(L::splat(f64::INFINITY));
         let step = L::splat(self.cell.length) - searched.start;
         let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
         let good = L::bitmask(L::and(is_finite, is_felt)) & found;
@@ -194,8 +287,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64 - 1.0)) & missed;
         self.odd_lanes(rows, (found & !good) | spoiled);
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
-        let end = SlipVelocity { velocity: L::splat(0.0), acceleration };
-        self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
+        let end = SlipVelocity {
+            velocity: L::splat(0.0),
+            acceleration,
+        };
+        self.saw_slip(
+            rows,
+            good,
+            &searched,
+            &Interval::new(end, rest, there, search.noise),
+        );
         self.queue(Task::FindStop, rows, missed & !spoiled);
         self.queue(Task::Rest, rows, good);
     }
@@ -209,33 +310,63 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let after = searched.start + searched.after;
         let x = searched.x + eps * searched.travel;
         let spring = x * body.stiffness;
-        let force = eps * scene.friction.dynamic_force + eps * body.mass * searched.left.acceleration;
+        let force =
+            eps * scene.friction.dynamic_force + eps * body.mass * searched.left.acceleration;
         let forcing = self.cell.forcing(after);
         let noise = force - forcing.value + spring;
         let f_s = L::splat(scene.friction.static_force);
         let held = L::bitmask(force.abs().le(f_s)) & lanes;
         let edge = L::bitmask(force.abs().ge(f_s)) & held;
         let turned = lanes & !held;
-        self.tell(rows, lanes, (after, x, force), |force, lane| EventKind::at_rest(held >> lane & 1 == 1, force));
+        self.tell(rows, lanes, (after, x, force), |force, lane| {
+            EventKind::at_rest(held >> lane & 1 == 1, force)
+        });
         self.odd_lanes(rows, edge);
 
         let SearchedSlip { origin, key, .. } = searched;
         let count = searched.count.spent().alone_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
-            let begun = Begun { after, noise, force, eps, x, count, origin, key };
+            let begun = Begun {
+                after,
+                noise,
+                force,
+                eps,
+                x,
+                count,
+                origin,
+                key,
+            };
             let own = self.paths.jobs.only::<L>(rows, turned);
             begun.put(&mut self.paths.jobs, &own);
             self.queue(Task::Begin, rows, turned);
         }
         let held = held & !edge;
         if held != 0 {
-            let left = Node { after, noise, force, curvature: forcing.curvature };
+            let left = Node {
+                after,
+                noise,
+                force,
+                curvature: forcing.curvature,
+            };
             let end_noise = self.end_noise(rows);
             let end_force = L::splat(self.cell.last.value) - spring + end_noise;
             let curvature = L::splat(self.cell.last.curvature);
-            let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
-            let piece = SearchedStick { left, right, x, side: L::splat(0.0), count, origin, key };
+            let right = Node {
+                after: L::splat(self.cell.length),
+                noise: end_noise,
+                force: end_force,
+                curvature,
+            };
+            let piece = SearchedStick {
+                left,
+                right,
+                x,
+                side: L::splat(0.0),
+                count,
+                origin,
+                key,
+            };
             self.begin_stick(rows, held, &piece);
         }
     }
@@ -269,31 +400,69 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             return self.odd_lanes(rows, lanes);
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
-        let Begun { after, noise, force, eps, x, count, origin, key } = begun;
+        let Begun {
+            after,
+            noise,
+            force,
+            eps,
+            x,
+            count,
+            origin,
+            key,
+        } = begun;
         let (zero, length) = (L::splat(0.0), self.cell.length);
         let remaining = L::splat(length) - after;
-        let start = SlipPoint { x, v: zero, n: noise };
+        let start = SlipPoint {
+            x,
+            v: zero,
+            n: noise,
+        };
         let (end, end_force) = self.drawn_to_the_end(&begun, start, remaining, rows);
         let Noisy { scene, search, .. } = self.paths.noisy;
-        let (first, interval) =
-            Extent::new(remaining, search.noise).between(scene, eps, (&start, force), (&end, end_force));
+        let (first, interval) = Extent::new(remaining, search.noise).between(
+            scene,
+            eps,
+            (&start, force),
+            (&end, end_force),
+        );
 
         let is_long = remaining.gt(L::splat(SHORTEST * length));
         let is_part = remaining.lt(L::splat(length * (1.0 - SAME_LENGTH)));
         let good = L::bitmask(L::and(L::and(is_long, is_part), interval.end.is_finite())) & lanes;
         self.odd_lanes(rows, lanes & !good);
-        let next = Border { x: end.x, v: end.v, n: end.n, force: end_force, eps, origin, key, flip: count.flip() };
+        let next = Border {
+            x: end.x,
+            v: end.v,
+            n: end.n,
+            force: end_force,
+            eps,
+            origin,
+            key,
+            flip: count.flip(),
+        };
         self.set_next(rows, good, next, true);
         self.began(rows, good, noise, force);
         let count = count.drawn(1).spent();
-        let searched =
-            SearchedSlip { left: first, after: zero, travel: zero, count, x, start: after, eps, interval, origin, key };
+        let searched = SearchedSlip {
+            left: first,
+            after: zero,
+            travel: zero,
+            count,
+            x,
+            start: after,
+            eps,
+            interval,
+            origin,
+            key,
+        };
         // Under weak noise the motion inside a step is known better than its division by the
         // quintic would say, so a clear step stays whole.
         let is_clear = search.is_clear(first, &interval);
         let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
-        let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
+        let normals = searched
+            .draws(self.cell.index)
+            .three_normals(self.paths.normals, 0);
         let parts = early_parts(first, &interval, normals);
         self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
     }
@@ -307,13 +476,19 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         remaining: L,
         rows: &RowNumbers,
     ) -> (SlipPoint<L>, L) {
-        let Noisy { scene, oscillator, .. } = self.paths.noisy;
+        let Noisy {
+            scene, oscillator, ..
+        } = self.paths.noisy;
         let mut transition = oscillator.series(remaining);
         transition.given_noise = given_noise(&transition.covariance);
         let friction = begun.eps * scene.friction.dynamic_force;
         let (mean, forcing) = self.mean_state(&transition, start, begun.after, friction);
         let draws = begun.count.draws(self.cell.index, begun.origin, begun.key);
-        let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
+        let end = transition.drawn(
+            mean,
+            self.end_noise(rows),
+            draws.normal_pair(self.paths.normals, 0),
+        );
         (end, force(&scene.oscillator, forcing, end))
     }
 
@@ -340,7 +515,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Sets the states of these lanes at the end of the cell.
     #[inline(always)]
-    pub(super) fn set_next(&mut self, rows: &RowNumbers, lanes: u32, next: Border<L>, is_slip: bool) {
+    pub(super) fn set_next(
+        &mut self,
+        rows: &RowNumbers,
+        lanes: u32,
+        next: Border<L>,
+        is_slip: bool,
+    ) {
         let own = self.paths.jobs.only::<L>(rows, lanes);
         next.put(&mut self.paths.next, &own);
         self.paths.phases.set_all(rows, lanes, is_slip);
@@ -362,7 +543,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         while lanes != 0 {
             let i = lanes.trailing_zeros();
             let (time, force) = (self.cell.start + afters[i as usize], forces[i as usize]);
-            let event = Event { kind: kind(force, i), time, displacement: xs[i as usize], force };
+            let event = Event {
+                kind: kind(force, i),
+                time,
+                displacement: xs[i as usize],
+                force,
+            };
             self.paths.events.push((rows[i as usize], event));
             lanes &= lanes - 1;
         }
@@ -385,15 +571,36 @@ pub(super) struct Begun<L: Lanes> {
 impl<L: Lanes> Begun<L> {
     #[inline(always)]
     pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
-        let Begun { after, noise, force, eps, x, count, .. } = *self;
+        let Begun {
+            after,
+            noise,
+            force,
+            eps,
+            x,
+            count,
+            ..
+        } = *self;
         let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
-        L::scatter_rows([after, noise, force, eps, count.number(), x, origin, key], &mut jobs.left, rows);
+        L::scatter_rows(
+            [after, noise, force, eps, count.number(), x, origin, key],
+            &mut jobs.left,
+            rows,
+        );
     }
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
         let (origin, key) = (origin.to_bits(), key.to_bits());
-        Begun { after, noise, force, eps, x, count: Count::of(count), origin, key }
+        Begun {
+            after,
+            noise,
+            force,
+            eps,
+            x,
+            count: Count::of(count),
+            origin,
+            key,
+        }
     }
 }

@@ -26,12 +26,30 @@ impl<L: Lanes> Border<L> {
     #[inline(always)]
     pub fn get(states: &[Row], rows: &RowNumbers) -> Self {
         let [x, v, n, force, eps, origin, key, flip] = L::gather_rows(states, rows);
-        Border { x, v, n, force, eps, origin: origin.to_bits(), key: key.to_bits(), flip: flip.to_bits() }
+        Border {
+            x,
+            v,
+            n,
+            force,
+            eps,
+            origin: origin.to_bits(),
+            key: key.to_bits(),
+            flip: flip.to_bits(),
+        }
     }
 
     #[inline(always)]
     pub fn put(self, states: &mut [Row], rows: &RowNumbers) {
-        let Border { x, v, n, force, eps, origin, key, flip } = self;
+        let Border {
+            x,
+            v,
+            n,
+            force,
+            eps,
+            origin,
+            key,
+            flip,
+        } = self;
         let [origin, key, flip] = [L::from_bits(origin), L::from_bits(key), L::from_bits(flip)];
         L::scatter_rows([x, v, n, force, eps, origin, key, flip], states, rows);
     }
@@ -67,7 +85,9 @@ impl Phases {
         let rows = (0..count).step_by(ROW);
         Phases {
             slips: rows.clone().map(|_| 0).collect(),
-            present: rows.map(|lane| (1 << (count - lane).min(ROW)) - 1).collect(),
+            present: rows
+                .map(|lane| (1 << (count - lane).min(ROW)) - 1)
+                .collect(),
         }
     }
 

@@ -25,10 +25,24 @@ pub(super) struct SearchedStick<L: Lanes> {
 impl<L: Lanes> SearchedStick<L> {
     #[inline(always)]
     pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
-        let Node { after, noise, force, curvature } = self.left;
+        let Node {
+            after,
+            noise,
+            force,
+            curvature,
+        } = self.left;
         let zero = L::splat(0.0);
         L::scatter_rows(
-            [after, noise, force, curvature, self.count.number(), self.x, self.side, zero],
+            [
+                after,
+                noise,
+                force,
+                curvature,
+                self.count.number(),
+                self.x,
+                self.side,
+                zero,
+            ],
             &mut jobs.left,
             rows,
         );
@@ -40,7 +54,12 @@ impl<L: Lanes> SearchedStick<L> {
         let [after, noise, force, curvature, count, x, side, _] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
         SearchedStick {
-            left: Node { after, noise, force, curvature },
+            left: Node {
+                after,
+                noise,
+                force,
+                curvature,
+            },
             right,
             x,
             side,
@@ -51,9 +70,26 @@ impl<L: Lanes> SearchedStick<L> {
     }
 
     #[inline(always)]
-    fn row_of(&self, &Node { after, noise, force, curvature }: &Node<L>) -> [L; ROW] {
+    fn row_of(
+        &self,
+        &Node {
+            after,
+            noise,
+            force,
+            curvature,
+        }: &Node<L>,
+    ) -> [L; ROW] {
         let zero = L::splat(0.0);
-        [after, noise, force, curvature, zero, zero, L::from_bits(self.origin), L::from_bits(self.key)]
+        [
+            after,
+            noise,
+            force,
+            curvature,
+            zero,
+            zero,
+            L::from_bits(self.origin),
+            L::from_bits(self.key),
+        ]
     }
 
     #[inline(always)]
@@ -64,7 +100,10 @@ impl<L: Lanes> SearchedStick<L> {
     #[inline(always)]
     fn step(&self, scene: &Scene) -> StickStep<L> {
         let length = self.length();
-        StickStep { length, noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length) }
+        StickStep {
+            length,
+            noise: TimeChange::short(scene.relaxation_rate, scene.diffusion, length),
+        }
     }
 
     #[inline(always)]
@@ -74,8 +113,19 @@ impl<L: Lanes> SearchedStick<L> {
 }
 
 #[inline(always)]
-fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; ROW]) -> (Node<L>, L::Bits, L::Bits) {
-    (Node { after, noise, force, curvature }, origin.to_bits(), key.to_bits())
+fn node_of<L: Lanes>(
+    [after, noise, force, curvature, _, _, origin, key]: [L; ROW],
+) -> (Node<L>, L::Bits, L::Bits) {
+    (
+        Node {
+            after,
+            noise,
+            force,
+            curvature,
+        },
+        origin.to_bits(),
+        key.to_bits(),
+    )
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -85,9 +135,24 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let zero = L::splat(0.0);
         let spring = piece.x * self.paths.noisy.scene.oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
-        let SearchedStick { x, count, origin, key, .. } = *piece;
+        let SearchedStick {
+            x,
+            count,
+            origin,
+            key,
+            ..
+        } = *piece;
         let flip = count.flip();
-        let next = Border { x, v: zero, n: piece.right.noise, force: end_force, eps: zero, origin, key, flip };
+        let next = Border {
+            x,
+            v: zero,
+            n: piece.right.noise,
+            force: end_force,
+            eps: zero,
+            origin,
+            key,
+            flip,
+        };
         self.set_next(rows, lanes, next, false);
         let own = self.paths.jobs.only::<L>(rows, lanes);
         self.queue_piece(*piece, rows, &own, lanes);
@@ -96,16 +161,33 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Puts each piece into the queue of its next task. Where the piece is clear, the lane goes on
     /// to the next waiting piece. `own` are the rows that are written.
     #[inline(always)]
-    fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
+    fn queue_piece(
+        &mut self,
+        mut piece: SearchedStick<L>,
+        rows: &RowNumbers,
+        own: &RowNumbers,
+        lanes: u32,
+    ) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
         let (band, scene) = (&self.paths.noisy.route.band, &self.paths.noisy.scene);
-        let reach = band.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limits());
+        let reach = band.reach(
+            scene,
+            piece.length(),
+            (&piece.left, &piece.right),
+            &scene.constant_limits(),
+        );
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.queue(Task::Halve, rows, long);
         self.queue(Task::Decide, rows, near & !long);
-        self.saw_stick(rows, lanes & !near, (&piece.left, &piece.right), piece.x, StickEnd::Clear);
+        self.saw_stick(
+            rows,
+            lanes & !near,
+            (&piece.left, &piece.right),
+            piece.x,
+            StickEnd::Clear,
+        );
         let more = !L::bitmask(piece.count.has_none());
         self.queue(Task::StickOn, rows, lanes & !near & more);
     }
@@ -125,9 +207,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let after = piece.left.after + h * 0.5;
         let forcing = self.cell.forcing(after);
         let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
-        self.paths.jobs.place_behind(rows, piece.count, piece.row_of(&piece.right));
+        self.paths
+            .jobs
+            .place_behind(rows, piece.count, piece.row_of(&piece.right));
         piece.count = piece.count.drawn(1).behind_where(L::always());
-        piece.right = Node { after, noise, force, curvature: forcing.curvature };
+        piece.right = Node {
+            after,
+            noise,
+            force,
+            curvature: forcing.curvature,
+        };
         self.queue_piece(piece, rows, rows, lanes);
     }
 
@@ -147,8 +236,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let scene = &self.paths.noisy.scene;
         let step = piece.step(scene);
-        let [up, down] =
-            step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right, scene.constant_limits()));
+        let [up, down] = step.first_meeting_probabilities(
+            scene,
+            &ends(&piece.left, &piece.right, scene.constant_limits()),
+        );
         let u = piece.draws(self.cell.index).uniform(0);
         let one = L::splat(1.0);
         let is_up = u.lt(up);
@@ -160,7 +251,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         piece.count = piece.count.drawn(1).alone_where(is_left);
         piece.put(&mut self.paths.jobs, rows);
         let kept = lanes & !left;
-        self.saw_stick(rows, kept, (&piece.left, &piece.right), piece.x, StickEnd::Kept);
+        self.saw_stick(
+            rows,
+            kept,
+            (&piece.left, &piece.right),
+            piece.x,
+            StickEnd::Kept,
+        );
         let more = !L::bitmask(piece.count.has_none());
         self.queue(Task::StickOn, rows, kept & more);
         self.queue(Task::Leave, rows, left);
@@ -171,10 +268,24 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn leave(&mut self, rows: &RowNumbers, lanes: u32) {
         let piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let scene = &self.paths.noisy.scene;
-        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right, scene.constant_limits()));
-        let SearchedStick { x, side, origin, key, count, .. } = piece;
+        let (step, ends) = (
+            piece.step(scene),
+            ends(&piece.left, &piece.right, scene.constant_limits()),
+        );
+        let SearchedStick {
+            x,
+            side,
+            origin,
+            key,
+            count,
+            ..
+        } = piece;
         let draws = piece.draws(self.cell.index);
-        let numbers = [draws.normal(self.paths.normals, 0), draws.uniform(1), draws.uniform(2)];
+        let numbers = [
+            draws.normal(self.paths.normals, 0),
+            draws.uniform(1),
+            draws.uniform(2),
+        ];
         let (passed, is_accepted) = step.meeting_time(scene, side, &ends, numbers);
         let is_found = L::or(is_accepted, count.has(ATTEMPTS as f64 - 1.0));
         let again = lanes & !L::bitmask(is_found);
@@ -188,12 +299,29 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let after = piece.left.after + passed;
         let force = side * scene.friction.static_force;
         let noise = force - self.cell.forcing(after).value + x * scene.oscillator.stiffness;
-        let exit = Node { after, noise, force, curvature: L::splat(0.0) };
+        let exit = Node {
+            after,
+            noise,
+            force,
+            curvature: L::splat(0.0),
+        };
         self.saw_stick(rows, lanes, (&piece.left, &exit), x, StickEnd::Exit);
-        self.tell(rows, lanes, (after, x, force), |force, _| EventKind::SlipStarted(Sign::of(force)));
+        self.tell(rows, lanes, (after, x, force), |force, _| {
+            EventKind::SlipStarted(Sign::of(force))
+        });
         let count = count.drawn(3).spent().alone_where(L::always());
         let own = self.paths.jobs.only::<L>(rows, lanes);
-        Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
+        Begun {
+            after,
+            noise,
+            force,
+            eps: side,
+            x,
+            count,
+            origin,
+            key,
+        }
+        .put(&mut self.paths.jobs, &own);
         self.queue(Task::Begin, rows, lanes);
     }
 }

@@ -15,7 +15,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
     #[inline(always)]
     pub(super) fn sweep(&mut self) {
-        let Vectorised { phases, slips, sticks, spent, jobs, .. } = &mut *self.paths;
+        let Vectorised {
+            phases,
+            slips,
+            sticks,
+            spent,
+            jobs,
+            ..
+        } = &mut *self.paths;
         jobs.width = L::WIDTH;
         phases.divide::<L>(slips, sticks);
         spent.iter_mut().for_each(|spent| *spent += 1);
@@ -48,7 +55,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws n at the end of the cell.
     #[inline(always)]
     fn end_noise_of(&self, now: &Border<L>) -> L {
-        let normal = now.draws(self.cell.index << 32).normal(self.paths.normals, NOISE_PLACE);
+        let normal = now
+            .draws(self.cell.index << 32)
+            .normal(self.paths.normals, NOISE_PLACE);
         now.n * self.cell.transition.decay + normal * self.cell.transition.increment_sd
     }
 
@@ -59,18 +68,46 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
         let force1 = L::splat(self.cell.last.value) + end_noise - x * scene.oscillator.stiffness;
-        Border { n: end_noise, force: force1, ..now }.put(&mut self.paths.next, rows);
-        let left = Node { after: L::splat(0.0), noise: n, force, curvature: L::splat(self.cell.first.curvature) };
+        Border {
+            n: end_noise,
+            force: force1,
+            ..now
+        }
+        .put(&mut self.paths.next, rows);
+        let left = Node {
+            after: L::splat(0.0),
+            noise: n,
+            force,
+            curvature: L::splat(self.cell.first.curvature),
+        };
         let end_force = L::splat(self.cell.last.value) - x * scene.oscillator.stiffness + end_noise;
         let curvature = L::splat(self.cell.last.curvature);
-        let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
+        let right = Node {
+            after: L::splat(self.cell.length),
+            noise: end_noise,
+            force: end_force,
+            curvature,
+        };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach = self.paths.noisy.route.band.reach(scene, right.after, (&left, &right), &scene.constant_limits());
+        let reach = self.paths.noisy.route.band.reach(
+            scene,
+            right.after,
+            (&left, &right),
+            &scene.constant_limits(),
+        );
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
             let count = Count::from(EVENT_PLACE, now.flip);
-            let piece = SearchedStick { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
+            let piece = SearchedStick {
+                left,
+                right,
+                x,
+                side: L::splat(0.0),
+                count,
+                origin: now.origin,
+                key: now.key,
+            };
             let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
             self.paths.jobs.flag::<L>(rows, near);
@@ -86,13 +123,30 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let eps = now.eps;
-        let start = SlipPoint { x: now.x, v: now.v, n: now.n };
+        let start = SlipPoint {
+            x: now.x,
+            v: now.v,
+            n: now.n,
+        };
         let friction = eps * scene.friction.dynamic_force;
-        let normals = now.draws(self.cell.index << 32).normal_pair(self.paths.normals, WHOLE_PLACE);
-        let end = whole.transition.drawn(whole.mean(start, friction), end_noise, normals);
+        let normals = now
+            .draws(self.cell.index << 32)
+            .normal_pair(self.paths.normals, WHOLE_PLACE);
+        let end = whole
+            .transition
+            .drawn(whole.mean(start, friction), end_noise, normals);
         let end_force = force(&scene.oscillator, L::splat(whole.forcing), end);
-        Border { x: end.x, v: end.v, n: end_noise, force: end_force, ..now }.put(&mut self.paths.next, rows);
-        let (first, interval) = self.whole_extent().between(scene, eps, (&start, now.force), (&end, end_force));
+        Border {
+            x: end.x,
+            v: end.v,
+            n: end_noise,
+            force: end_force,
+            ..now
+        }
+        .put(&mut self.paths.next, rows);
+        let (first, interval) =
+            self.whole_extent()
+                .between(scene, eps, (&start, now.force), (&end, end_force));
         let search = &self.paths.noisy.search;
         let finite = L::bitmask(interval.end.is_finite()) & lanes;
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;

@@ -10,7 +10,14 @@ use stickslip::stats::column::FirstDifference;
 /// Attributes that another program, or another version of this one, may write otherwise although
 /// every number is the same: names of the program, the version of the format, and the text of the
 /// scenario.
-const OF_PROGRAM: [&str; 6] = ["program_version", "git_hash", "source", "Conventions", "format_version", "scenario"];
+const OF_PROGRAM: [&str; 6] = [
+    "program_version",
+    "git_hash",
+    "source",
+    "Conventions",
+    "format_version",
+    "scenario",
+];
 
 /// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and
 /// keeps the second for itself.
@@ -32,27 +39,56 @@ pub(crate) struct Against<'a> {
 impl<'a> Against<'a> {
     pub fn of(held: &'a dyn Source) -> Self {
         let with_layout = !held.is_laid_out_anew();
-        Against { held, seen: BTreeSet::new(), with_layout, values: 0, difference: None }
+        Against {
+            held,
+            seen: BTreeSet::new(),
+            with_layout,
+            values: 0,
+            difference: None,
+        }
     }
 
     /// Keep a difference if it is the first one. Later differences often follow from the first.
-    pub fn differs(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
-        let difference = || Difference { variable: variable.to_owned(), path, index, stored, computed };
+    pub fn differs(
+        &mut self,
+        variable: &str,
+        path: Option<u64>,
+        (index, stored, computed): FirstDifference,
+    ) {
+        let difference = || Difference {
+            variable: variable.to_owned(),
+            path,
+            index,
+            stored,
+            computed,
+        };
         self.difference.get_or_insert_with(difference);
     }
 
     /// Compare all variables of a data set with those that are stored, except those that have rows
     /// of single paths.
     pub fn variables(&mut self, expected: &Dataset) -> Result<(), String> {
-        for entry in expected.entries.iter().filter(|entry| RowAxis::of(entry).is_none()) {
+        for entry in expected
+            .entries
+            .iter()
+            .filter(|entry| RowAxis::of(entry).is_none())
+        {
             self.described(entry)?;
-            let (values, axes) = (entry.column.values(), entry.axes.iter().map(String::as_str).collect::<Vec<_>>());
+            let (values, axes) = (
+                entry.column.values(),
+                entry.axes.iter().map(String::as_str).collect::<Vec<_>>(),
+            );
             self.values += values.len() as u64;
-            let found = match self.held.column(&variable(&entry.name, &axes, Unit::None, ""), values.kind())? {
+            let found = match self
+                .held
+                .column(&variable(&entry.name, &axes, Unit::None, ""), values.kind())?
+            {
                 Some(stored) => stored.values().first_difference(values),
                 None => Some((None, "missing".into(), "there".into())),
             };
-            found.into_iter().for_each(|found| self.differs(&entry.name, None, found));
+            found
+                .into_iter()
+                .for_each(|found| self.differs(&entry.name, None, found));
         }
         Ok(())
     }
@@ -78,9 +114,19 @@ impl<'a> Against<'a> {
     /// Compare the attributes of the data set, and see that nothing else is stored.
     pub fn finish(&mut self, expected: &Dataset) -> Result<(), String> {
         let is_own = read_other_program(self.held)?.is_none();
-        self.attributes(None, &expected.attributes, if is_own { &[] } else { &OF_PROGRAM })?;
-        let surplus = self.held.names()?.into_iter().find(|name| !self.seen.contains(name));
-        surplus.into_iter().for_each(|name| self.differs(&name, None, (None, "there".into(), "missing".into())));
+        self.attributes(
+            None,
+            &expected.attributes,
+            if is_own { &[] } else { &OF_PROGRAM },
+        )?;
+        let surplus = self
+            .held
+            .names()?
+            .into_iter()
+            .find(|name| !self.seen.contains(name));
+        surplus
+            .into_iter()
+            .for_each(|name| self.differs(&name, None, (None, "there".into(), "missing".into())));
         Ok(())
     }
 
@@ -90,19 +136,25 @@ impl<'a> Against<'a> {
         expected: &[(String, Attribute)],
         left_out: &[&str],
     ) -> Result<(), String> {
-        let (there, expected): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            (self.held.attributes(variable)?.into_iter().collect(), expected.iter().cloned().collect());
-        let names = there.keys().chain(expected.keys().filter(|name| !there.contains_key(*name)));
+        let (there, expected): (BTreeMap<_, _>, BTreeMap<_, _>) = (
+            self.held.attributes(variable)?.into_iter().collect(),
+            expected.iter().cloned().collect(),
+        );
+        let names = there
+            .keys()
+            .chain(expected.keys().filter(|name| !there.contains_key(*name)));
         let left_out = [left_out, if self.with_layout { &[] } else { &OF_LAYOUT }].concat();
         for name in names.filter(|name| !left_out.contains(&name.as_str())) {
             self.values += 1;
             // Reals are compared as they are printed, which tells any two of them apart and takes
             // one NaN for another.
             let (stored, computed) = (there.get(name), expected.get(name));
-            let [stored, computed] = lines_that_differ(stored, computed)
-                .unwrap_or_else(|| [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown)));
+            let [stored, computed] = lines_that_differ(stored, computed).unwrap_or_else(|| {
+                [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown))
+            });
             if stored != computed {
-                let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
+                let name = variable
+                    .map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
                 self.differs(&name, None, (None, stored, computed));
             }
         }
@@ -111,9 +163,17 @@ impl<'a> Against<'a> {
 }
 
 /// The first lines that differ between two texts of several lines, such as a scenario.
-fn lines_that_differ(stored: Option<&Attribute>, computed: Option<&Attribute>) -> Option<[String; 2]> {
-    let (Attribute::Text(stored), Attribute::Text(computed)) = (stored?, computed?) else { return None };
-    let (stored, computed) = stored.lines().zip(computed.lines()).find(|(stored, computed)| stored != computed)?;
+fn lines_that_differ(
+    stored: Option<&Attribute>,
+    computed: Option<&Attribute>,
+) -> Option<[String; 2]> {
+    let (Attribute::Text(stored), Attribute::Text(computed)) = (stored?, computed?) else {
+        return None;
+    };
+    let (stored, computed) = stored
+        .lines()
+        .zip(computed.lines())
+        .find(|(stored, computed)| stored != computed)?;
     Some([format!("{stored:?}"), format!("{computed:?}")])
 }
 

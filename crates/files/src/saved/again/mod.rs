@@ -39,7 +39,14 @@ pub fn again_in_memory(
     let stored = StoredRun::read(dataset)?;
     let header = &stored.header;
     let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], &header.samples);
-    again(dataset, &stored, &scenario.map_err(|error| error.to_string())?, sample, threads, stop)
+    again(
+        dataset,
+        &stored,
+        &scenario.map_err(|error| error.to_string())?,
+        sample,
+        threads,
+        stop,
+    )
 }
 
 /// The first value of a data set that differs from what its scenario gives.
@@ -61,7 +68,9 @@ pub struct Difference {
 impl Difference {
     /// The difference as a sentence, of a `file` or a `data set`.
     pub fn of(&self, what: &str) -> String {
-        let Difference { stored, computed, .. } = self;
+        let Difference {
+            stored, computed, ..
+        } = self;
         format!("{self} is {stored} in the {what}, but {computed} when computed again")
     }
 }
@@ -69,7 +78,12 @@ impl Difference {
 /// The place of the difference.
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Difference { variable, path, index, .. } = self;
+        let Difference {
+            variable,
+            path,
+            index,
+            ..
+        } = self;
         match (path, index) {
             (Some(path), Some(index)) if *index > 0 => {
                 write!(f, "path {path}: {variable}, value {index} of the path,")

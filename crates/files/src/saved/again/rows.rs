@@ -3,7 +3,8 @@
 use super::{Against, Difference};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{
-    Dataset, ElementType, Entry, Source, StoredRun, header, layout, read_or_empty, read_variable, run, summary,
+    Dataset, ElementType, Entry, Source, StoredRun, header, layout, read_or_empty, read_variable,
+    run, summary,
 };
 use crate::saved::state::of_bytes;
 use std::path::Path;
@@ -37,18 +38,37 @@ impl Expected {
     /// the scenario, except in a run that ended at a goal.
     pub fn of(stored: &StoredRun, own: Provenance, record: Record) -> Expected {
         let (part, ended_by) = (stored.part, stored.ended_by.clone());
-        let paths = if ended_by.is_some() { stored.header.paths } else { own.paths };
-        let all = Asked { part, ..Asked::paths(paths) }.own_paths();
+        let paths = if ended_by.is_some() {
+            stored.header.paths
+        } else {
+            own.paths
+        };
+        let all = Asked {
+            part,
+            ..Asked::paths(paths)
+        }
+        .own_paths();
         let (status, completed_paths) = match (&ended_by, part) {
             // It ended after a block that is not the last.
-            (Some(_), _) => (Status::Ended, stored.completed_paths.min(all) / BLOCK_SIZE * BLOCK_SIZE),
-            (None, _) if stored.status == Status::Interrupted && stored.completed_paths < all => {
-                (Status::Interrupted, stored.completed_paths / BLOCK_SIZE * BLOCK_SIZE)
-            }
+            (Some(_), _) => (
+                Status::Ended,
+                stored.completed_paths.min(all) / BLOCK_SIZE * BLOCK_SIZE,
+            ),
+            (None, _) if stored.status == Status::Interrupted && stored.completed_paths < all => (
+                Status::Interrupted,
+                stored.completed_paths / BLOCK_SIZE * BLOCK_SIZE,
+            ),
             (None, Some(_)) => (Status::Part, all),
             (None, None) => (Status::Complete, all),
         };
-        Expected { header: Provenance { paths, ..own }, record, status, completed_paths, part, ended_by }
+        Expected {
+            header: Provenance { paths, ..own },
+            record,
+            status,
+            completed_paths,
+            part,
+            ended_by,
+        }
     }
 }
 
@@ -65,7 +85,12 @@ pub(super) struct Verification<'a> {
 impl<'a> Verification<'a> {
     /// Of a run with this header, whose first path is number `origin`.
     pub fn of(held: &'a dyn Source, origin: u64, header: &'a Provenance) -> Self {
-        Verification { against: Against::of(held), origin, header, counted: (origin, 0) }
+        Verification {
+            against: Against::of(held),
+            origin,
+            header,
+            counted: (origin, 0),
+        }
     }
 
     /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
@@ -79,7 +104,10 @@ impl<'a> Verification<'a> {
         header::write_part(&mut run, expected.part);
         if expected.part.is_some() {
             // Its values are compared below.
-            run.write(&layout::PART_STATE, &read_or_empty::<u8>(self.against.held, &layout::PART_STATE)?);
+            run.write(
+                &layout::PART_STATE,
+                &read_or_empty::<u8>(self.against.held, &layout::PART_STATE)?,
+            );
         }
         self.against.variables(&run)?;
         for entry in &run.entries {
@@ -88,16 +116,29 @@ impl<'a> Verification<'a> {
             }
         }
         self.against.finish(&run)?;
-        if self.against.difference.is_none() && expected.part.is_some() { self.part_state(expected) } else { Ok(()) }
+        if self.against.difference.is_none() && expected.part.is_some() {
+            self.part_state(expected)
+        } else {
+            Ok(())
+        }
     }
 
     /// See that a variable has as many rows as there are paths or events, and compare its
     /// attributes.
-    fn lengths(&mut self, expected: &Expected, along: RowAxis, entry: &Entry) -> Result<(), String> {
+    fn lengths(
+        &mut self,
+        expected: &Expected,
+        along: RowAxis,
+        entry: &Entry,
+    ) -> Result<(), String> {
         let paths = expected.completed_paths;
         let rows = match along {
             RowAxis::Path => paths as usize,
-            RowAxis::Trajectory => expected.record.trajectories.saturating_sub(self.origin).min(paths) as usize,
+            RowAxis::Trajectory => expected
+                .record
+                .trajectories
+                .saturating_sub(self.origin)
+                .min(paths) as usize,
             RowAxis::Event => self.events_before(self.origin + paths)?,
         };
         let held = self.against.held;
@@ -105,7 +146,15 @@ impl<'a> Verification<'a> {
             // Another program may have left out a dimension without a variable.
             let there = held.length(name)?.unwrap_or(if is_bare { rows } else { 0 });
             if there != rows && !(is_bare && there == 0 && held.is_laid_out_anew()) {
-                against.differs(name, None, (None, format!("one of {there} rows"), format!("one of {rows}")));
+                against.differs(
+                    name,
+                    None,
+                    (
+                        None,
+                        format!("one of {there} rows"),
+                        format!("one of {rows}"),
+                    ),
+                );
             }
             Ok(())
         };
@@ -129,10 +178,21 @@ impl<'a> Verification<'a> {
         against.variables(&derived)?;
         if let Some(difference) = against.difference {
             let variable = format!("{} in {name}", difference.variable);
-            self.against.difference.get_or_insert(Difference { variable, ..difference });
+            self.against.difference.get_or_insert(Difference {
+                variable,
+                ..difference
+            });
         }
         if state.header().scenario_text != expected.header.scenario_text {
-            self.against.differs(name, None, (None, "another scenario".into(), "the one in the file".into()));
+            self.against.differs(
+                name,
+                None,
+                (
+                    None,
+                    "another scenario".into(),
+                    "the one in the file".into(),
+                ),
+            );
         }
         Ok(())
     }
@@ -142,25 +202,46 @@ impl<'a> Verification<'a> {
     pub fn block(&mut self, block: &BlockRows) -> Result<(), String> {
         let computed = Dataset::of_rows(block, &self.header.units, self.header.bearing);
         let first = (block.first_path - self.origin) as usize;
-        let counts = block.events.as_ref().map_or(&[][..], |events| &events.count);
-        let first_event = if counts.is_empty() { 0 } else { self.events_before(block.first_path)? };
+        let counts = block
+            .events
+            .as_ref()
+            .map_or(&[][..], |events| &events.count);
+        let first_event = if counts.is_empty() {
+            0
+        } else {
+            self.events_before(block.first_path)?
+        };
         let events = counts.iter().map(|&count| count as usize).sum::<usize>();
         self.counted = (block.first_path + block.paths, first_event + events);
         for entry in &computed.entries {
             let (shape, values) = (computed.shape(entry), entry.column.values());
             let width = shape[1..].iter().product::<usize>();
             let along = RowAxis::of(entry);
-            let start = if along == Some(RowAxis::Event) { first_event } else { first };
+            let start = if along == Some(RowAxis::Event) {
+                first_event
+            } else {
+                first
+            };
             if self.against.difference.is_some() || values.is_empty() {
                 continue;
             }
             self.against.values += values.len() as u64;
-            let there = self.against.held.rows(&entry.name, values.kind(), &(start..start + shape[0]))?;
-            let Some((at, stored, computed)) = there.values().first_difference(values) else { continue };
+            let there =
+                self.against
+                    .held
+                    .rows(&entry.name, values.kind(), &(start..start + shape[0]))?;
+            let Some((at, stored, computed)) = there.values().first_difference(values) else {
+                continue;
+            };
             let (row, within) = (at.unwrap_or(0) / width, at.unwrap_or(0) % width);
-            let (path, index) = if along == Some(RowAxis::Event) { path_of(counts, row) } else { (row, within) };
+            let (path, index) = if along == Some(RowAxis::Event) {
+                path_of(counts, row)
+            } else {
+                (row, within)
+            };
             let path = block.first_path + path as u64;
-            self.against.differs(&entry.name, Some(path), (Some(index), stored, computed));
+            self.against
+                .differs(&entry.name, Some(path), (Some(index), stored, computed));
         }
         Ok(())
     }
@@ -171,8 +252,14 @@ impl<'a> Verification<'a> {
         while next < path {
             let some = next..path.min(next + PIECE);
             let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
-            let counts = self.against.held.rows(EVENT_COUNT.name, ElementType::U32, &rows)?;
-            events += values_of::<u32>(&EVENT_COUNT, counts)?.iter().map(|&count| count as usize).sum::<usize>();
+            let counts = self
+                .against
+                .held
+                .rows(EVENT_COUNT.name, ElementType::U32, &rows)?;
+            events += values_of::<u32>(&EVENT_COUNT, counts)?
+                .iter()
+                .map(|&count| count as usize)
+                .sum::<usize>();
             next = some.end;
         }
         Ok(events)

@@ -72,10 +72,22 @@ pub(crate) fn again(
     stop: &AtomicBool,
 ) -> Result<Again, String> {
     let expected = Expected::of(stored, Provenance::of(scenario), scenario.record);
-    let asked = Asked { part: stored.part, ..Asked::paths(expected.header.paths) };
+    let asked = Asked {
+        part: stored.part,
+        ..Asked::paths(expected.header.paths)
+    };
     let first = asked.blocks().start;
     let blocks = first..first + stored.completed_paths.div_ceil(BLOCK_SIZE);
-    Claim { held, stored, scenario, expected, blocks, threads, stop }.check(sample)
+    Claim {
+        held,
+        stored,
+        scenario,
+        expected,
+        blocks,
+        threads,
+        stop,
+    }
+    .check(sample)
 }
 
 /// The blocks that were simulated again, and what came of it.
@@ -98,7 +110,11 @@ impl Claim<'_> {
         };
         let is_whole = again.blocks.len() as u64 == count;
         if again.compared.against.difference.is_none() {
-            let mut summary = if is_whole { self.again(&again.totals) } else { self.stored_summary() };
+            let mut summary = if is_whole {
+                self.again(&again.totals)
+            } else {
+                self.stored_summary()
+            };
             // A run that was interrupted has none.
             if self.stored.summary.cycle.is_some() {
                 summary.cycle = LimitCycle::of(self.scenario);
@@ -126,7 +142,12 @@ impl Claim<'_> {
         if few.blocks.len() as u64 == count || few.compared.against.difference.is_some() {
             return Ok(few);
         }
-        let passes = count as f64 / FEW as f64 * if self.stored.summary.has_bias() { 1.0 + BIAS } else { 1.0 };
+        let passes = count as f64 / FEW as f64
+            * if self.stored.summary.has_bias() {
+                1.0 + BIAS
+            } else {
+                1.0
+            };
         match start.elapsed().mul_f64(passes) <= limit {
             true => self.simulate(self.blocks.clone().collect()),
             false if self.has_rows() => Ok(few),
@@ -142,7 +163,12 @@ impl Claim<'_> {
 
     /// Whether there are rows of single paths.
     fn has_rows(&self) -> bool {
-        let Record { paths, events, trajectories, .. } = self.scenario.record;
+        let Record {
+            paths,
+            events,
+            trajectories,
+            ..
+        } = self.scenario.record;
         paths || events || trajectories > self.origin()
     }
 
@@ -157,10 +183,18 @@ impl Claim<'_> {
             compared.block(&block.rows)?;
             let pushed = totals.push(block.rows.first_path / BLOCK_SIZE, block.totals);
             pushed.map_err(|flaw| flaw.to_string())?;
-            Ok(if compared.against.difference.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            Ok(if compared.against.difference.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
         };
         in_order(numbers.len() as u64, self.threads, self.stop, make, deliver)?;
-        Ok(MadeAgain { blocks, compared, totals })
+        Ok(MadeAgain {
+            blocks,
+            compared,
+            totals,
+        })
     }
 
     /// Compute all statistics again, with the bias of the step if the data set has it.
@@ -178,7 +212,11 @@ impl Claim<'_> {
     /// The statistics that are stored, without a bias if the scheme has none.
     fn stored_summary(&self) -> Summary {
         let mut summary = self.stored.summary.clone();
-        if self.scenario.bias_plan(self.expected.completed_paths).is_err() {
+        if self
+            .scenario
+            .bias_plan(self.expected.completed_paths)
+            .is_err()
+        {
             summary.set_biases(&[]);
         }
         summary

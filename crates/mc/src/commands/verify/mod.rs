@@ -37,7 +37,10 @@ pub struct Arguments {
 fn sample(text: &str) -> Result<BlocksAgain, String> {
     match text {
         "all" => Ok(BlocksAgain::All),
-        number => number.parse().map(BlocksAgain::Some).map_err(|_| "write a number of blocks, or `all`".into()),
+        number => number
+            .parse()
+            .map(BlocksAgain::Some)
+            .map_err(|_| "write a number of blocks, or `all`".into()),
     }
 }
 
@@ -61,7 +64,10 @@ impl Arguments {
         let is_unfinished = self.file.is_dir() || !self.file.exists();
         if is_unfinished && matches!(files::read(&self.file, store::kind)?, Some(FileKind::Run)) {
             let problem = format!("{}: the run is not finished", self.file.display());
-            return Err(Failure::usage(problem, "finish it with `mc resume`, which checks what was saved"));
+            return Err(Failure::usage(
+                problem,
+                "finish it with `mc resume`, which checks what was saved",
+            ));
         }
         let sealed = store::check_bytes(&self.file)?;
         let checked = match files::read(&self.file, store::content)? {
@@ -77,9 +83,13 @@ impl Arguments {
             true => print_data(&self.object(&checked, sealed))?,
             false => print(&self.report(&checked, sealed))?,
         }
-        let Some(difference) = &checked.found.difference else { return Ok(()) };
+        let Some(difference) = &checked.found.difference else {
+            return Ok(());
+        };
         let remedy = match &checked.other_program {
-            Some(_) => "verify it with the program that wrote it; results of other versions may differ",
+            Some(_) => {
+                "verify it with the program that wrote it; results of other versions may differ"
+            }
             None => "use the unmodified file; its scenario, seed or numbers were changed",
         };
         Err(Failure::run_of(&self.file, difference.of("file"), remedy))
@@ -91,19 +101,41 @@ impl Arguments {
     }
 
     /// The result for people.
-    fn report(&self, checked: &Checked, Sealed { bytes, has_checksum }: Sealed) -> String {
-        let Checked { simulated, compared, not_compared, found, .. } = checked;
+    fn report(
+        &self,
+        checked: &Checked,
+        Sealed {
+            bytes,
+            has_checksum,
+        }: Sealed,
+    ) -> String {
+        let Checked {
+            simulated,
+            compared,
+            not_compared,
+            found,
+            ..
+        } = checked;
         let checksum = match has_checksum {
             true => format!("correct for its {} bytes", grouped(bytes)),
-            false => "none: another program changed the file, or an earlier version of mc wrote it".into(),
+            false => "none: another program changed the file, or an earlier version of mc wrote it"
+                .into(),
         };
         let compared = format!("{compared}: {} values", grouped(found.values));
-        let mut remarks = vec![("checksum", checksum), ("simulated", simulated.clone()), ("compared", compared)];
+        let mut remarks = vec![
+            ("checksum", checksum),
+            ("simulated", simulated.clone()),
+            ("compared", compared),
+        ];
         if found.difference.is_none() {
             remarks.extend(not_compared.clone().map(|why| ("not compared", why)));
             remarks.push(("result", "all of this is identical, bit for bit".into()));
         }
-        text(&Report { title: self.file.display().to_string(), remarks, ..Report::default() })
+        text(&Report {
+            title: self.file.display().to_string(),
+            remarks,
+            ..Report::default()
+        })
     }
 
     fn object(&self, checked: &Checked, sealed: Sealed) -> String {

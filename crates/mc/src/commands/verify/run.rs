@@ -23,7 +23,14 @@ impl Arguments {
 }
 
 fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
-    let Again { blocks, simulated: numbers, paths: again_paths, has_statistics, values, difference } = again;
+    let Again {
+        blocks,
+        simulated: numbers,
+        paths: again_paths,
+        has_statistics,
+        values,
+        difference,
+    } = again;
     let count = blocks.end - blocks.start;
     let simulated = match numbers.is_empty() {
         true => "nothing: the file has no rows of single paths".into(),
@@ -36,13 +43,25 @@ fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
             listed(&numbers, &blocks)
         ),
     };
-    let kinds = [("paths", record.paths), ("events", record.events), ("trajectories", record.trajectories > 0)];
-    let kept: Vec<&str> = kinds.into_iter().filter(|(_, is_kept)| *is_kept).map(|(kind, _)| kind).collect();
+    let kinds = [
+        ("paths", record.paths),
+        ("events", record.events),
+        ("trajectories", record.trajectories > 0),
+    ];
+    let kept: Vec<&str> = kinds
+        .into_iter()
+        .filter(|(_, is_kept)| *is_kept)
+        .map(|(kind, _)| kind)
+        .collect();
     let rows = match numbers.is_empty() || kept.is_empty() {
         true => String::new(),
         false => format!("the rows of {}, ", kept.join(", ")),
     };
-    let statistics = if has_statistics { "every statistic, " } else { "" };
+    let statistics = if has_statistics {
+        "every statistic, "
+    } else {
+        ""
+    };
     Checked {
         simulated,
         compared: format!("{rows}{statistics}attributes, coordinates and units"),

@@ -38,9 +38,12 @@ impl Arguments {
         let is_whole = done.len() as u64 == all;
         Ok(Checked {
             simulated: format!("{} of {} points", grouped(done.len() as u64), grouped(all)),
-            compared: "statistics, comparisons between points, attributes, coordinates and units".into(),
-            not_compared: (!is_whole)
-                .then(|| "the other points against a simulation; --blocks all simulates every point".to_string()),
+            compared: "statistics, comparisons between points, attributes, coordinates and units"
+                .into(),
+            not_compared: (!is_whole).then(|| {
+                "the other points against a simulation; --blocks all simulates every point"
+                    .to_string()
+            }),
             fields: json!({ "points": all, "points_checked": done, "statistics_checked": is_whole }),
             found: store::verify_whole(&self.file, &Dataset::of_sweep(&again))?,
             other_program: stored.other_program.clone(),
@@ -49,10 +52,17 @@ impl Arguments {
 
     /// Simulate a point of the sweep again. The time that it took is that of the file.
     fn simulate_point(&self, sweep: &mut Sweep, point: usize) -> Result<(), Failure> {
-        let Some(stored) = sweep.points[point].take() else { return Ok(()) };
-        let simulation =
-            SweepSimulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
-        simulation.run(sweep, |_| Ok::<_, StoreError>(())).map_err(|end| Failure::Run(end.to_string()))?;
+        let Some(stored) = sweep.points[point].take() else {
+            return Ok(());
+        };
+        let simulation = SweepSimulation {
+            threads: self.threads.number(),
+            stop: &AtomicBool::new(false),
+            progress: &mut (),
+        };
+        simulation
+            .run(sweep, |_| Ok::<_, StoreError>(()))
+            .map_err(|end| Failure::Run(end.to_string()))?;
         if let Some(again) = &mut sweep.points[point] {
             again.seconds = stored.seconds;
         }
@@ -63,12 +73,16 @@ impl Arguments {
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
         Ok(Checked {
             simulated: "nothing: times cannot be reproduced, and estimates depend on them".into(),
-            compared: "every bias, order and prediction against the stored measurements, attributes, \
+            compared:
+                "every bias, order and prediction against the stored measurements, attributes, \
                        coordinates and units"
-                .into(),
+                    .into(),
             not_compared: Some("the measurements against a simulation".into()),
             fields: json!({ "statistics_checked": false }),
-            found: store::verify_whole(&self.file, &Dataset::of_trade(&stored.scenario, &stored.trade))?,
+            found: store::verify_whole(
+                &self.file,
+                &Dataset::of_trade(&stored.scenario, &stored.trade),
+            )?,
             other_program: stored.other_program.clone(),
         })
     }
@@ -78,14 +92,41 @@ impl Arguments {
     pub(super) fn calibration(&self, stored: &StoredCalibration) -> Result<Checked, Failure> {
         let wrong = |error: &dyn Display| Failure::Run(format!("{}: {error}", self.file.display()));
         // A scenario without a title is called by the name of its file.
-        let scene = measurements::scene_again(&format!("{}.toml", stored.title), &stored.scenario_text)?;
-        let Calibration { question, record, .. } = &stored.calibration;
-        let CalibrationQuestion { guess, shear_stiffness, .. } = CalibrationQuestion::of(&scene, record);
-        let question = CalibrationQuestion { guess, shear_stiffness, held: Vec::new(), ..question.clone() };
-        let is_held = |quantity: &Quantity| stored.calibration.question.held.iter().any(|held| held.0 == *quantity);
-        let fitted: Vec<Quantity> = Quantity::FITTED.into_iter().filter(|quantity| !is_held(quantity)).collect();
-        let question = question.fitting(&fitted, &scene).map_err(|error| wrong(&error))?;
-        let asked = Calibration { question, ..stored.calibration.clone() };
+        let scene =
+            measurements::scene_again(&format!("{}.toml", stored.title), &stored.scenario_text)?;
+        let Calibration {
+            question, record, ..
+        } = &stored.calibration;
+        let CalibrationQuestion {
+            guess,
+            shear_stiffness,
+            ..
+        } = CalibrationQuestion::of(&scene, record);
+        let question = CalibrationQuestion {
+            guess,
+            shear_stiffness,
+            held: Vec::new(),
+            ..question.clone()
+        };
+        let is_held = |quantity: &Quantity| {
+            stored
+                .calibration
+                .question
+                .held
+                .iter()
+                .any(|held| held.0 == *quantity)
+        };
+        let fitted: Vec<Quantity> = Quantity::FITTED
+            .into_iter()
+            .filter(|quantity| !is_held(quantity))
+            .collect();
+        let question = question
+            .fitting(&fitted, &scene)
+            .map_err(|error| wrong(&error))?;
+        let asked = Calibration {
+            question,
+            ..stored.calibration.clone()
+        };
         let again = calibrate_again(&asked, self.threads.number(), &AtomicBool::new(false));
         let again = again.map_err(|error| wrong(&error))?;
         let again = StoredCalibration::of(&scene.title, &stored.scenario_text, again);

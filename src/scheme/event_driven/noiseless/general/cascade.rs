@@ -93,14 +93,30 @@ impl GeneralNoiseless {
         let forces = Forces::new(model);
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
         let rate = forces.fastest_rate(timeline.end);
-        let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(timeline.end / FEWEST);
+        let longest = if rate > 0.0 {
+            FIRST / rate
+        } else {
+            f64::INFINITY
+        }
+        .min(timeline.end / FEWEST);
         let forces = forces.with_kinks(timeline.end, longest);
         let damping_rate = 2.0 * oscillator.damping / oscillator.mass;
         let collocation = Collocation::for_rates(damping_rate, rate.max(own), timeline.end);
-        let span_of = |rate: f64| if rate > 0.0 { 1.0 / rate } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let span_of = |rate: f64| {
+            if rate > 0.0 {
+                1.0 / rate
+            } else {
+                timeline.end.max(f64::MIN_POSITIVE)
+            }
+        };
         let span = span_of(rate.max(own).max(damping_rate.abs()));
-        let span_of_forces = if collocation.is_some() { span_of(rate.max(own)) } else { span };
-        let is_searched = forces.own.depends_on_time() || forces.own.has_load() || oscillator.stiffness == 0.0;
+        let span_of_forces = if collocation.is_some() {
+            span_of(rate.max(own))
+        } else {
+            span
+        };
+        let is_searched =
+            forces.own.depends_on_time() || forces.own.has_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
             (undamped.oscillator.damping, undamped.force) = (0.0, None);
@@ -121,12 +137,23 @@ impl GeneralNoiseless {
     }
 
     /// b in a stick, and the limits of b and -b.
-    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Resolved<Held> {
+    fn held(
+        &self,
+        at: &LocalTemperature,
+        displacement: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<Held> {
         work.spend()?;
         let (b, excess) = self.forces.held(at, displacement, 0.0);
         let limits = excess.map(|excess| self.model.friction.static_force + excess);
-        let is_known = [b, limits[0], limits[1]].iter().all(|force| force.is_finite());
-        if is_known { Ok(Held { b, limits }) } else { Err(Unresolved::NoNumber) }
+        let is_known = [b, limits[0], limits[1]]
+            .iter()
+            .all(|force| force.is_finite());
+        if is_known {
+            Ok(Held { b, limits })
+        } else {
+            Err(Unresolved::NoNumber)
+        }
     }
 
     /// A static phase and its exit, the first time at which b or -b exceeds its limit. `force` is b at the start,
@@ -138,23 +165,47 @@ impl GeneralNoiseless {
         force: Option<f64>,
         work: &mut WorkLeft,
     ) -> Resolved<GeneralPart> {
-        let (temperature, f_s, has_load) =
-            (self.forces.near(start), self.model.friction.static_force, self.forces.own.has_load());
+        let (temperature, f_s, has_load) = (
+            self.forces.near(start),
+            self.model.friction.static_force,
+            self.forces.own.has_load(),
+        );
         let held = self.held(&temperature, displacement, work)?;
         let force = force.filter(|_| !has_load).unwrap_or(held.b);
         let exit = |r: f64, b: f64, direction: Sign| {
             let (kind, time) = (EventKind::SlipStarted(direction), start.after(r));
-            let told = || self.forces.at(&self.forces.near(time), None, [displacement, 0.0], 0.0);
+            let told = || {
+                self.forces
+                    .at(&self.forces.near(time), None, [displacement, 0.0], 0.0)
+            };
             let force = if has_load { told() } else { b };
-            (r, End::Event(Event { kind, time: time.value(), displacement, force }))
+            (
+                r,
+                End::Event(Event {
+                    kind,
+                    time: time.value(),
+                    displacement,
+                    force,
+                }),
+            )
         };
         let end = if let Some(direction) = let_go(force, held.limits) {
             Some(exit(0.0, force, direction))
         } else if let Some(sticks) = &self.sticks {
             // K (beta T - x) + g = K (beta T - (x - g/K)).
             let g = self.forces.own.hold(displacement, start.value()).pull;
-            let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
-            found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
+            let found = sticks.stick_exit(
+                start,
+                displacement - g / self.model.oscillator.stiffness,
+                work,
+            )?;
+            found.map(|event| {
+                exit(
+                    start.until(event.time).max(0.0),
+                    event.force,
+                    Sign::of(event.force),
+                )
+            })
         } else if self.forces.depend_on_time() {
             let held = |r: f64| self.held(&self.forces.near(start.after(r)), displacement, work);
             let until_kink = |r: f64| self.forces.near(start.after(r)).until_kink;
@@ -164,12 +215,28 @@ impl GeneralNoiseless {
         } else {
             None
         };
-        let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(GeneralPart { start, phase: Phase::Static, from: PartStart { temperature, motion }, end })
+        let motion = Kinematics {
+            after: 0.0,
+            displacement,
+            velocity: 0.0,
+            acceleration: 0.0,
+        };
+        Ok(GeneralPart {
+            start,
+            phase: Phase::Static,
+            from: PartStart {
+                temperature,
+                motion,
+            },
+            end,
+        })
     }
 
     fn search_steps(&self) -> SearchSteps {
-        SearchSteps { first: self.longest.min(FIRST * self.span), longest: self.longest }
+        SearchSteps {
+            first: self.longest.min(FIRST * self.span),
+            longest: self.longest,
+        }
     }
 
     /// A step of a sub-phase, or the part of it up to the first time after its start at which eps
@@ -192,26 +259,57 @@ impl GeneralNoiseless {
             let (to, next) = slip.step(from, step, horizon.min(temperature.until_kink), work)?;
             match first_stop(&slip, direction.value(), from, to, work)? {
                 Some(stop) => {
-                    let Kinematics { after, displacement, .. } = stop;
+                    let Kinematics {
+                        after,
+                        displacement,
+                        ..
+                    } = stop;
                     let (held, excess) = self.forces.held(&temperature, displacement, after);
                     let limits = excess.map(|excess| self.model.friction.static_force + excess);
-                    let kind = let_go(held, limits).map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
-                    let force = self.forces.at(&temperature, None, [displacement, 0.0], after);
+                    let kind = let_go(held, limits)
+                        .map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
+                    let force = self
+                        .forces
+                        .at(&temperature, None, [displacement, 0.0], after);
                     let time = start.after(after).value();
-                    Some((after, End::Event(Event { kind, time, displacement, force })))
+                    Some((
+                        after,
+                        End::Event(Event {
+                            kind,
+                            time,
+                            displacement,
+                            force,
+                        }),
+                    ))
                 }
                 None => (to.after < horizon).then_some((to.after, End::Cut((to, next)))),
             }
         };
-        let from = PartStart { temperature, motion: from };
-        Ok(GeneralPart { start, phase: Phase::Slip(direction), from, end })
+        let from = PartStart {
+            temperature,
+            motion: from,
+        };
+        Ok(GeneralPart {
+            start,
+            phase: Phase::Slip(direction),
+            from,
+            end,
+        })
     }
 
     /// The equation of motion of a sub-phase that begins at x.
-    fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
+    fn motion<'a>(
+        &'a self,
+        temperature: &'a LocalTemperature,
+        direction: Sign,
+        x: f64,
+    ) -> SlipMotion<'a> {
         let start = temperature.start.value();
-        let rounding =
-            if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span_of_forces } else { 0.0 };
+        let rounding = if self.forces.own.depends_on_time() {
+            ROUNDING_OF_TIME * start / self.span_of_forces
+        } else {
+            0.0
+        };
         let mut motion = SlipMotion {
             forces: &self.forces,
             temperature,
@@ -225,8 +323,15 @@ impl GeneralNoiseless {
         };
         let of_inputs = self.forces.rounding_of_inputs(x, start);
         if of_inputs > 0.0 {
-            let rest = Kinematics { after: 0.0, displacement: x, velocity: 0.0, acceleration: 0.0 };
-            motion.tolerance = motion.tolerance.max(of_inputs / (motion.mass * motion.size(&rest)));
+            let rest = Kinematics {
+                after: 0.0,
+                displacement: x,
+                velocity: 0.0,
+                acceleration: 0.0,
+            };
+            motion.tolerance = motion
+                .tolerance
+                .max(of_inputs / (motion.mass * motion.size(&rest)));
             motion.stairs = STAIRS * start;
             motion.shortest = motion.shortest.max(motion.stairs);
         }
@@ -254,11 +359,34 @@ impl Stretches for GeneralNoiseless {
         }
         // A body that moves at t = 0: its first stick is empty.
         let temperature = self.forces.near(ExactTime::ZERO);
-        let force = self.forces.at(&temperature, None, [displacement, velocity], 0.0);
+        let force = self
+            .forces
+            .at(&temperature, None, [displacement, velocity], 0.0);
         let kind = EventKind::SlipStarted(Sign::of(velocity));
-        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
-        let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(GeneralPart { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
+        let end = Some((
+            0.0,
+            End::Event(Event {
+                kind,
+                time: 0.0,
+                displacement,
+                force,
+            }),
+        ));
+        let motion = Kinematics {
+            after: 0.0,
+            displacement,
+            velocity: 0.0,
+            acceleration: 0.0,
+        };
+        Ok(GeneralPart {
+            start: ExactTime::ZERO,
+            phase: Phase::Static,
+            from: PartStart {
+                temperature,
+                motion,
+            },
+            end,
+        })
     }
 
     fn next(
@@ -272,35 +400,67 @@ impl Stretches for GeneralNoiseless {
             (End::Event(event), _) => match event.kind.phase() {
                 Phase::Static => self.stick(start, event.displacement, Some(event.force), work),
                 Phase::Slip(direction) => {
-                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
-                    self.slip(start, (event.displacement, velocity), direction, self.span, work)
+                    let velocity = if event.time == 0.0 {
+                        self.model.initial_velocity
+                    } else {
+                        0.0
+                    };
+                    self.slip(
+                        start,
+                        (event.displacement, velocity),
+                        direction,
+                        self.span,
+                        work,
+                    )
                 }
             },
-            (End::Cut((motion, next)), Phase::Slip(direction)) => {
-                self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
-            }
+            (End::Cut((motion, next)), Phase::Slip(direction)) => self.slip(
+                start,
+                (motion.displacement, motion.velocity),
+                direction,
+                next,
+                work,
+            ),
             (End::Cut(_), Phase::Static) => Err(Unresolved::NoNumber),
         }
     }
 
     /// The pieces do not count as work of the path, which is the same whether it is followed or
     /// not.
-    fn segments(&self, part: &GeneralPart, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
-        let Phase::Slip(direction) = part.phase else { return Ok(()) };
+    fn segments(
+        &self,
+        part: &GeneralPart,
+        duration: f64,
+        mut tell: impl FnMut(Segment),
+    ) -> Resolved<()> {
+        let Phase::Slip(direction) = part.phase else {
+            return Ok(());
+        };
         let (motion, mut work) = (
-            self.motion(&part.from.temperature, direction, part.from.motion.displacement),
+            self.motion(
+                &part.from.temperature,
+                direction,
+                part.from.motion.displacement,
+            ),
             WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false),
         );
         let mut here = part.from.motion;
         for i in 1..=PIECES {
-            let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
+            let there = motion.at(
+                here,
+                duration * (f64::from(i) / f64::from(PIECES)),
+                &mut work,
+            )?;
             tell(Segment {
                 start: part.start.after(here.after).value(),
                 length: there.after - here.after,
                 displacement: here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration], temperature: None },
+                along: Along::Smooth {
+                    acceleration: [here.acceleration, there.acceleration],
+                    temperature: None,
+                },
             });
             here = there;
         }
@@ -310,9 +470,13 @@ impl Stretches for GeneralNoiseless {
     fn state(&self, part: &GeneralPart, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
         let temperature = self.model.temperature.mean(t);
         let Kinematics { displacement, .. } = part.from.motion;
-        let Phase::Slip(direction) = part.phase else { return Ok((displacement, 0.0, temperature, true)) };
+        let Phase::Slip(direction) = part.phase else {
+            return Ok((displacement, 0.0, temperature, true));
+        };
         let after = part.start.until(t).max(0.0);
-        let motion = self.motion(&part.from.temperature, direction, displacement).at(part.from.motion, after, work)?;
+        let motion = self
+            .motion(&part.from.temperature, direction, displacement)
+            .at(part.from.motion, after, work)?;
         Ok((motion.displacement, motion.velocity, temperature, false))
     }
 }

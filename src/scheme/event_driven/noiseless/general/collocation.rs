@@ -78,7 +78,9 @@ impl Collocation {
                     *rise = coarser.at(known, *node);
                 }
             }
-            let Some(best) = rule.solve(slip, from, h, (size, slopes), &mut rises, work)? else { return Ok(None) };
+            let Some(best) = rule.solve(slip, from, h, (size, slopes), &mut rises, work)? else {
+                return Ok(None);
+            };
             if last.is_some_and(|(coarse, ..)| slip.error(from, h, size, [best, coarse]) <= 1.0) {
                 return Ok(Some((best, growth)));
             }
@@ -88,10 +90,22 @@ impl Collocation {
     }
 
     /// The derivatives of x'' by x and by x' at the start of a step.
-    fn slopes(&self, slip: &SlipMotion<'_>, from: &Kinematics, size: f64, work: &mut WorkLeft) -> Resolved<[f64; 2]> {
-        let Kinematics { after, displacement: x, velocity: v, acceleration } = *from;
+    fn slopes(
+        &self,
+        slip: &SlipMotion<'_>,
+        from: &Kinematics,
+        size: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<[f64; 2]> {
+        let Kinematics {
+            after,
+            displacement: x,
+            velocity: v,
+            acceleration,
+        } = *from;
         let speed = v.abs() + size * self.settling_time;
-        let [dx, dv] = [x.abs() + speed * self.settling_time, speed].map(|size| slip.direction.value() * ASIDE * size);
+        let [dx, dv] = [x.abs() + speed * self.settling_time, speed]
+            .map(|size| slip.direction.value() * ASIDE * size);
         let by_x = (slip.acceleration(x + dx, v, after, work)? - acceleration) / dx;
         let by_v = (slip.acceleration(x, v + dv, after, work)? - acceleration) / dv;
         Ok([by_x, by_v])
@@ -110,7 +124,9 @@ impl Rule {
         let mut integrals = [[0.0; MOST]; MOST];
         for (i, to) in nodes.iter().enumerate() {
             for j in 0..n {
-                let terms = nodes.iter().map(|u| to * weight(*u) * cardinal(&nodes, j, to * u));
+                let terms = nodes
+                    .iter()
+                    .map(|u| to * weight(*u) * cardinal(&nodes, j, to * u));
                 integrals[i][j] = terms.sum();
             }
         }
@@ -119,13 +135,21 @@ impl Rule {
 
     /// What these values at the nodes, and 0 at the start, come to at a place between.
     fn at(&self, values: &[f64; MOST], u: f64) -> f64 {
-        let terms = self.nodes.iter().enumerate().map(|(j, node)| values[j] * cardinal(&self.nodes, j, u) * u / node);
+        let terms = self
+            .nodes
+            .iter()
+            .enumerate()
+            .map(|(j, node)| values[j] * cardinal(&self.nodes, j, u) * u / node);
         terms.sum()
     }
 
     /// The integral from the start to a node.
     fn integral(&self, i: usize, values: &[f64; MOST]) -> f64 {
-        self.integrals[i].iter().zip(values).map(|(a, value)| a * value).sum()
+        self.integrals[i]
+            .iter()
+            .zip(values)
+            .map(|(a, value)| a * value)
+            .sum()
     }
 
     /// The increments of x and x' in a step, from a first guess of those of x' at the nodes; none if
@@ -143,7 +167,9 @@ impl Rule {
         let mut matrix = [[0.0; MOST]; MOST];
         for (i, row) in matrix.iter_mut().enumerate().take(n) {
             for (j, cell) in row.iter_mut().enumerate().take(n) {
-                let twice: f64 = (0..n).map(|k| self.integrals[i][k] * self.integrals[k][j]).sum();
+                let twice: f64 = (0..n)
+                    .map(|k| self.integrals[i][k] * self.integrals[k][j])
+                    .sum();
                 *cell = f64::from(i == j) - h * (self.integrals[i][j] * by_v + h * twice * by_x);
             }
         }
@@ -163,10 +189,22 @@ impl Rule {
             for (rise, change) in rises.iter_mut().zip(change) {
                 *rise += change;
             }
-            let increments = |rises: &[f64; MOST]| [h * (from.velocity + self.integral(n - 1, rises)), rises[n - 1]];
-            let farthest = change.into_iter().fold(0.0, |most: f64, change| most.max(change.abs()));
+            let increments = |rises: &[f64; MOST]| {
+                [
+                    h * (from.velocity + self.integral(n - 1, rises)),
+                    rises[n - 1],
+                ]
+            };
+            let farthest = change
+                .into_iter()
+                .fold(0.0, |most: f64, change| most.max(change.abs()));
             let best = increments(rises);
-            let error = slip.error(from, h, size, [best, [best[0] - h * farthest, best[1] - farthest]]);
+            let error = slip.error(
+                from,
+                h,
+                size,
+                [best, [best[0] - h * farthest, best[1] - farthest]],
+            );
             if error <= SETTLED {
                 return Ok(Some(best));
             }
@@ -197,7 +235,11 @@ fn zero(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let at_low = of(low);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        *(if of(middle) * at_low > 0.0 { &mut low } else { &mut high }) = middle;
+        *(if of(middle) * at_low > 0.0 {
+            &mut low
+        } else {
+            &mut high
+        }) = middle;
     }
     0.5 * (low + high)
 }
@@ -205,13 +247,17 @@ fn zero(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 /// The polynomial that is 1 at the j-th node and 0 at the others.
 fn cardinal(nodes: &[f64], j: usize, u: f64) -> f64 {
     let others = nodes.iter().enumerate().filter(|(k, _)| *k != j);
-    others.map(|(_, node)| (u - node) / (nodes[j] - node)).product()
+    others
+        .map(|(_, node)| (u - node) / (nodes[j] - node))
+        .product()
 }
 
 /// The solution of n linear equations, by elimination with pivots.
 fn solved(mut matrix: [[f64; MOST]; MOST], mut right: [f64; MOST], n: usize) -> [f64; MOST] {
     for i in 0..n {
-        let pivot = (i..n).max_by(|a, b| matrix[*a][i].abs().total_cmp(&matrix[*b][i].abs())).unwrap_or(i);
+        let pivot = (i..n)
+            .max_by(|a, b| matrix[*a][i].abs().total_cmp(&matrix[*b][i].abs()))
+            .unwrap_or(i);
         matrix.swap(i, pivot);
         right.swap(i, pivot);
         for k in i + 1..n {
@@ -246,8 +292,12 @@ mod tests {
                     *value = node.powi(power);
                 }
                 for (i, node) in rule.nodes.iter().enumerate() {
-                    let off = rule.integral(i, &values) - node.powi(power + 1) / f64::from(power + 1);
-                    assert!(off.abs() < 1e-14 || (power as usize >= n && i + 1 < n), "{n} {power} {i}: {off:e}");
+                    let off =
+                        rule.integral(i, &values) - node.powi(power + 1) / f64::from(power + 1);
+                    assert!(
+                        off.abs() < 1e-14 || (power as usize >= n && i + 1 < n),
+                        "{n} {power} {i}: {off:e}"
+                    );
                 }
             }
         }

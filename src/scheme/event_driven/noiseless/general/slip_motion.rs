@@ -69,21 +69,44 @@ impl SlipMotion<'_> {
     /// x'' for x and x' a time after the start.
     pub fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<f64> {
         work.spend()?;
-        Ok((self.forces.at(self.temperature, Some(self.direction), [x, v], after) - self.friction) / self.mass)
+        Ok((self
+            .forces
+            .at(self.temperature, Some(self.direction), [x, v], after)
+            - self.friction)
+            / self.mass)
     }
 
     /// The sizes of all forces, divided by m.
     pub fn size(&self, from: &Kinematics) -> f64 {
-        let Kinematics { after, displacement, velocity, .. } = *from;
-        (self.forces.size(self.temperature, self.direction, [displacement, velocity], after) + self.friction.abs())
+        let Kinematics {
+            after,
+            displacement,
+            velocity,
+            ..
+        } = *from;
+        (self.forces.size(
+            self.temperature,
+            self.direction,
+            [displacement, velocity],
+            after,
+        ) + self.friction.abs())
             / self.mass
     }
 
     /// The motion with x and x' a time after the start.
     pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<Kinematics> {
         let acceleration = self.acceleration(x, v, after, work)?;
-        let motion = Kinematics { after, displacement: x, velocity: v, acceleration };
-        if x.is_finite() && v.is_finite() && acceleration.is_finite() { Ok(motion) } else { Err(Unresolved::NoNumber) }
+        let motion = Kinematics {
+            after,
+            displacement: x,
+            velocity: v,
+            acceleration,
+        };
+        if x.is_finite() && v.is_finite() && acceleration.is_finite() {
+            Ok(motion)
+        } else {
+            Err(Unresolved::NoNumber)
+        }
     }
 
     /// The motion at a later time.
@@ -96,7 +119,13 @@ impl SlipMotion<'_> {
     }
 
     /// The motion after one step of at most a length and up to a time, and the length to try next.
-    pub fn step(&self, from: Kinematics, length: f64, until: f64, work: &mut WorkLeft) -> Resolved<(Kinematics, f64)> {
+    pub fn step(
+        &self,
+        from: Kinematics,
+        length: f64,
+        until: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<(Kinematics, f64)> {
         let size = self.size(&from);
         let mut h = length;
         loop {
@@ -112,14 +141,22 @@ impl SlipMotion<'_> {
             let found = if collocated.is_some() || (self.collocation.is_some() && !is_shortest) {
                 collocated
             } else {
-                self.increments(&from, h, size, is_shortest, work)?.map(|(found, k)| (found, GROWTH[k]))
+                self.increments(&from, h, size, is_shortest, work)?
+                    .map(|(found, k)| (found, GROWTH[k]))
             };
             if let Some(([dx, dv], growth)) = found {
                 let after = if is_last { until } else { from.after + h };
                 let motion = self.with(from.displacement + dx, from.velocity + dv, after, work)?;
                 let next = h * growth;
                 // A step that was cut off at `until` says nothing against the length before.
-                return Ok((motion, if is_last { next.max(length.min(h / RETREAT)) } else { next }));
+                return Ok((
+                    motion,
+                    if is_last {
+                        next.max(length.min(h / RETREAT))
+                    } else {
+                        next
+                    },
+                ));
             }
             h = (h * RETREAT).max(self.shortest);
         }
@@ -150,7 +187,10 @@ impl SlipMotion<'_> {
                 if error <= 1.0 {
                     return Ok(Some((best, k)));
                 }
-                if k >= APPROACH.0 && !is_shortest && (error.is_nan() || error > APPROACH.1 * previous) {
+                if k >= APPROACH.0
+                    && !is_shortest
+                    && (error.is_nan() || error > APPROACH.1 * previous)
+                {
                     return Ok(None);
                 }
                 previous = error;
@@ -165,22 +205,45 @@ impl SlipMotion<'_> {
     /// rounding cannot be undercut, and by the rounding of x'. Much more than that would come in
     /// where a short step passes a kink, and where many short steps follow each other. x may be
     /// wrong by the tolerance times the distance of the step.
-    pub fn error(&self, from: &Kinematics, h: f64, size: f64, [best, second]: [[f64; 2]; 2]) -> f64 {
+    pub fn error(
+        &self,
+        from: &Kinematics,
+        h: f64,
+        size: f64,
+        [best, second]: [[f64; 2]; 2],
+    ) -> f64 {
         // The forces change x' only until the damping settles it.
-        let acting = self.collocation.map_or(h, |rules| h.min(rules.settling_time));
+        let acting = self
+            .collocation
+            .map_or(h, |rules| h.min(rules.settling_time));
         let (v, change) = (from.velocity.abs(), best[1].abs() + size * acting);
-        let allowed = [h * self.tolerance * (v + change), self.tolerance * change + 0.5 * f64::EPSILON * v];
+        let allowed = [
+            h * self.tolerance * (v + change),
+            self.tolerance * change + 0.5 * f64::EPSILON * v,
+        ];
         // A sum, because a maximum would hide a NaN.
         (best[0] - second[0]).abs() / allowed[0] + (best[1] - second[1]).abs() / allowed[1]
     }
 
     /// The increments of x and x' in a step of length h, by the modified midpoint rule.
-    fn midpoint_rule(&self, from: &Kinematics, h: f64, parts: u32, work: &mut WorkLeft) -> Resolved<[f64; 2]> {
-        let Kinematics { after, displacement: x, velocity: v, acceleration } = *from;
+    fn midpoint_rule(
+        &self,
+        from: &Kinematics,
+        h: f64,
+        parts: u32,
+        work: &mut WorkLeft,
+    ) -> Resolved<[f64; 2]> {
+        let Kinematics {
+            after,
+            displacement: x,
+            velocity: v,
+            acceleration,
+        } = *from;
         let part = h / f64::from(parts);
         let (mut before, mut here) = ([0.0; 2], [part * v, part * acceleration]);
         for i in 1..=parts {
-            let a = self.acceleration(x + here[0], v + here[1], after + f64::from(i) * part, work)?;
+            let a =
+                self.acceleration(x + here[0], v + here[1], after + f64::from(i) * part, work)?;
             let slope = [v + here[1], a];
             if i == parts {
                 return Ok([0, 1].map(|j| 0.5 * (before[j] + here[j] + part * slope[j])));

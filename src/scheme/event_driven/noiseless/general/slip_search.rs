@@ -50,7 +50,10 @@ struct Knot {
 /// The cubic with V and V' as at two times, by its control points.
 fn controls(left: Knot, right: Knot) -> [f64; 4] {
     let third = (right.after - left.after) / 3.0;
-    let (c1, c2) = (left.velocity + third * left.acceleration, right.velocity - third * right.acceleration);
+    let (c1, c2) = (
+        left.velocity + third * left.acceleration,
+        right.velocity - third * right.acceleration,
+    );
     [left.velocity, c1, c2, right.velocity]
 }
 
@@ -59,7 +62,12 @@ fn sight(left: Knot, right: Knot, error: f64) -> Sighting {
     let [c0, c1, c2, c3] = controls(left, right);
     if c0 >= 0.0 && c1 > error && c2 > error && c3 > 0.0 {
         Sighting::Positive
-    } else if c0 > 0.0 && c3 <= 0.0 && [c1 - c0, c2 - c1, c3 - c2].iter().all(|rise| *rise < -error) {
+    } else if c0 > 0.0
+        && c3 <= 0.0
+        && [c1 - c0, c2 - c1, c3 - c2]
+            .iter()
+            .all(|rise| *rise < -error)
+    {
         Sighting::OneZero
     } else {
         Sighting::Unclear
@@ -75,15 +83,23 @@ pub fn first_stop(
     to: Kinematics,
     work: &mut WorkLeft,
 ) -> Resolved<Option<Kinematics>> {
-    let knot = |m: &Kinematics| Knot { after: m.after, velocity: eps * m.velocity, acceleration: eps * m.acceleration };
+    let knot = |m: &Kinematics| Knot {
+        after: m.after,
+        velocity: eps * m.velocity,
+        acceleration: eps * m.acceleration,
+    };
     let length = to.after - from.after;
     let mut left = knot(&from);
-    let is_balanced = left.velocity == 0.0 && left.acceleration <= BALANCED.max(slip.tolerance) * slip.size(&from);
+    let is_balanced = left.velocity == 0.0
+        && left.acceleration <= BALANCED.max(slip.tolerance) * slip.size(&from);
     let mut ends = vec![knot(&to)];
     while let Some(&right) = ends.last() {
         let h = right.after - left.after;
-        let (finest, stairs) =
-            if is_balanced && left.after == from.after { (FINEST_AT_REST, STAIRS_AT_REST) } else { (FINEST, 1.0) };
+        let (finest, stairs) = if is_balanced && left.after == from.after {
+            (FINEST_AT_REST, STAIRS_AT_REST)
+        } else {
+            (FINEST, 1.0)
+        };
         if h <= (finest * length).max(stairs * slip.stairs) {
             if right.velocity <= 0.0 {
                 // A motion that does not leave its rest in this direction stops as soon as it can.
@@ -110,7 +126,9 @@ pub fn first_stop(
                 left = right;
                 ends.pop();
             }
-            [Sighting::Positive, Sighting::OneZero] => return zero(slip, eps, from, (middle, right), work).map(Some),
+            [Sighting::Positive, Sighting::OneZero] => {
+                return zero(slip, eps, from, (middle, right), work).map(Some);
+            }
             [Sighting::Positive, Sighting::Unclear] => left = middle,
             [Sighting::OneZero, _] => return zero(slip, eps, from, (left, middle), work).map(Some),
             [Sighting::Unclear, _] => ends.push(middle),
@@ -128,7 +146,8 @@ fn zero(
     work: &mut WorkLeft,
 ) -> Resolved<Kinematics> {
     let (mut low, mut high) = (left.after, right.after);
-    let mut u = low + (high - low) * (left.velocity / (left.velocity - right.velocity)).clamp(0.01, 1.0);
+    let mut u =
+        low + (high - low) * (left.velocity / (left.velocity - right.velocity)).clamp(0.01, 1.0);
     for _ in 0..MOST_STEPS {
         let motion = slip.at(from, u, work)?;
         if eps * motion.velocity > 0.0 {
@@ -141,7 +160,11 @@ fn zero(
         if motion.velocity == 0.0 || high - low <= rounding || (newton - u).abs() <= rounding {
             return Ok(motion);
         }
-        u = if newton > low && newton < high { newton } else { low + 0.5 * (high - low) };
+        u = if newton > low && newton < high {
+            newton
+        } else {
+            low + 0.5 * (high - low)
+        };
     }
     // Late in a run of a quick force, the rounding of the time is more than that of u.
     slip.at(from, high, work)

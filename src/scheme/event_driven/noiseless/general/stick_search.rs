@@ -95,7 +95,9 @@ pub fn first_exit(
     let start = held(0.0)?;
     let mut at = |r: f64| held(r).map(|held| (r, held.excesses()));
     let mut left = (0.0, start.excesses());
-    let is_on_limit = [0, 1].into_iter().any(|i| left.1[i] >= -ON_LIMIT * start.limits[i]);
+    let is_on_limit = [0, 1]
+        .into_iter()
+        .any(|i| left.1[i] >= -ON_LIMIT * start.limits[i]);
     let mut step = steps.first;
     let mut ends: Vec<(f64, [f64; 2])> = Vec::new();
     while left.0 < horizon {
@@ -128,7 +130,9 @@ pub fn first_exit(
             }
             continue;
         }
-        let crossed = SIDES.into_iter().find(|&side| sides[index(side)].crosses_once() && is_below[1 - index(side)]);
+        let crossed = SIDES
+            .into_iter()
+            .find(|&side| sides[index(side)].crosses_once() && is_below[1 - index(side)]);
         match crossed {
             Some(side) if !at_start => return crossing(at, side, left, right).map(Some),
             _ => {
@@ -159,14 +163,22 @@ fn crossing(
     let (mut last, mut last_is_high) = (f64::NAN, None);
     for _ in 0..MOST_STEPS {
         let secant = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
-        let r = if secant > low.0 && secant < high.0 { secant } else { low.0 + 0.5 * (high.0 - low.0) };
+        let r = if secant > low.0 && secant < high.0 {
+            secant
+        } else {
+            low.0 + 0.5 * (high.0 - low.0)
+        };
         let rounding = 2.0 * f64::EPSILON * r;
         if (r - last).abs() <= rounding || high.0 - low.0 <= rounding {
             return Ok((r, side));
         }
         let here = at(r)?.1[i];
         let is_high = here > 0.0;
-        let (moved, other) = if is_high { (&mut high, &mut low) } else { (&mut low, &mut high) };
+        let (moved, other) = if is_high {
+            (&mut high, &mut low)
+        } else {
+            (&mut low, &mut high)
+        };
         *moved = (r, here);
         if last_is_high == Some(is_high) {
             other.1 *= 0.5;
