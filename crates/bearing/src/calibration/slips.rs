@@ -475,7 +475,10 @@ mod tests {
                 temperature,
                 variance: 0.1,
                 before: level,
-                after: level,
+                after: Level {
+                    reading: sign,
+                    ..level
+                },
                 is_usual: true,
             }
         };

@@ -320,13 +320,6 @@ fn table() {
             },
         ),
         ("steel 30 minutes behind", Logger { lag: 30.0, ..PLAIN }),
-        (
-            "steel 6 hours behind",
-            Logger {
-                lag: 360.0,
-                ..PLAIN
-            },
-        ),
         ("clocks 5 minutes apart", Logger { behind: 5, ..PLAIN }),
         (
             "clocks 30 minutes apart",

@@ -358,6 +358,7 @@ fn a_forecast_says_what_can_be_known() {
         reported
     );
     let reported = json(&reported);
+    assert_eq!(reported["warnings"].as_array().map(Vec::len), Some(0));
     let names = reported["coords"]["quantity"]["data"]
         .as_array()
         .expect("names")
