@@ -293,7 +293,7 @@ impl Scenario {
                 .or_else(|| at.as_integer().map(|whole| whole as f64))
         };
         let parameter = |name: &str| number(at(&format!("{}.{name}", tree::PARAMETERS))?);
-        match at(key) {
+        match at(&tree::in_one_scope(key).unwrap_or_else(|| key.to_string())) {
             // A parameter is a key by itself, as in an override.
             None => parameter(key),
             Some(toml::Value::String(name)) => parameter(&name),

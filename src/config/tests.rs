@@ -1480,12 +1480,27 @@ fn parameters_have_one_scope() {
         named.problem.contains("cannot be the name of a parameter"),
         "{named}"
     );
-    for old in ["force", "friction"] {
-        let text = format!("{}\n[{old}.parameters]\nk3 = 1", BASE);
-        let fault = fault(Scenario::parse("a", &text, &[]));
-        assert!(
-            fault.remedy == "move these to [parameters]" && fault.line.is_some(),
-            "{fault}"
+    // The tables beside the expressions are the same scope.
+    let split = |of_force: &str, of_load: &str| {
+        let text = format!(
+            "{BASE}\n[force]\nexpression = \"-k3*x^3 - c*x^5\"\nparameters = {{ {of_force} }}\n"
         );
-    }
+        let sets = [
+            format!("friction.parameters={{ {of_load} }}"),
+            "friction.load=1 + c*x^2".to_string(),
+        ];
+        let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
+        Scenario::parse("a", &text, &sets)
+    };
+    let scenario = split("k3 = 0.02, c = 0.1", "c = 0.1").unwrap();
+    assert_eq!(scenario.parameters.len(), 2);
+    assert_eq!(scenario.number_at("force.parameters.k3"), Some(0.02));
+    let twice = fault(split("k3 = 0.02, c = 0.1", "c = 0.2"));
+    assert!(
+        twice
+            .key
+            .as_deref()
+            .is_some_and(|key| key.contains("parameters")),
+        "{twice}"
+    );
 }

@@ -128,23 +128,65 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
         },
         value: table(parsed.into_inner(), 0),
     };
+    gather_parameters(&mut root);
     for i in 0..sources.overrides.len() {
         lay_over(&mut root, sources, i)?;
     }
-    for home in ["force", "friction"] {
-        if let Some(Node { place, .. }) = root.at(&format!("{home}.{PARAMETERS}")) {
-            let problem = format!(
-                "unknown key `{home}.{PARAMETERS}`: one table has the parameters of a scenario"
-            );
-            return Err(sources.fault(
-                Some(*place),
-                problem,
-                format!("move these to [{PARAMETERS}]"),
-            ));
-        }
-    }
+    gather_parameters(&mut root);
     sources.set_parameters(parameters(&root));
     Ok(root)
+}
+
+/// Tables that may hold parameters beside their expression, as in `force.parameters`.
+const OTHER_SCOPES: [&str; 2] = ["force", "friction"];
+
+/// The key in the one table of parameters, of a key in that of [`OTHER_SCOPES`].
+pub(super) fn in_one_scope(key: &str) -> Option<String> {
+    let rest = OTHER_SCOPES.iter().find_map(|home| {
+        let rest = key.strip_prefix(home)?.strip_prefix('.')?;
+        rest.strip_prefix(PARAMETERS)
+    })?;
+    (rest.is_empty() || rest.starts_with('.')).then(|| format!("{PARAMETERS}{rest}"))
+}
+
+/// Moves the parameters of [`OTHER_SCOPES`] to the one table of parameters. One that is there with
+/// the same value is left out.
+fn gather_parameters(root: &mut Node) {
+    for home in OTHER_SCOPES {
+        let Value::Table(tables) = &mut root.value else {
+            return;
+        };
+        let moved = tables
+            .iter_mut()
+            .find(|table| table.key == home)
+            .and_then(|table| match &mut table.node.value {
+                Value::Table(entries) => {
+                    let is_scope = |entry: &mut KeyValue| {
+                        entry.key == PARAMETERS && matches!(entry.node.value, Value::Table(_))
+                    };
+                    entries.extract_if(.., is_scope).next()
+                }
+                _ => None,
+            });
+        let known = tables.iter_mut().find(|table| table.key == PARAMETERS);
+        match (moved, known.map(|table| &mut table.node.value)) {
+            (Some(moved), None) => tables.push(moved),
+            (Some(moved), Some(Value::Table(known))) => {
+                let Value::Table(more) = moved.node.value else {
+                    continue;
+                };
+                for entry in more {
+                    let is_same = |other: &KeyValue| {
+                        other.key == entry.key && other.node.number() == entry.node.number()
+                    };
+                    if !known.iter().any(is_same) {
+                        known.push(entry);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// The parameters that are numbers.
@@ -223,7 +265,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let key = if !is_table && root.at(&parameter).is_some() {
         parameter
     } else {
-        this.key.clone()
+        in_one_scope(&this.key).unwrap_or_else(|| this.key.clone())
     };
     let mut spot = root;
     let mut walked = String::new();

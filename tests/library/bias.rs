@@ -514,6 +514,14 @@ fn the_steps_give_the_bias_where_the_reference_run_cannot() {
     for model in [fast, close] {
         assert_eq!(referenced(&model, 0.01, 10_000), None);
         let biases = reported(&model, plain(0.01), 1, 10_000, 2);
+        let known: Vec<Statistic> = biases.iter().map(|(of, _)| *of).collect();
+        println!(
+            "{:?}",
+            Statistic::ALL
+                .into_iter()
+                .filter(|of| !known.contains(of))
+                .collect::<Vec<_>>()
+        );
         assert_eq!(
             biases.len(),
             EXISTING - 1,
@@ -724,7 +732,7 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
         "oscillator.dilatation = 6\noscillator.damping = 0.3\nfriction = { static = 1.2, dynamic = 1.0 }\n\
          temperature.harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]\n\
          temperature.noise.intensity = 0.25\ntime.end = 60\n\
-         force.expression = \"-k*max(x - 1, 0) - l*min(x + 1, 0)\"\nforce.parameters = { k = 200, l = 40 }\n",
+         force.expression = \"-k*max(x - 1, 0) - l*min(x + 1, 0)\"\nparameters = { k = 200, l = 40 }\n",
     );
     let run = Run::of(&scene)
         .threads(2)

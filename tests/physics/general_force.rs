@@ -157,8 +157,7 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
          initial.displacement = 0
          time.end = 40
          scheme.kind = \"event-driven\"
-         [force]
-         expression = \"A*(p + q*(1 - cos(w*t))/2) - F + 80*(1 - exp(-(xdot/vs)^2))*sign(xdot)\"
+         force.expression = \"A*(p + q*(1 - cos(w*t))/2) - F + 80*(1 - exp(-(xdot/vs)^2))*sign(xdot)\"
          parameters = { A = 0.0445, p = 41368, q = 138632, w = 0.628318530717958, F = 2550, vs = 5e-4 }";
     let found = events(&scenario(text));
     let wanted = [

@@ -643,7 +643,7 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
         ),
         (
             "friction = { static = 1.2, dynamic = { forward = 1.0, backward = 1.3 } }",
-            "`friction.dynamic` = 1.3 is above",
+            "`friction.dynamic` = 1.3 must not exceed",
         ),
         (
             "friction = { static = { forward = 1.2 }, dynamic = 1.0 }",
