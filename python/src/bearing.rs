@@ -246,6 +246,34 @@ fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
     calibration.warnings.iter().map(ToString::to_string)
 }
 
+/// The parameters of a bearing with these keys.
+fn quantities(py: Python<'_>, keys: &[String]) -> PyResult<Vec<Quantity>> {
+    let unknown = |key: &String| {
+        let known = Quantity::FITTED.map(Quantity::key).join(", ");
+        errors::of_argument(
+            py,
+            "fit or bounds",
+            key,
+            "it is not a parameter of a bearing",
+            &format!("write some of {known}"),
+        )
+    };
+    keys.iter()
+        .map(|key| Quantity::fitted(key).ok_or_else(|| unknown(key)))
+        .collect()
+}
+
+fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
+    let (quantity, remedy) = match error {
+        NotHeld::NoNumber(quantity) => (quantity, "fit it too, or give it a value with `set`"),
+        NotHeld::TakesShearStiffness(quantity) => (
+            quantity,
+            "give bearing.stiffness, in the scenario or with `set`",
+        ),
+    };
+    errors::of_argument(py, "fit or bounds", quantity.key(), error, remedy)
+}
+
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and
 /// displacement. Returns the data set and warnings.
 #[pyfunction]
@@ -268,30 +296,6 @@ pub fn calibrate<'py>(
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
-    let quantity = |key: &str| {
-        let remedy = format!(
-            "write some of {}",
-            Quantity::FITTED.map(Quantity::key).join(", ")
-        );
-        let unknown = || {
-            errors::of_argument(
-                py,
-                "fit or bounds",
-                key,
-                "it is not a parameter of a bearing",
-                &remedy,
-            )
-        };
-        Quantity::fitted(key).ok_or_else(unknown)
-    };
-    let fitted = fit
-        .iter()
-        .map(|key| quantity(key))
-        .collect::<PyResult<Vec<_>>>()?;
-    let bounds = bounds
-        .iter()
-        .map(|(key, low, high)| Ok((quantity(key)?, [*low, *high])))
-        .collect::<PyResult<Vec<_>>>()?;
     let no_method = || {
         errors::of_argument(
             py,
@@ -301,24 +305,22 @@ pub fn calibrate<'py>(
             "write slips, err or both",
         )
     };
+    let fitted = quantities(py, &fit)?;
+    let (keys, ranges): (Vec<_>, Vec<_>) = bounds
+        .into_iter()
+        .map(|(key, low, high)| (key, [low, high]))
+        .unzip();
     let question = CalibrationQuestion {
+        bounds: quantities(py, &keys)?.into_iter().zip(ranges).collect(),
         method: CalibrationMethod::from_name(method).ok_or_else(no_method)?,
         starts,
         lag: lag.map_or(Lag::Auto, Lag::Known),
         level: interval,
-        bounds,
         ..CalibrationQuestion::of(&scene, &record)
     };
-    let question = question.fitting(&fitted, &scene).map_err(|error| {
-        let (quantity, remedy) = match error {
-            NotHeld::NoNumber(quantity) => (quantity, "fit it too, or give it a value with `set`"),
-            NotHeld::TakesShearStiffness(quantity) => (
-                quantity,
-                "give bearing.stiffness, in the scenario or with `set`",
-            ),
-        };
-        errors::of_argument(py, "fit or bounds", quantity.key(), error, remedy)
-    })?;
+    let question = question
+        .fitting(&fitted, &scene)
+        .map_err(|error| not_held(py, error))?;
     let (calibration, is_interrupted) = watched(py, None, |watch| {
         calibrated(&record, &question, workers.0, &watch.stop)
     })?;
@@ -327,17 +329,8 @@ pub fn calibrate<'py>(
     if is_interrupted {
         remarks.push("interrupted: fewer least-squares starts than requested".into());
     }
-    Ok((
-        to_python(
-            py,
-            Dataset::of_calibration(&StoredCalibration::of(
-                &scene.title,
-                &scene.text,
-                calibration,
-            )),
-        )?,
-        remarks,
-    ))
+    let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
+    Ok((to_python(py, Dataset::of_calibration(&stored))?, remarks))
 }
 
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
@@ -523,6 +516,49 @@ pub fn fit_temperature<'py>(
     Ok((weather(py, &fit, start)?, remarks))
 }
 
+/// The date of the first sample that an argument gives; a measured temperature has its own.
+fn start_date(py: Python<'_>, start: Option<&str>, is_measured: bool) -> PyResult<Option<Start>> {
+    let Some(date) = start else {
+        return Ok(None);
+    };
+    let wrong = |problem, remedy| errors::of_argument(py, "start", date, problem, remedy);
+    if is_measured {
+        return Err(wrong(
+            "the measured temperature already has dates",
+            "remove it, or remove the measured temperature",
+        ));
+    }
+    let invalid = || {
+        wrong(
+            "it is not a valid date",
+            "write a date such as 2024-06-01, also with a time and a zone",
+        )
+    };
+    Start::of_calendar(date).ok_or_else(invalid).map(Some)
+}
+
+/// The measured temperature in the file that a scenario names, the date at which it begins, and what
+/// was repaired in it.
+fn air_in_file(
+    py: Python<'_>,
+    scene: &BridgeScene,
+    name: &str,
+    text: Option<&str>,
+    file: &str,
+) -> PyResult<(Air, Option<Start>, Vec<String>)> {
+    let path = Path::new(name).parent().unwrap_or(Path::new("")).join(file);
+    let shipped = text.and_then(|text| config::shipped(name).filter(|known| known.text == text));
+    let built_in = shipped.and_then(|shipped| shipped.file(file));
+    let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
+    let read = scene
+        .temperature_source
+        .read(origin, ColumnQuantity::Temperature);
+    let (column, begin, repairs) = read.map_err(|error| {
+        errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy)
+    })?;
+    Ok((Air::measured(column.times, column.values), begin, repairs))
+}
+
 /// Makes synthetic measurements of a bearing with the parameters of the scenario. The temperature
 /// is a measured one, in a file or in arrays of times and values, or it is simulated from harmonics
 /// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
@@ -553,57 +589,21 @@ pub fn twin<'py>(
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let text = scenario.1.clone();
     let (scene, name, overrides) = read(py, scenario)?;
-    let mut remarks = Vec::new();
-    let given = start.as_deref().map(|date| {
-        let remedy = "write a date such as 2024-06-01, also with a time and a zone";
-        Start::of_calendar(date)
-            .ok_or_else(|| errors::of_argument(py, "start", date, "it is not a valid date", remedy))
-    });
     let is_measured = temperature.is_some() || scene.temperature_source.file.is_some();
-    if let Some(date) = start.as_deref().filter(|_| is_measured) {
-        let remedy = "remove it, or remove the measured temperature";
-        return Err(errors::of_argument(
-            py,
-            "start",
-            date,
-            "the measured temperature already has dates",
-            remedy,
-        ));
-    }
-    let mut start = given.transpose()?;
-    let air = match (&temperature, &scene.temperature_source.file) {
+    let given = start_date(py, start.as_deref(), is_measured)?;
+    let (air, begin, remarks) = match (temperature, &scene.temperature_source.file) {
         (Some([times, values]), _) => {
-            Air::measured(times.as_array().to_vec(), values.as_array().to_vec())
+            let [times, values] = [times, values].map(|array| array.as_array().to_vec());
+            (Air::measured(times, values), None, Vec::new())
         }
-        (None, Some(file)) => {
-            let path = Path::new(&name)
-                .parent()
-                .unwrap_or(Path::new(""))
-                .join(file);
-            let shipped = text
-                .as_deref()
-                .and_then(|text| config::shipped(&name).filter(|known| known.text == text));
-            let built_in = shipped.and_then(|shipped| shipped.file(file));
-            let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
-            let read = scene
-                .temperature_source
-                .read(origin, ColumnQuantity::Temperature);
-            let (column, begin, repairs) = read.map_err(|error| {
-                errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy)
-            })?;
-            (start, remarks) = (begin, repairs);
-            Air::measured(column.times, column.values)
-        }
+        (None, Some(file)) => air_in_file(py, &scene, &name, text.as_deref(), file)?,
         (None, None) => {
             let text = text.as_deref().unwrap_or(&scene.text);
             let scenario = Checked::parse(&name, text, &overrides)
                 .map_err(|error| errors::of_scenario(py, &error))?;
-            Air::drawn(
-                &scenario.model.temperature,
-                (duration / every) as usize,
-                every,
-                seed,
-            )
+            let samples = (duration / every) as usize;
+            let air = Air::drawn(&scenario.model.temperature, samples, every, seed);
+            (air, None, Vec::new())
         }
     };
     let first = air.temperatures.first().copied().unwrap_or(0.0);
@@ -623,7 +623,8 @@ pub fn twin<'py>(
         thermometer_every,
     };
     let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
-    let start = start
+    let start = begin
+        .or(given)
         .or_else(|| Start::parse(EPOCH))
         .map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);

@@ -7,6 +7,7 @@ use crate::studies::statistic;
 use pyo3::prelude::*;
 use stickslip::config::Override;
 use stickslip::scenario::Scenario as Checked;
+use stickslip::stats::Statistic;
 use stickslip::study::sweep::{Setting, Sweep};
 use stickslip_figure::{Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
@@ -67,75 +68,79 @@ pub fn plot(
         .into_iter()
         .map(read)
         .collect::<PyResult<Vec<(String, Dataset)>>>()?;
-    let wrong = |problem: String| damaged(py, &problem);
-    let format = data
-        .first()
-        .and_then(|(_, first)| first.attribute("format_name"));
-    match (
-        scenario.map(|scenario| &scenario.checked),
-        data.as_slice(),
-        format,
-    ) {
-        (Some(scenario), [], _) => draw(
-            py,
-            &Subject::Path(DrawnPath {
-                scenario,
-                number: path,
-                from: 0.0,
-            }),
-            drawn,
-        ),
-        (Some(scenario), [(_, run), ..], _) => {
-            let summary = run.summary(scenario.scheme.step()).map_err(wrong)?;
+    match (scenario.map(|scenario| &scenario.checked), data.as_slice()) {
+        (Some(scenario), data) => {
             let path = DrawnPath {
                 scenario,
                 number: path,
                 from: 0.0,
             };
-            draw(
-                py,
-                &Subject::Run {
-                    scenario,
-                    summary: &summary,
-                    path,
-                },
-                drawn,
-            )
+            let run = data.first().map(|(_, run)| run);
+            draw_path(py, path, run, drawn)
         }
-        (None, [(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
+        (None, data) => draw_study(py, data, of, drawn),
+    }
+}
+
+/// Draws a path of a scenario, or a run with this path.
+fn draw_path(
+    py: Python<'_>,
+    path: DrawnPath<'_>,
+    run: Option<&Dataset>,
+    drawn: Drawn,
+) -> PyResult<Picture> {
+    let Some(run) = run else {
+        return draw(py, &Subject::Path(path), drawn);
+    };
+    let scenario = path.scenario;
+    let summary = run
+        .summary(scenario.scheme.step())
+        .map_err(|problem| damaged(py, &problem))?;
+    let subject = Subject::Run {
+        scenario,
+        summary: &summary,
+        path,
+    };
+    draw(py, &subject, drawn)
+}
+
+/// Draws a trade, a calibration or sweeps.
+fn draw_study(
+    py: Python<'_>,
+    data: &[(String, Dataset)],
+    of: Option<Statistic>,
+    drawn: Drawn,
+) -> PyResult<Picture> {
+    let wrong = |problem: String| damaged(py, &problem);
+    let format = data
+        .first()
+        .and_then(|(_, first)| first.attribute("format_name"));
+    match (data, format) {
+        ([(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
             let prices = trade.trade().map_err(wrong)?.prices(of);
             let prices = prices.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
             draw(py, &Subject::Trade(&prices), drawn)
         }
-        (None, [(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
+        ([(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
             let StoredCalibration {
                 title, calibration, ..
             } = fit.calibration().map_err(wrong)?;
-            draw(
-                py,
-                &Subject::Calibration {
-                    title: &title,
-                    calibration: &calibration,
-                },
-                drawn,
-            )
+            let subject = Subject::Calibration {
+                title: &title,
+                calibration: &calibration,
+            };
+            draw(py, &subject, drawn)
         }
-        (None, sweeps, _) => {
+        (sweeps, _) => {
             let read = |(name, sweep): &(String, Dataset)| {
                 Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?))
             };
-            let sweeps = sweeps
-                .iter()
-                .map(read)
-                .collect::<PyResult<Vec<(String, Sweep)>>>()?;
-            draw(
-                py,
-                &Subject::Sweep {
-                    sweeps: &sweeps,
-                    statistics: of.as_slice(),
-                },
-                drawn,
-            )
+            let sweeps: Vec<(String, Sweep)> = sweeps.iter().map(read).collect::<PyResult<_>>()?;
+            let subject = Subject::Sweep {
+                sweeps: &sweeps,
+                statistics: of.as_slice(),
+            };
+            draw(py, &subject, drawn)
         }
     }
 }

@@ -41,7 +41,8 @@ pub(super) fn force(
     friction: [Friction; 2],
     inputs: &[(Measured, Option<Place>)],
 ) -> Forced {
-    let (table, dry) = (root.table_if_present("force"), root.table("friction"));
+    let table = root.table_if_present("force");
+    let dry = root.table("friction");
     let scope = Scope::read(root, inputs);
     let is_sound = scope.check(sources);
     let has_load = dry.place_of(keys::LOAD.name).is_some();
@@ -58,37 +59,16 @@ pub(super) fn force(
         }
         expression(table, keys::EXPRESSION)
     });
-    let mut unused = Vec::new();
-    if is_sound && own.is_some() == table.is_some() && load.is_some() == has_load {
+    let is_complete = is_sound && own.is_some() == table.is_some() && load.is_some() == has_load;
+    let unused = if is_complete {
         let is_override = ["force.expression", "friction.load"]
             .into_iter()
             .any(|key| sources.is_override(root.place_of(key)));
-        let is_used = |name: &str| {
-            own.iter()
-                .chain(&load)
-                .any(|of| of.unused_names().all(|unused| unused != name))
-        };
-        for (name, place) in scope.places.iter().filter(|(name, _)| !is_used(name)) {
-            let written = format!("use `{name}` in `force.expression` or `friction.load`");
-            if scope
-                .parameters
-                .iter()
-                .any(|(parameter, _)| parameter == name)
-            {
-                let all = if is_override {
-                    ", or all with `--set 'parameters={}'`"
-                } else {
-                    ""
-                };
-                let remedy = format!("{written}, name it in place of a number, or remove it{all}");
-                let problem = format!("`{PARAMETERS}.{name}` is not used");
-                unused.push((name.clone(), sources.fault(*place, problem, remedy)));
-            } else {
-                let problem = format!("`{INPUT}{name}` is not used in any expression");
-                sources.report(sources.fault(*place, problem, format!("{written}, or remove it")));
-            }
-        }
-    }
+        let expressions: Vec<&Expression> = own.iter().chain(&load).collect();
+        scope.unused(sources, &expressions, is_override)
+    } else {
+        Vec::new()
+    };
     let absorbed = own
         .as_ref()
         .and_then(Expression::linear)
@@ -97,27 +77,33 @@ pub(super) fn force(
         expression,
         without: absorbed.map(|_| oscillator),
     });
-    let oscillator = absorbed.unwrap_or(oscillator);
     let own = own.filter(|_| absorbed.is_none());
-    let is_sided = own.as_ref().is_some_and(|own| own.reversed().is_some());
-    let is_plain = friction[0] == friction[1] && friction[0].static_force.is_finite();
-    let force = if load.is_some() || is_sided || !is_plain {
-        let [own, load] = [own, load].map(|given| given.map(by_direction));
-        Some(Force::with_friction(
-            own.unwrap_or_else(|| [0; 2].map(|_| Force::none())),
-            load,
-            friction,
-        ))
-    } else {
-        own.map(Force::new)
-    };
     Forced {
-        oscillator,
-        force,
+        oscillator: absorbed.unwrap_or(oscillator),
+        force: total(own, load, friction),
         written,
         parameters: scope.parameters,
         unused,
     }
+}
+
+/// The force of these expressions; none if there are none and friction is constant.
+fn total(
+    own: Option<Expression>,
+    load: Option<Expression>,
+    friction: [Friction; 2],
+) -> Option<Force> {
+    let is_sided = own.as_ref().is_some_and(|own| own.reversed().is_some());
+    let is_plain = friction[0] == friction[1] && friction[0].static_force.is_finite();
+    if load.is_none() && !is_sided && is_plain {
+        return own.map(Force::new);
+    }
+    let [own, load] = [own, load].map(|given| given.map(by_direction));
+    Some(Force::with_friction(
+        own.unwrap_or_else(|| [0; 2].map(|_| Force::none())),
+        load,
+        friction,
+    ))
 }
 
 /// An expression forwards and backwards.
@@ -177,6 +163,38 @@ impl Scope {
         };
         sources.report(sources.fault(place, problem, remedy).of(key));
         false
+    }
+
+    /// The fault of each parameter that no expression contains. Such an input is reported at once.
+    fn unused(
+        &self,
+        sources: &Sources<'_>,
+        expressions: &[&Expression],
+        is_override: bool,
+    ) -> Vec<(String, Box<Fault>)> {
+        let is_used = |name: &str| {
+            expressions
+                .iter()
+                .any(|of| of.unused_names().all(|unused| unused != name))
+        };
+        let all = if is_override {
+            ", or all with `--set 'parameters={}'`"
+        } else {
+            ""
+        };
+        let mut unused = Vec::new();
+        for (name, place) in self.places.iter().filter(|(name, _)| !is_used(name)) {
+            let written = format!("use `{name}` in `force.expression` or `friction.load`");
+            if self.parameters.iter().any(|(known, _)| known == name) {
+                let remedy = format!("{written}, name it in place of a number, or remove it{all}");
+                let problem = format!("`{PARAMETERS}.{name}` is not used");
+                unused.push((name.clone(), sources.fault(*place, problem, remedy)));
+            } else {
+                let problem = format!("`{INPUT}{name}` is not used in any expression");
+                sources.report(sources.fault(*place, problem, format!("{written}, or remove it")));
+            }
+        }
+        unused
     }
 
     fn parse(&self, text: &str) -> Result<Expression, ExpressionError> {

@@ -42,13 +42,17 @@ fn titled(title: String, overrides: &[Override]) -> String {
     }
 }
 
-/// Read the whole tree, key by key; the stem of the source's name is the default title.
-pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
-    let stem = Path::new(sources.name)
+/// The stem of the source's name.
+fn default_title(name: &str) -> String {
+    let stem = Path::new(name)
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy();
-    let default_title: String = stem.chars().filter(|c| !c.is_control()).collect();
+    stem.chars().filter(|c| !c.is_control()).collect()
+}
+
+/// Read the whole tree, key by key.
+pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
@@ -68,27 +72,17 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         Some(Ok(noise)) => model.temperature.noises = vec![noise],
         Some(Err(misfit)) => report_misfit(sources, &root, misfit),
     }
-    // `abs` turns -0.0 into 0.0.
     let statistics = root.table("statistics");
     let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
-    let statistics = Statistics {
-        after: statistics.number_or(keys::AFTER, 0.0).abs(),
-        period: statistics.number_if_present(keys::COMPARED),
-    };
-    let ensemble = root.table("ensemble");
-    let ensemble = Ensemble {
-        paths: ensemble
-            .whole_if_present(keys::PATHS, 1..=MAX_PATHS)
-            .unwrap_or(DEFAULT_PATHS),
-        seed: ensemble
-            .whole_if_present(keys::SEED, 0..=u64::MAX)
-            .unwrap_or(DEFAULT_SEED),
-        antithetic: ensemble.flag_or(keys::ANTITHETIC, false),
-    };
-    let record = root.table("record");
-    let units = root.table("units");
+    let title = default_title(sources.name);
     let mut scenario = Scenario {
-        title: titled(root.line_or(keys::TITLE, &default_title), sources.overrides),
+        // `abs` turns -0.0 into 0.0.
+        statistics: Statistics {
+            after: statistics.number_or(keys::AFTER, 0.0).abs(),
+            period: statistics.number_if_present(keys::COMPARED),
+        },
+        ensemble: ensemble(&root.table("ensemble")),
+        title: titled(root.line_or(keys::TITLE, &title), sources.overrides),
         model,
         measured,
         parameters,
@@ -102,26 +96,8 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
             |output_step| Time { end, output_step },
         ),
         scheme,
-        statistics,
-        ensemble,
-        record: Record {
-            paths: record.flag_or(keys::RECORD_PATHS, true),
-            events: record.flag_or(keys::EVENTS, false),
-            trajectories: record
-                .whole_if_present(keys::TRAJECTORIES, 0..=MAX_TRAJECTORIES)
-                .unwrap_or(0),
-            laws: record.flag_or(keys::LAWS, false),
-            density: record.flag_or(keys::DENSITY, false),
-            spectrum: record.flag_or(keys::SPECTRUM, false),
-            energy: record.flag_or(keys::ENERGY, false),
-            levels,
-        },
-        units: Units {
-            time: units.line_or(keys::TIME_LABEL, ""),
-            length: units.line_or(keys::LENGTH_LABEL, ""),
-            force: units.line_or(keys::FORCE_LABEL, ""),
-            temperature: units.line_or(keys::TEMPERATURE_LABEL, ""),
-        },
+        record: record(&root.table("record"), levels),
+        units: units(&root.table("units")),
     };
     scenario.named = sources.all_named();
     let is_named = |name: &str| scenario.named.iter().any(|(_, named)| named == name);
@@ -134,6 +110,42 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         .into_iter()
         .for_each(|misfit| report_misfit(sources, &root, misfit));
     sources.outcome(scenario)
+}
+
+fn ensemble(table: &Fields<'_>) -> Ensemble {
+    Ensemble {
+        paths: table
+            .whole_if_present(keys::PATHS, 1..=MAX_PATHS)
+            .unwrap_or(DEFAULT_PATHS),
+        seed: table
+            .whole_if_present(keys::SEED, 0..=u64::MAX)
+            .unwrap_or(DEFAULT_SEED),
+        antithetic: table.flag_or(keys::ANTITHETIC, false),
+    }
+}
+
+fn record(table: &Fields<'_>, levels: PassageLevels) -> Record {
+    Record {
+        paths: table.flag_or(keys::RECORD_PATHS, true),
+        events: table.flag_or(keys::EVENTS, false),
+        trajectories: table
+            .whole_if_present(keys::TRAJECTORIES, 0..=MAX_TRAJECTORIES)
+            .unwrap_or(0),
+        laws: table.flag_or(keys::LAWS, false),
+        density: table.flag_or(keys::DENSITY, false),
+        spectrum: table.flag_or(keys::SPECTRUM, false),
+        energy: table.flag_or(keys::ENERGY, false),
+        levels,
+    }
+}
+
+fn units(table: &Fields<'_>) -> Units {
+    Units {
+        time: table.line_or(keys::TIME_LABEL, ""),
+        length: table.line_or(keys::LENGTH_LABEL, ""),
+        force: table.line_or(keys::FORCE_LABEL, ""),
+        temperature: table.line_or(keys::TEMPERATURE_LABEL, ""),
+    }
 }
 
 /// Open every table, even one that is not read below, so that its unknown keys are reported.

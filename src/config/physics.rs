@@ -30,46 +30,14 @@ pub(super) struct Physics {
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]`, `[force]` and `[initial]`.
 pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
-    let table = root.table("oscillator");
-    let oscillator = Oscillator {
-        mass: table.number(keys::MASS),
-        stiffness: table.number(keys::STIFFNESS),
-        damping: table.number_or(keys::DAMPING, 0.0),
-        drive: drive(sources, &table),
-    };
-
-    let table = root.table("friction");
-    let (holds, brakes) = (
-        table.by_direction(keys::STATIC),
-        table.by_direction(keys::DYNAMIC),
-    );
-    let friction = [0, 1].map(|i| Friction {
-        static_force: holds[i],
-        dynamic_force: brakes[i],
-    });
+    let oscillator = oscillator(sources, &root.table("oscillator"));
+    let friction = friction(&root.table("friction"));
 
     let table = root.table("temperature");
-    let harmonic = |of: &Fields<'_>| Harmonic {
-        amplitude: of.number(keys::AMPLITUDE),
-        angular_frequency: of.number(keys::ANGULAR_FREQUENCY),
-        phase: of.number_or(keys::PHASE, 0.0),
-    };
     let harmonics = table.tables("harmonics").iter().map(harmonic).collect();
     let noises = table.one_or_more("noise");
     let white_noise = white_noise(sources, &noises);
-
-    // Only a calibration reads this table, but mistakes in it are reported by every command.
-    series::source(
-        &root.table("displacement").table("series"),
-        keys::VALUE,
-        None,
-    );
-    let mut measured: Vec<Measured> = sources
-        .or_report(series::temperature(sources, root))
-        .flatten()
-        .into_iter()
-        .collect();
-    let series = measured.first().map(|measured| measured.series.clone());
+    let mut measured = measured_temperature(sources, root);
     let inputs = series::inputs(sources, root, &measured);
     let is_pinned = noises.iter().fold(false, |is_pinned, of| {
         is_pinned | of.flag_or(keys::PINNED, false)
@@ -79,15 +47,11 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     } else {
         noises.iter().map(noise).collect()
     };
-    let (offset, trend) = (
-        table.number_or(keys::TEMPERATURE_OFFSET, 0.0),
-        table.number_or(keys::TREND, 0.0),
-    );
     let temperature = Temperature {
-        offset,
-        trend,
+        offset: table.number_or(keys::TEMPERATURE_OFFSET, 0.0),
+        trend: table.number_or(keys::TREND, 0.0),
         harmonics,
-        series,
+        series: measured.first().map(|measured| measured.series.clone()),
         is_pinned,
         noises,
     };
@@ -108,15 +72,13 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         unused,
     } = force(sources, root, oscillator, friction, &inputs);
     measured.extend(inputs.into_iter().map(|(input, _)| input));
-    let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
-    let friction = Friction::weaker(friction);
     let model = Model {
         oscillator,
-        friction,
+        friction: Friction::weaker(friction),
         temperature,
         force,
         initial_displacement,
-        initial_velocity,
+        initial_velocity: table.number_or(keys::VELOCITY, 0.0),
     };
     Physics {
         model,
@@ -127,6 +89,45 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         parameters,
         unused,
     }
+}
+
+fn oscillator(sources: &Sources<'_>, table: &Fields<'_>) -> Oscillator {
+    Oscillator {
+        mass: table.number(keys::MASS),
+        stiffness: table.number(keys::STIFFNESS),
+        damping: table.number_or(keys::DAMPING, 0.0),
+        drive: drive(sources, table),
+    }
+}
+
+/// The thresholds forwards and backwards.
+fn friction(table: &Fields<'_>) -> [Friction; 2] {
+    let static_force = table.by_direction(keys::STATIC);
+    let dynamic_force = table.by_direction(keys::DYNAMIC);
+    [0, 1].map(|i| Friction {
+        static_force: static_force[i],
+        dynamic_force: dynamic_force[i],
+    })
+}
+
+fn harmonic(table: &Fields<'_>) -> Harmonic {
+    Harmonic {
+        amplitude: table.number(keys::AMPLITUDE),
+        angular_frequency: table.number(keys::ANGULAR_FREQUENCY),
+        phase: table.number_or(keys::PHASE, 0.0),
+    }
+}
+
+/// The measured temperature, if there is one.
+fn measured_temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Vec<Measured> {
+    // Only a calibration reads this table, but mistakes in it are reported by every command.
+    let displacement = root.table("displacement").table("series");
+    series::source(&displacement, keys::VALUE, None);
+    sources
+        .or_report(series::temperature(sources, root))
+        .flatten()
+        .into_iter()
+        .collect()
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.

@@ -227,59 +227,16 @@ impl Reader<'_> {
 
     /// Read the samples from the file, and complete their description.
     fn read(&self, table: &Fields<'_>, measured: &mut Measured) -> Result<(), Box<Fault>> {
-        let Reader { sources, root, .. } = self;
-        let fault = |problem: String, remedy: String| {
-            let fault = sources.fault(table.place_of("file"), problem, remedy);
+        let place = table.place_of("file");
+        let file = measured.file.clone();
+        let fault = |(problem, remedy): Wrong| {
+            let fault = self.sources.fault(place, problem, remedy);
             fault
                 .of(&format!("{}.file", self.name))
-                .value(format!("\"{}\"", measured.file))
+                .value(format!("\"{file}\""))
         };
-        let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
-        let wanted = Wanted::called(self.quantity, column, self.word(), measured.unit.as_deref());
-        let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
-            let wanted = [Wanted { max_gap, ..wanted }];
-            match sources
-                .data(&measured.file)
-                .filter(|_| !sources.is_override(table.place_of("file")))
-            {
-                Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
-                None => {
-                    Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted)
-                }
-            }
-        };
-        let cannot = |error: DataError| {
-            let remedy = error.remedy.clone();
-            let reported = DataError {
-                remedy: String::new(),
-                ..error
-            }
-            .to_string();
-            fault(
-                format!(
-                    "cannot be used: {}",
-                    reported.lines().next().unwrap_or_default()
-                ),
-                remedy,
-            )
-        };
-        let mut max_gap = measured.max_gap;
-        let mut found = columns(max_gap).map_err(cannot)?;
-        if max_gap.is_none() && found.in_seconds && !self.is_input() {
-            // It is known only now that times are in seconds. The file is read again with the default
-            // limit, so that a longer gap is an error with its line.
-            max_gap = Some(DEFAULT_MAX_GAP);
-            found = columns(max_gap).map_err(cannot)?;
-        }
-        let label = |key: Key| root.table("units").line_or(key, "");
-        let unit = label(keys::TIME_LABEL);
-        if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
-            let problem = format!("has times in seconds, but `units.time` is \"{unit}\"");
-            return Err(fault(
-                problem,
-                "write the whole scenario in seconds, and `time = \"s\"` under [units]".into(),
-            ));
-        }
+        let found = self.table(place, measured).map_err(fault)?;
+        self.check_seconds(&found).map_err(fault)?;
         let Table {
             start,
             begin,
@@ -289,32 +246,14 @@ impl Reader<'_> {
             ..
         } = found;
         let Some(column) = columns.into_iter().next() else {
-            return Err(fault(
+            return Err(fault((
                 format!("has no {} column", self.quantity.word()),
                 "name one".into(),
-            ));
+            )));
         };
-        if let Some((si, _)) = input_unit(column.unit).filter(|(si, _)| !si.is_empty()) {
-            let (key, base) = if si == "N" {
-                (keys::FORCE_LABEL, "N")
-            } else {
-                (keys::LENGTH_LABEL, "m")
-            };
-            let unit = label(key);
-            if !["", base].contains(&unit.as_str()) {
-                let problem = format!(
-                    "is converted to {si}, but `units.{}` is \"{unit}\"",
-                    key.name
-                );
-                let remedy = format!(
-                    "write the whole scenario in SI units, and `{} = \"{base}\"` under [units]",
-                    key.name
-                );
-                return Err(fault(problem, remedy));
-            }
-        }
+        self.check_unit(column.unit).map_err(fault)?;
         let series = Series::new(column.times, column.values)
-            .map_err(|e| fault(e.to_string(), "fix the file".into()))?;
+            .map_err(|e| fault((e.to_string(), "fix the file".into())))?;
         *measured = Measured {
             series: Arc::new(series),
             value: column.name,
@@ -328,13 +267,100 @@ impl Reader<'_> {
                 time: Some(time).filter(|name| !name.is_empty()),
                 ..measured.layout.clone()
             },
-            max_gap,
             start: start.map(|start| start.to_string()),
             repairs: repairs.sentences(),
             ..measured.clone()
         };
         Ok(())
     }
+
+    /// The table in the file, and the limit of its gaps if it is the default.
+    fn table(&self, place: Option<Place>, measured: &mut Measured) -> Result<Table, Wrong> {
+        let sources = self.sources;
+        let text = sources
+            .data(&measured.file)
+            .filter(|_| !sources.is_override(place));
+        let columns = |measured: &Measured| {
+            let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
+            let wanted =
+                Wanted::called(self.quantity, column, self.word(), measured.unit.as_deref());
+            let wanted = [Wanted {
+                max_gap: measured.max_gap,
+                ..wanted
+            }];
+            match text {
+                Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
+                None => {
+                    Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted)
+                }
+            }
+            .map_err(unusable)
+        };
+        let found = columns(measured)?;
+        if measured.max_gap.is_some() || !found.in_seconds || self.is_input() {
+            return Ok(found);
+        }
+        // It is known only now that times are in seconds. The file is read again with the default
+        // limit, so that a longer gap is an error with its line.
+        measured.max_gap = Some(DEFAULT_MAX_GAP);
+        columns(measured)
+    }
+
+    fn label(&self, key: Key) -> String {
+        self.root.table("units").line_or(key, "")
+    }
+
+    /// Times in seconds need a scenario in seconds.
+    fn check_seconds(&self, found: &Table) -> Result<(), Wrong> {
+        let unit = self.label(keys::TIME_LABEL);
+        if !found.in_seconds || SECONDS.contains(&unit.as_str()) {
+            return Ok(());
+        }
+        Err((
+            format!("has times in seconds, but `units.time` is \"{unit}\""),
+            "write the whole scenario in seconds, and `time = \"s\"` under [units]".into(),
+        ))
+    }
+
+    /// Inputs that are converted to SI units need a scenario in these units.
+    fn check_unit(&self, unit: &str) -> Result<(), Wrong> {
+        let Some((si, _)) = input_unit(unit).filter(|(si, _)| !si.is_empty()) else {
+            return Ok(());
+        };
+        let (key, base) = if si == "N" {
+            (keys::FORCE_LABEL, "N")
+        } else {
+            (keys::LENGTH_LABEL, "m")
+        };
+        let unit = self.label(key);
+        if ["", base].contains(&unit.as_str()) {
+            return Ok(());
+        }
+        Err((
+            format!(
+                "is converted to {si}, but `units.{}` is \"{unit}\"",
+                key.name
+            ),
+            format!(
+                "write the whole scenario in SI units, and `{} = \"{base}\"` under [units]",
+                key.name
+            ),
+        ))
+    }
+}
+
+/// The problem with a file, and its remedy.
+type Wrong = (String, String);
+
+fn unusable(error: DataError) -> Wrong {
+    let remedy = error.remedy.clone();
+    let reported = DataError {
+        remedy: String::new(),
+        ..error
+    }
+    .to_string();
+    let problem = reported.lines().next().unwrap_or_default();
+    (format!("cannot be used: {problem}"), remedy)
 }
 
 impl Sources<'_> {

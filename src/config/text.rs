@@ -4,8 +4,10 @@ use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
 use crate::model::{Drive, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
 use crate::scenario::{
-    Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce,
+    Ensemble, Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise,
+    WrittenForce,
 };
+use crate::scheme::Scheme;
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
 
@@ -94,123 +96,22 @@ impl Scenario {
     /// The whole scenario as TOML with every default; reading it gives the same scenario again. Each
     /// number is the shortest decimal that reads back as the same double.
     pub fn to_toml(&self) -> String {
-        let Scenario {
-            title,
-            bearing,
-            time,
-            scheme,
-            statistics,
-            ensemble,
-            record,
-            units,
-            named,
-            parameters,
-            ..
-        } = self;
         let mut text = Written {
-            lines: format!("title = {}\n", string(title)),
-            named,
-            parameters,
+            lines: format!("title = {}\n", string(&self.title)),
+            named: &self.named,
+            parameters: &self.parameters,
             ..Written::default()
         };
         physics(&mut text, self);
-        if let Some(SensorBearing { stiffness, offset }) = *bearing {
-            text.table("bearing");
-            match stiffness {
-                Some(stiffness) => text.number(keys::BEARING_STIFFNESS, stiffness),
-                None => text.plain("# no stiffness: the bearing is rigid"),
-            }
-            text.number(keys::OFFSET, offset);
+        if let Some(bearing) = self.bearing {
+            self::bearing(&mut text, bearing);
         }
-        let Time { end, output_step } = *time;
-        text.table("time");
-        text.number(keys::END, end);
-        match scheme.step() {
-            Some(step) => text.number(keys::STEP, step),
-            // What a scheme without a step ignores is kept, so that the parameter stays in use.
-            None => match text.name_at("time.step").map(string) {
-                Some(name) => text.other(keys::STEP, name),
-                None => text.plain(format!(
-                    "# no step: the {} scheme does not use one",
-                    scheme.name()
-                )),
-            },
-        }
-        text.number(keys::OUTPUT_STEP, output_step);
-        text.table("scheme");
-        let is_followed = self.model.force.is_some() && !scheme.kind().has_step();
-        let meaning = if is_followed {
-            "from event to event, user-defined force to the tolerance"
-        } else {
-            scheme.kind().meaning()
-        };
-        text.line(keys::KIND.name, string(scheme.name()), meaning);
-        if let Some(tolerance) = scheme.tolerance() {
-            text.number(keys::TOLERANCE, tolerance);
-        }
-        text.table("statistics");
-        let Statistics { after, period } = *statistics;
-        text.number(keys::AFTER, after);
-        if !record.levels.is_empty() {
-            let levels: Vec<String> = record
-                .levels
-                .iter()
-                .map(|level| format!("{level:?}"))
-                .collect();
-            text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
-        }
-        match (period, self.period()) {
-            (Some(period), _) => text.number(keys::COMPARED, period),
-            (None, Some(Period { length, source })) => {
-                text.plain(format!(
-                    "# no period, so P is {}, {length:?}",
-                    source.words()
-                ));
-            }
-            (None, None) => {}
-        }
-        text.table("ensemble");
-        text.other(keys::PATHS, ensemble.paths);
-        text.other(keys::SEED, ensemble.seed);
-        text.other(keys::ANTITHETIC, ensemble.antithetic);
-        let Record {
-            paths,
-            events,
-            trajectories,
-            laws,
-            density,
-            spectrum,
-            energy,
-            levels: _,
-        } = *record;
-        text.table("record");
-        text.other(keys::RECORD_PATHS, paths);
-        text.other(keys::EVENTS, events);
-        text.other(keys::TRAJECTORIES, trajectories);
-        for (key, is_asked) in [
-            (keys::LAWS, laws),
-            (keys::DENSITY, density),
-            (keys::SPECTRUM, spectrum),
-            (keys::ENERGY, energy),
-        ] {
-            text.other(key, is_asked);
-        }
-        let Units {
-            time,
-            length,
-            force,
-            temperature,
-        } = units;
-        text.table("units");
-        let labels = [
-            keys::TIME_LABEL,
-            keys::LENGTH_LABEL,
-            keys::FORCE_LABEL,
-            keys::TEMPERATURE_LABEL,
-        ];
-        for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
-            text.other(key, string(label));
-        }
+        time(&mut text, self.time, self.scheme);
+        scheme(&mut text, self);
+        statistics(&mut text, self);
+        ensemble(&mut text, self.ensemble);
+        record(&mut text, &self.record);
+        units(&mut text, &self.units);
         text.lines
     }
 
@@ -327,6 +228,117 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
     if model.initial_velocity != 0.0 || text.name_at("initial.velocity").is_some() {
         text.number(keys::VELOCITY, model.initial_velocity);
+    }
+}
+
+fn bearing(text: &mut Written, SensorBearing { stiffness, offset }: SensorBearing) {
+    text.table("bearing");
+    match stiffness {
+        Some(stiffness) => text.number(keys::BEARING_STIFFNESS, stiffness),
+        None => text.plain("# no stiffness: the bearing is rigid"),
+    }
+    text.number(keys::OFFSET, offset);
+}
+
+fn time(text: &mut Written, Time { end, output_step }: Time, scheme: Scheme) {
+    text.table("time");
+    text.number(keys::END, end);
+    match scheme.step() {
+        Some(step) => text.number(keys::STEP, step),
+        // What a scheme without a step ignores is kept, so that the parameter stays in use.
+        None => match text.name_at("time.step").map(string) {
+            Some(name) => text.other(keys::STEP, name),
+            None => text.plain(format!(
+                "# no step: the {} scheme does not use one",
+                scheme.name()
+            )),
+        },
+    }
+    text.number(keys::OUTPUT_STEP, output_step);
+}
+
+fn scheme(text: &mut Written, Scenario { model, scheme, .. }: &Scenario) {
+    text.table("scheme");
+    let is_followed = model.force.is_some() && !scheme.kind().has_step();
+    let meaning = if is_followed {
+        "from event to event, user-defined force to the tolerance"
+    } else {
+        scheme.kind().meaning()
+    };
+    text.line(keys::KIND.name, string(scheme.name()), meaning);
+    if let Some(tolerance) = scheme.tolerance() {
+        text.number(keys::TOLERANCE, tolerance);
+    }
+}
+
+fn statistics(text: &mut Written, scenario: &Scenario) {
+    text.table("statistics");
+    let Statistics { after, period } = scenario.statistics;
+    text.number(keys::AFTER, after);
+    let levels = &scenario.record.levels;
+    if !levels.is_empty() {
+        let levels: Vec<String> = levels.iter().map(|level| format!("{level:?}")).collect();
+        text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
+    }
+    match (period, scenario.period()) {
+        (Some(period), _) => text.number(keys::COMPARED, period),
+        (None, Some(Period { length, source })) => {
+            text.plain(format!(
+                "# no period, so P is {}, {length:?}",
+                source.words()
+            ));
+        }
+        (None, None) => {}
+    }
+}
+
+fn ensemble(text: &mut Written, ensemble: Ensemble) {
+    text.table("ensemble");
+    text.other(keys::PATHS, ensemble.paths);
+    text.other(keys::SEED, ensemble.seed);
+    text.other(keys::ANTITHETIC, ensemble.antithetic);
+}
+
+fn record(text: &mut Written, record: &Record) {
+    let Record {
+        paths,
+        events,
+        trajectories,
+        laws,
+        density,
+        spectrum,
+        energy,
+        levels: _,
+    } = *record;
+    text.table("record");
+    text.other(keys::RECORD_PATHS, paths);
+    text.other(keys::EVENTS, events);
+    text.other(keys::TRAJECTORIES, trajectories);
+    for (key, is_asked) in [
+        (keys::LAWS, laws),
+        (keys::DENSITY, density),
+        (keys::SPECTRUM, spectrum),
+        (keys::ENERGY, energy),
+    ] {
+        text.other(key, is_asked);
+    }
+}
+
+fn units(text: &mut Written, units: &Units) {
+    let Units {
+        time,
+        length,
+        force,
+        temperature,
+    } = units;
+    text.table("units");
+    for (key, label) in [
+        (keys::TIME_LABEL, time),
+        (keys::LENGTH_LABEL, length),
+        (keys::FORCE_LABEL, force),
+        (keys::TEMPERATURE_LABEL, temperature),
+    ] {
+        text.other(key, string(label));
     }
 }
 

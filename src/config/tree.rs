@@ -2,6 +2,7 @@
 
 use super::error::Fault;
 use super::keys;
+use super::overrides::Override;
 use super::source::{Place, Sources};
 use std::borrow::Cow;
 use toml::Spanned;
@@ -258,8 +259,6 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         start: 0,
         end: 0,
     };
-    let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
-
     let is_table = keys::of_table("").contains(&this.key.as_str());
     let parameter = format!("{PARAMETERS}.{}", this.key);
     let key = if !is_table && root.at(&parameter).is_some() {
@@ -271,90 +270,97 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let mut walked = String::new();
     for segment in key.split('.') {
         let segment = segment.trim();
-        if segment.is_empty() {
-            return Err(wrong(
-                format!("`{}` is not a key", this.key),
-                "write table.key=value, e.g. friction.static=1.3, or temperature.harmonics.0.amplitude=2",
-            ));
-        }
-        spot = match &mut spot.value {
-            Value::Table(entries) => {
-                let at = entries
-                    .iter()
-                    .position(|entry| entry.key == segment)
-                    .unwrap_or_else(|| {
-                        let empty = Node {
-                            place,
-                            value: Value::Table(Vec::new()),
-                        };
-                        entries.push(KeyValue {
-                            key: segment.to_string(),
-                            key_place: place,
-                            node: empty,
-                        });
-                        entries.len() - 1
-                    });
-                &mut entries[at].node
-            }
-            Value::Array(items) => {
-                let n = items.len();
-                // An index one past the end appends an entry.
-                let index = segment
-                    .parse::<usize>()
-                    .ok()
-                    .filter(|&index| index <= n)
-                    .ok_or_else(|| {
-                        let problem = format!(
-                            "`{walked}` has {n} entries, and `{segment}` is not one of them"
-                        );
-                        wrong(
-                            problem,
-                            &format!("number them from 0; `{walked}.{n}` adds one"),
-                        )
-                    })?;
-                if index == n {
-                    items.push(Node {
-                        place,
-                        value: Value::Table(Vec::new()),
-                    });
-                }
-                &mut items[index]
-            }
-            other => {
-                let problem = format!(
-                    "`{walked}` is {}, so there is no `{}`",
-                    other.kind(),
-                    this.key
-                );
-                return Err(wrong(problem, "`mc check` prints every key of a scenario"));
-            }
-        };
+        spot = child(spot, segment, &walked, &this.key, place)
+            .map_err(|(problem, remedy)| sources.fault(Some(place), problem, remedy))?;
         if !walked.is_empty() {
             walked.push('.');
         }
         walked.push_str(segment);
     }
-
-    let text = &whole(this.value.trim());
-    let is_quoted = text.starts_with(['"', '\'']);
-    spot.value = match DeValue::parse(text) {
-        // An expression needs no quotes on a command line, where a shell would take them away.
-        _ if EXPRESSIONS.contains(&this.key.trim()) && !is_quoted => Value::Text(text.to_string()),
-        Ok(value) => node(value, i + 1).value,
-        // The value is a bare word, or a count such as 10k.
-        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => {
-            Value::Text(text.to_string())
-        }
-        Err(e) => {
-            let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
-            return Err(wrong(
-                problem,
-                "give a number, a word, true, false, \"a string\" or { key = value }",
-            ));
-        }
-    };
+    spot.value = override_value(this, i + 1)
+        .map_err(|(problem, remedy)| sources.fault(Some(place), problem, remedy))?;
     relocate(spot, place);
     Ok(())
+}
+
+/// The problem with an override, and its remedy.
+type Wrong = (String, String);
+
+/// The node of a segment of the override `key`, below the node at `walked`; created if it is a new
+/// key of a table or the next entry of an array.
+fn child<'n>(
+    node: &'n mut Node,
+    segment: &str,
+    walked: &str,
+    key: &str,
+    place: Place,
+) -> Result<&'n mut Node, Wrong> {
+    if segment.is_empty() {
+        return Err((
+            format!("`{key}` is not a key"),
+            "write table.key=value, e.g. friction.static=1.3, or temperature.harmonics.0.amplitude=2".into(),
+        ));
+    }
+    let empty = Node {
+        place,
+        value: Value::Table(Vec::new()),
+    };
+    match &mut node.value {
+        Value::Table(entries) => {
+            let at = entries
+                .iter()
+                .position(|entry| entry.key == segment)
+                .unwrap_or_else(|| {
+                    entries.push(KeyValue {
+                        key: segment.to_string(),
+                        key_place: place,
+                        node: empty,
+                    });
+                    entries.len() - 1
+                });
+            Ok(&mut entries[at].node)
+        }
+        Value::Array(items) => {
+            let n = items.len();
+            // An index one past the end appends an entry.
+            let index = segment.parse().ok().filter(|&index| index <= n);
+            let index: usize = index.ok_or_else(|| {
+                (
+                    format!("`{walked}` has {n} entries, and `{segment}` is not one of them"),
+                    format!("number them from 0; `{walked}.{n}` adds one"),
+                )
+            })?;
+            if index == n {
+                items.push(empty);
+            }
+            Ok(&mut items[index])
+        }
+        other => Err((
+            format!("`{walked}` is {}, so there is no `{key}`", other.kind()),
+            "`mc check` prints every key of a scenario".into(),
+        )),
+    }
+}
+
+/// The value of an override, which is this text of the sources.
+fn override_value(this: &Override, number: usize) -> Result<Value, Wrong> {
+    let text = &whole(this.value.trim());
+    let is_quoted = text.starts_with(['"', '\'']);
+    match DeValue::parse(text) {
+        // An expression needs no quotes on a command line, where a shell would take them away.
+        _ if EXPRESSIONS.contains(&this.key.trim()) && !is_quoted => {
+            Ok(Value::Text(text.to_string()))
+        }
+        Ok(value) => Ok(node(value, number).value),
+        // The value is a bare word, or a count such as 10k.
+        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => {
+            Ok(Value::Text(text.to_string()))
+        }
+        Err(e) => Err((
+            format!("`{text}` is not a TOML value: {}", one_line(e.message())),
+            "give a number, a word, true, false, \"a string\" or { key = value }".into(),
+        )),
+    }
 }
 
 /// The table of parameters, each of which is a key by itself.

@@ -3,8 +3,8 @@
 use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
-use crate::scheme::{Segment, Simulate as _};
-use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
+use crate::scheme::{Segment, Simulate as _, Timeline};
+use crate::stats::{BlockObserver, LimitCycle, Record, Repeats, Totals};
 use crate::sums::Replicate;
 
 /// The longest cycle that is looked for, in periods of the forcing, or in slips without a forcing.
@@ -22,111 +22,156 @@ impl LimitCycle {
         if felt && model.temperature.is_random() || scenario.time.end == 0.0 {
             return None;
         }
+        let motion = CountedMotion::of(scenario)?;
+        let (section, found) = match motion.forcing {
+            Some(Period { length, .. }) => motion.forced_cycle(length),
+            None => motion.autonomous_cycle(),
+        };
+        let repeats = found.map(|found| motion.repeats(found));
+        let drift = repeats.map_or(motion.drift, |repeats| repeats.advance / repeats.period);
+        let amplitude = found.map_or(motion.extent, |found| {
+            let span = [found.begin, found.begin + found.period];
+            motion.path.amplitude(span, found.advance / found.period)
+        });
+        let (_, last) = section.split_at(section.len().saturating_sub(LimitCycle::STATES));
+        Some(LimitCycle {
+            section: last.iter().map(|(time, x)| x - drift * time).collect(),
+            amplitude,
+            repeats,
+        })
+    }
+}
+
+/// Times, and x at them.
+type Section = Vec<(f64, f64)>;
+
+/// A cycle, as far as the states say that come back.
+#[derive(Clone, Copy)]
+struct FoundCycle {
+    begin: f64,
+    period: f64,
+    advance: f64,
+    forcing_periods: Option<usize>,
+}
+
+/// The one path of a scene without noise, and what it does in the counted time.
+struct CountedMotion<'a> {
+    scenario: &'a Scenario,
+    timeline: Timeline,
+    path: PathMotion,
+    totals: Totals,
+    forcing: Option<Period>,
+    /// The counted events.
+    events: Vec<Event>,
+    /// Two states are the same if they differ by no more than this part of the amplitude.
+    same: f64,
+    /// Whether no slip begins any more, and nothing periodic forces the body.
+    has_ended: bool,
+    /// The drift that follows from the model alone.
+    known_drift: Option<f64>,
+    drift: f64,
+    /// Half the range of x less its drift.
+    extent: f64,
+}
+
+impl<'a> CountedMotion<'a> {
+    /// The motion of a scenario; none if its path is lost.
+    fn of(scenario: &'a Scenario) -> Option<Self> {
+        let model = &scenario.model;
         let timeline = scenario.timeline();
         let plan = scenario.plan();
         let mut both = (
             BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Replicate::Path),
             PathMotion::default(),
         );
-        if !plan
-            .simulation
-            .simulate(plan.seed, &[0], &mut both)
-            .is_empty()
-        {
+        let lost = plan.simulation.simulate(plan.seed, &[0], &mut both);
+        if !lost.is_empty() {
             return None;
         }
-        let (block, seen) = (both.0.finish(0, 1, Vec::new()), both.1);
-        let (events, after) = (&seen.events, scenario.statistics.after);
-        let counted: Vec<Event> = events
-            .iter()
-            .copied()
-            .filter(|event| event.time >= after)
-            .collect();
-        let same = scenario.scheme.step().map_or(SAME, |h| {
-            SAME.max(2.0 * h / timeline.period.unwrap_or(timeline.end))
-        });
+        let (block, path) = (both.0.finish(0, 1, Vec::new()), both.1);
+        let after = scenario.statistics.after;
+        let is_counted = |event: &Event| event.time >= after;
+        let events: Vec<Event> = path.events.iter().copied().filter(is_counted).collect();
         let forcing = scenario
             .period()
             .filter(|period| period.source != PeriodSource::Share);
         // A body that begins no slip any more rests, or slides in an ever steadier way.
-        let is_late =
-            |event: &Event| is_slip_start(event) && event.time > 0.5 * (after + timeline.end);
-        let has_ended = forcing.is_none() && !counted.iter().any(is_late);
-        let from = if has_ended {
-            0.5 * (after + timeline.end)
-        } else {
-            after
-        };
-        let known = model.long_run_drift();
-        let drift = known.unwrap_or_else(|| seen.drift([from, timeline.end]));
-        let extent = seen.amplitude([from, timeline.end], drift);
+        let middle = 0.5 * (after + timeline.end);
+        let is_late = |event: &Event| is_slip_start(event) && event.time > middle;
+        let has_ended = forcing.is_none() && !events.iter().any(is_late);
+        let from = if has_ended { middle } else { after };
+        let known_drift = model.long_run_drift();
+        let drift = known_drift.unwrap_or_else(|| path.drift([from, timeline.end]));
+        let extent = path.amplitude([from, timeline.end], drift);
         let is_steady = has_ended && extent <= SAME * drift.abs() * (timeline.end - from);
-        let extent = if is_steady { 0.0 } else { extent };
-        let (section, found): (Vec<(f64, f64)>, _) = match forcing {
-            Some(Period { length, .. }) => {
-                let ends = block.totals.summary().periods.mean;
-                let x0 = model.initial_displacement;
-                let states = ends
-                    .iter()
-                    .skip(timeline.first_period().saturating_sub(1))
-                    .map(|x| x0 + x);
-                let states: Vec<f64> = states.collect();
-                let advance = |n: usize| match known {
-                    Some(drift) => Some(n as f64 * drift * length),
-                    None => advance(&states, n)
-                        .map(|way| if way.abs() <= same * extent { 0.0 } else { way }),
-                };
-                let is_back = |n: &usize| {
-                    advance(*n).is_some_and(|way| comes_back(&states, *n, way, same * extent))
-                };
-                let multiple = (1..=LONGEST).find(is_back);
-                let end = timeline.periods() as f64 * length;
-                let found = multiple.map(|n| {
-                    (
-                        end - n as f64 * length,
-                        n as f64 * length,
-                        advance(n).unwrap_or_default(),
-                    )
-                });
-                let times = (timeline.first_period()..).map(|n| n as f64 * length);
-                (times.zip(states).collect(), found.zip(multiple.map(Some)))
-            }
-            None => {
-                let starts: Vec<Event> = counted
-                    .into_iter()
-                    .filter(|event| is_slip_start(event) && !has_ended)
-                    .collect();
-                let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, same, extent));
-                let states = starts.iter().map(|event| (event.time, event.displacement));
-                (states.collect(), found.map(|found| (found, None)))
-            }
-        };
-        let repeats = found.map(|((begin, period, advance), forcing_periods)| {
-            let (cycle, at_rest) = within(events, begin, period);
-            let repeats = Repeats {
-                period,
-                forcing_periods,
-                advance,
-                slips: cycle.iter().filter(|event| is_slip_start(event)).count(),
-                sticks: cycle
-                    .iter()
-                    .filter(|event| event.kind == EventKind::StickEntered)
-                    .count(),
-                at_rest,
-                is_symmetric: advance == 0.0 && is_symmetric(&cycle, period, same * extent),
-            };
-            (
-                repeats,
-                seen.amplitude([begin, begin + period], advance / period),
-            )
-        });
-        let drift = repeats.map_or(drift, |(repeats, _)| repeats.advance / repeats.period);
-        let (_, last) = section.split_at(section.len().saturating_sub(LimitCycle::STATES));
-        Some(LimitCycle {
-            section: last.iter().map(|(time, x)| x - drift * time).collect(),
-            amplitude: repeats.map_or(extent, |(_, amplitude)| amplitude),
-            repeats: repeats.map(|(repeats, _)| repeats),
+        Some(CountedMotion {
+            scenario,
+            same: scenario.scheme.step().map_or(SAME, |h| {
+                SAME.max(2.0 * h / timeline.period.unwrap_or(timeline.end))
+            }),
+            timeline,
+            path,
+            totals: block.totals,
+            forcing,
+            events,
+            has_ended,
+            known_drift,
+            drift,
+            extent: if is_steady { 0.0 } else { extent },
         })
+    }
+
+    /// The states at the ends of the periods of the forcing, and the cycle in which they come back.
+    fn forced_cycle(&self, length: f64) -> (Section, Option<FoundCycle>) {
+        let x0 = self.scenario.model.initial_displacement;
+        let first = self.timeline.first_period();
+        let ends = self.totals.summary().periods.mean;
+        let counted = ends.iter().skip(first.saturating_sub(1));
+        let states: Vec<f64> = counted.map(|x| x0 + x).collect();
+        let near = self.same * self.extent;
+        let way = |n: usize| match self.known_drift {
+            Some(drift) => Some(n as f64 * drift * length),
+            None => advance(&states, n).map(|way| if way.abs() <= near { 0.0 } else { way }),
+        };
+        let is_back = |n: &usize| way(*n).is_some_and(|way| comes_back(&states, *n, way, near));
+        let end = self.timeline.periods() as f64 * length;
+        let found = (1..=LONGEST).find(is_back).map(|n| FoundCycle {
+            begin: end - n as f64 * length,
+            period: n as f64 * length,
+            advance: way(n).unwrap_or_default(),
+            forcing_periods: Some(n),
+        });
+        let times = (first..).map(|n| n as f64 * length);
+        (times.zip(states).collect(), found)
+    }
+
+    /// The states at the beginnings of slips, and the cycle in which they come back.
+    fn autonomous_cycle(&self) -> (Section, Option<FoundCycle>) {
+        let is_start = |event: &Event| is_slip_start(event) && !self.has_ended;
+        let starts: Vec<Event> = self.events.iter().copied().filter(is_start).collect();
+        let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, self.same, self.extent));
+        let states = starts.iter().map(|event| (event.time, event.displacement));
+        (states.collect(), found)
+    }
+
+    fn repeats(&self, found: FoundCycle) -> Repeats {
+        let FoundCycle {
+            begin,
+            period,
+            advance,
+            forcing_periods,
+        } = found;
+        let (cycle, at_rest) = within(&self.path.events, begin, period);
+        let is_stick = |event: &&Event| event.kind == EventKind::StickEntered;
+        Repeats {
+            period,
+            forcing_periods,
+            advance,
+            slips: cycle.iter().filter(|event| is_slip_start(event)).count(),
+            sticks: cycle.iter().filter(is_stick).count(),
+            at_rest,
+            is_symmetric: advance == 0.0 && is_symmetric(&cycle, period, self.same * self.extent),
+        }
     }
 }
 
@@ -277,7 +322,7 @@ fn comes_back(states: &[f64], n: usize, advance: f64, same: f64) -> bool {
 
 /// When the last n slips began, how long they took, and how far the body got, if the n slips before
 /// them took the same time and got as far, one by one.
-fn autonomous(starts: &[Event], n: usize, same: f64, extent: f64) -> Option<(f64, f64, f64)> {
+fn autonomous(starts: &[Event], n: usize, same: f64, extent: f64) -> Option<FoundCycle> {
     let last = starts.len().checked_sub(1).filter(|last| *last >= 2 * n)?;
     let (period, advance) = (
         starts[last].time - starts[last - n].time,
@@ -291,9 +336,12 @@ fn autonomous(starts: &[Event], n: usize, same: f64, extent: f64) -> Option<(f64
         (time - period).abs() <= same * period
             && (x - advance).abs() <= same * extent.max(advance.abs())
     };
-    (last - n..last)
-        .all(is_same)
-        .then_some((starts[last - n].time, period, advance))
+    (last - n..last).all(is_same).then_some(FoundCycle {
+        begin: starts[last - n].time,
+        period,
+        advance,
+        forcing_periods: None,
+    })
 }
 
 /// The events from `begin` on for a time `period`, and the share of that time at rest.

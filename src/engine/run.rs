@@ -6,10 +6,10 @@ use super::course::{Course, Elapsed};
 use super::ending::Endings;
 use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
-use crate::ensemble::{MOST_THREADS, check_threads, guarded};
+use crate::ensemble::{Flaw, MOST_THREADS, Plan, check_threads, guarded};
 use crate::scenario::Scenario;
 use crate::stats::{AuxiliaryObserver, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
-use crate::sums::Measurement;
+use crate::sums::{Measurement, Merge};
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -191,19 +191,43 @@ impl<'a> Run<'a> {
         spent: Duration,
     ) -> Result<(Outcome, C::Sums), RunError> {
         check_threads(self.threads)?;
-        let (clock, endings, never, mut nobody) = (
-            Elapsed::after(spent),
-            self.endings(),
-            AtomicBool::new(false),
-            (),
-        );
-        let (stop, progress) = (
-            self.stop.unwrap_or(&never),
-            self.progress.take().unwrap_or(&mut nobody),
-        );
+        let clock = Elapsed::after(spent);
+        let endings = self.endings();
+        let never = AtomicBool::new(false);
+        let mut nobody = ();
+        let stop = self.stop.unwrap_or(&never);
+        let progress = self.progress.take().unwrap_or(&mut nobody);
         let left = [endings.time, self.asked.max_time]
             .map(|limit| limit.map(|limit| limit.saturating_sub(spent)));
         let alarm = Alarm::new(stop, left);
+        let sinks = self.begin_sinks()?;
+        let mut session = Session {
+            run: &self,
+            plan: self.asked.plan(self.scenario),
+            stop,
+            alarm: &alarm,
+            course: Course {
+                asked: &self.asked,
+                endings: &endings,
+                halt: &alarm.halt,
+                clock,
+                progress,
+                sinks,
+                totals,
+                ended_by: None,
+                broken: None,
+                is_taking: false,
+            },
+            flaw: None,
+        };
+        let blocks = session.simulate_blocks(auxiliary)?;
+        let mut summary = session.course.totals.totals().summary();
+        let bias = session.estimate_bias(&mut summary);
+        session.finish(blocks, summary, bias)
+    }
+
+    /// Let the sinks begin, and take them.
+    fn begin_sinks(&mut self) -> Result<Vec<&'a mut dyn Sink>, RunError> {
         let mut sinks = mem::take(&mut self.sinks);
         for sink in &mut sinks {
             sink.begin(self.scenario, &self.asked)
@@ -212,119 +236,7 @@ impl<'a> Run<'a> {
                     outcome: None,
                 })?;
         }
-        let plan = self.asked.plan(self.scenario);
-        let (asked, halt) = (&self.asked, &alarm.halt);
-        let (endings, ended_by, broken, is_taking) = (&endings, None, None, false);
-        let mut course = Course {
-            asked,
-            endings,
-            halt,
-            clock,
-            progress,
-            sinks,
-            totals,
-            ended_by,
-            broken,
-            is_taking,
-        };
-        let left = course.left();
-        let done = alarm.watching(|| {
-            let deliver = |block| course.deliver(block);
-            guarded(|| {
-                plan.run_beside(
-                    auxiliary,
-                    left.clone(),
-                    self.threads,
-                    alarm.stops(),
-                    deliver,
-                )
-            })
-        });
-        let (blocks, mut flaw) = match done {
-            Ok(done) => (left.start + done?, None),
-            Err(flaw) => (course.done(), Some(flaw)),
-        };
-        let is_whole = blocks >= self.asked.blocks().end;
-        let is_stopped = || stop.load(Ordering::Relaxed);
-        if !is_whole
-            && course.ended_by.is_none()
-            && course.broken.is_none()
-            && flaw.is_none()
-            && !is_stopped()
-        {
-            // Only the time limit remains as a reason for which blocks were given up.
-            course.ended_by = Some(EndedBy::TimeLimit { blocks });
-        }
-        course.settle(blocks);
-
-        let mut summary = course.totals.totals().summary();
-        let mut bias = BiasReport::default();
-        if course.broken.is_none()
-            && flaw.is_none()
-            && self.asked.with_bias
-            && self.asked.part.is_none()
-        {
-            // The alarm looks at the flag only from time to time, so it is checked here as well.
-            alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
-            let paths = summary.completed_paths;
-            let estimate = || self.add_bias(paths, &alarm.end, &mut *course.progress, &mut summary);
-            match alarm.watching(|| guarded(estimate)) {
-                Ok(report) => bias = report,
-                Err(found) => flaw = Some(found),
-            }
-        }
-        // It takes one path more, for which a run that is interrupted does not wait.
-        if course.broken.is_none() && !is_stopped() {
-            summary.cycle = LimitCycle::of(self.scenario);
-        }
-        let status = match course.ended_by {
-            _ if course.broken.is_some()
-                || flaw.is_some()
-                || bias.absence == Some(NoBias::Stopped) && is_stopped() =>
-            {
-                Status::Interrupted
-            }
-            Some(_) => Status::Ended,
-            None if !is_whole => Status::Interrupted,
-            None if self.asked.part.is_some() => Status::Part,
-            None => Status::Complete,
-        };
-        let ended_by = course.ended_by.take();
-        let is_reached =
-            status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
-        let missed = if is_reached {
-            endings.missed(&course.totals, summary.completed_paths)
-        } else {
-            Vec::new()
-        };
-        let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
-        let seconds = clock.spent().as_secs_f64();
-        let mut outcome = Outcome {
-            summary,
-            status,
-            paths,
-            part,
-            ended_by,
-            missed,
-            bias,
-            threads,
-            seconds,
-        };
-        course.finish(&outcome);
-        outcome.seconds = clock.spent().as_secs_f64();
-        match course.broken {
-            Some(error) => Err(RunError::Sink {
-                error,
-                outcome: Some(Box::new(outcome)),
-            }),
-            None => match flaw {
-                Some(flaw) => Err(RunError::Flaw {
-                    flaw,
-                    outcome: Box::new(outcome),
-                }),
-                None => Ok((outcome, course.totals.own())),
-            },
-        }
+        Ok(sinks)
     }
 
     fn endings(&self) -> Endings {
@@ -363,6 +275,147 @@ impl<'a> Run<'a> {
         BiasReport {
             seconds: start.elapsed().as_secs_f64(),
             absence,
+        }
+    }
+}
+
+/// A run in this process, from the blocks that are left to the outcome.
+struct Session<'r, 's, X> {
+    run: &'r Run<'s>,
+    plan: Plan,
+    /// Set by the caller.
+    stop: &'r AtomicBool,
+    alarm: &'r Alarm<'r>,
+    course: Course<'r, 's, X>,
+    /// A panic, which ends the run as well.
+    flaw: Option<Flaw>,
+}
+
+impl<X: Merge + Clone + Send> Session<'_, '_, X> {
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn has_failed(&self) -> bool {
+        self.course.broken.is_some() || self.flaw.is_some()
+    }
+
+    fn is_whole(&self, blocks: u64) -> bool {
+        blocks >= self.run.asked.blocks().end
+    }
+
+    /// Simulate the blocks that are left. Returns the end of those that are done.
+    fn simulate_blocks<C: AuxiliaryObserver<Sums = X>>(
+        &mut self,
+        auxiliary: &C,
+    ) -> Result<u64, RunError> {
+        let left = self.course.left();
+        let (plan, threads, alarm) = (&self.plan, self.run.threads, self.alarm);
+        let course = &mut self.course;
+        let done = alarm.watching(|| {
+            let deliver = |block| course.deliver(block);
+            guarded(|| plan.run_beside(auxiliary, left.clone(), threads, alarm.stops(), deliver))
+        });
+        let blocks = match done {
+            Ok(done) => left.start + done?,
+            Err(flaw) => {
+                self.flaw = Some(flaw);
+                self.course.done()
+            }
+        };
+        if !self.is_whole(blocks)
+            && self.course.ended_by.is_none()
+            && !self.has_failed()
+            && !self.is_stopped()
+        {
+            // Only the time limit remains as a reason for which blocks were given up.
+            self.course.ended_by = Some(EndedBy::TimeLimit { blocks });
+        }
+        self.course.settle(blocks);
+        Ok(blocks)
+    }
+
+    /// Estimate the bias of the step, if it is asked for and nothing has failed.
+    fn estimate_bias(&mut self, summary: &mut Summary) -> BiasReport {
+        let asked = &self.run.asked;
+        if self.has_failed() || !asked.with_bias || asked.part.is_some() {
+            return BiasReport::default();
+        }
+        // The alarm looks at the flag only from time to time, so it is checked here as well.
+        let end = &self.alarm.end;
+        end.fetch_or(self.is_stopped(), Ordering::Relaxed);
+        let paths = summary.completed_paths;
+        let progress = &mut *self.course.progress;
+        let estimate = || self.run.add_bias(paths, end, progress, summary);
+        match self.alarm.watching(|| guarded(estimate)) {
+            Ok(report) => report,
+            Err(flaw) => {
+                self.flaw = Some(flaw);
+                BiasReport::default()
+            }
+        }
+    }
+
+    fn status(&self, blocks: u64, bias: &BiasReport) -> Status {
+        match self.course.ended_by {
+            _ if self.has_failed()
+                || bias.absence == Some(NoBias::Stopped) && self.is_stopped() =>
+            {
+                Status::Interrupted
+            }
+            Some(_) => Status::Ended,
+            None if !self.is_whole(blocks) => Status::Interrupted,
+            None if self.run.asked.part.is_some() => Status::Part,
+            None => Status::Complete,
+        }
+    }
+
+    /// Pass the outcome to the sinks, and return it.
+    fn finish(
+        self,
+        blocks: u64,
+        mut summary: Summary,
+        bias: BiasReport,
+    ) -> Result<(Outcome, X), RunError> {
+        // It takes one path more, for which a run that is interrupted does not wait.
+        if self.course.broken.is_none() && !self.is_stopped() {
+            summary.cycle = LimitCycle::of(self.run.scenario);
+        }
+        let status = self.status(blocks, &bias);
+        let mut course = self.course;
+        let ended_by = course.ended_by.take();
+        let is_reached =
+            status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
+        let missed = if is_reached {
+            course
+                .endings
+                .missed(&course.totals, summary.completed_paths)
+        } else {
+            Vec::new()
+        };
+        let mut outcome = Outcome {
+            summary,
+            status,
+            paths: self.plan.paths,
+            part: self.run.asked.part,
+            ended_by,
+            missed,
+            bias,
+            threads: self.run.threads,
+            seconds: course.clock.spent().as_secs_f64(),
+        };
+        course.finish(&outcome);
+        outcome.seconds = course.clock.spent().as_secs_f64();
+        match (course.broken, self.flaw) {
+            (Some(error), _) => Err(RunError::Sink {
+                error,
+                outcome: Some(Box::new(outcome)),
+            }),
+            (None, Some(flaw)) => Err(RunError::Flaw {
+                flaw,
+                outcome: Box::new(outcome),
+            }),
+            (None, None) => Ok((outcome, course.totals.own())),
         }
     }
 }

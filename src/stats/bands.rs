@@ -296,65 +296,7 @@ pub(super) fn summary(
     unit: Replicate,
 ) -> Bands {
     let counts = counts.normalised();
-    let size = unit.size() as f64;
-    let band = |variable: usize| {
-        let (moments, variances, rows) = (
-            &sums.rows[variable],
-            sums.variances(variable),
-            &counts.rows[variable],
-        );
-        let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
-        let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
-        let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
-        let may_differ = |row: usize| !agrees_by_law(variable, row, certain);
-        let ends_of = |level: f64| {
-            values.iter().enumerate().map(move |(row, values)| {
-                let [least, most] = [0.0, 1.0].map(|p| values.quantile(p));
-                let is_point = least == most && !may_differ(row) && values.count() > unit.size();
-                if is_point {
-                    [least; 2]
-                } else {
-                    ends(values, level, size)
-                }
-            })
-        };
-        let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
-        let mean_ends = |(row, m): (usize, &Moments)| {
-            let law = ErrorLaw::of_freedom(m.count.saturating_sub(1) as f64);
-            Measured::mean(m, law)
-                .in_range(Range::ANY, chance(row, m))
-                .interval()
-        };
-        let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
-            let sd = variance.sqrt();
-            let (relative, law) = values.error_of_spread();
-            let law = law.with_freedom(law.freedom / size);
-            let error = if sd == 0.0 {
-                0.0
-            } else {
-                sd * relative * size.sqrt()
-            };
-            Measured::spread(sd, error, law, m.count)
-                .in_range(Range::NOT_NEGATIVE, chance(row, m))
-                .interval()
-        };
-        Band {
-            mean: moments.iter().map(Moments::mean).collect(),
-            mean_ends: moments.iter().enumerate().map(mean_ends).collect(),
-            sd: variances.iter().map(|variance| variance.sqrt()).collect(),
-            sd_ends: moments
-                .iter()
-                .enumerate()
-                .zip(&variances)
-                .zip(&values)
-                .map(sd_ends)
-                .collect(),
-            quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
-                quantiles[i * rows.len() + j]
-            }),
-            quantile_ends: QUANTILE_LEVELS.into_iter().flat_map(ends_of).collect(),
-        }
-    };
+    let band = |variable| band(sums, &counts, variable, certain, unit);
     let is_static = |(row, &[paths, still]): (usize, &[u64; 2])| {
         let is_random = !(certain.everything || row == 0 && certain.start);
         Sample {
@@ -375,6 +317,71 @@ pub(super) fn summary(
             .map(|&[paths, still]| still as f64 / paths as f64)
             .collect(),
         static_probability_ends: counts.occupancy.iter().enumerate().map(is_static).collect(),
+    }
+}
+
+/// The band of a variable; all values are in the sketches.
+fn band(
+    sums: &BandSums,
+    counts: &BandCounts,
+    variable: usize,
+    certain: Certain,
+    unit: Replicate,
+) -> Band {
+    let size = unit.size() as f64;
+    let moments = &sums.rows[variable];
+    let variances = sums.variances(variable);
+    let rows = &counts.rows[variable];
+    let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
+    let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
+    let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
+    let may_differ = |row: usize| !agrees_by_law(variable, row, certain);
+    let ends_of = |level: f64| {
+        values.iter().enumerate().map(move |(row, values)| {
+            let [least, most] = [0.0, 1.0].map(|p| values.quantile(p));
+            let is_point = least == most && !may_differ(row) && values.count() > unit.size();
+            if is_point {
+                [least; 2]
+            } else {
+                ends(values, level, size)
+            }
+        })
+    };
+    let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
+    let mean_ends = |(row, m): (usize, &Moments)| {
+        let law = ErrorLaw::of_freedom(m.count.saturating_sub(1) as f64);
+        Measured::mean(m, law)
+            .in_range(Range::ANY, chance(row, m))
+            .interval()
+    };
+    let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
+        let sd = variance.sqrt();
+        let (relative, law) = values.error_of_spread();
+        let law = law.with_freedom(law.freedom / size);
+        let error = if sd == 0.0 {
+            0.0
+        } else {
+            sd * relative * size.sqrt()
+        };
+        Measured::spread(sd, error, law, m.count)
+            .in_range(Range::NOT_NEGATIVE, chance(row, m))
+            .interval()
+    };
+    Band {
+        mean: moments.iter().map(Moments::mean).collect(),
+        mean_ends: moments.iter().enumerate().map(mean_ends).collect(),
+        sd: variances.iter().map(|variance| variance.sqrt()).collect(),
+        sd_ends: moments
+            .iter()
+            .enumerate()
+            .zip(&variances)
+            .zip(&values)
+            .map(sd_ends)
+            .collect(),
+        quantiles: Array2::from_shape_fn((QUANTILE_LEVELS.len(), rows.len()), |(i, j)| {
+            quantiles[i * rows.len() + j]
+        }),
+        quantile_ends: QUANTILE_LEVELS.into_iter().flat_map(ends_of).collect(),
     }
 }
 

@@ -116,18 +116,6 @@ pub const fn variable<'a>(
 /// end hold a length that no reader uses.
 pub const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
-/// A type that the values of a variable may have.
-pub trait Element: Clone {
-    /// Which type this is.
-    const KIND: ElementType;
-    /// The value that means "missing".
-    const MISSING: Self;
-    /// These values, tagged with their type.
-    fn values(values: &[Self]) -> ColumnView<'_>;
-    /// The values of a column; none if the column has another type.
-    fn of(column: Column) -> Option<Vec<Self>>;
-}
-
 /// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
 /// the values themselves, borrowed as `ColumnView` and owned as `Column`.
 macro_rules! kinds {
@@ -247,6 +235,18 @@ kinds! {
     I8(i8), missing 0, same i8::eq, "Flags.";
     U8(u8), missing 0, same u8::eq, "Bytes.";
     Text(String), missing String::new(), same String::eq, "Names.";
+}
+
+/// A type that the values of a variable may have.
+pub trait Element: Clone {
+    /// Which type this is.
+    const KIND: ElementType;
+    /// The value that means "missing".
+    const MISSING: Self;
+    /// These values, tagged with their type.
+    fn values(values: &[Self]) -> ColumnView<'_>;
+    /// The values of a column; none if the column has another type.
+    fn of(column: Column) -> Option<Vec<Self>>;
 }
 
 impl Column {

@@ -350,6 +350,45 @@ mod tests {
         }
     }
 
+    /// The sticks of the test below: their counts, and in order their durations and whether they
+    /// are completed.
+    fn alike_within_paths(paths: u64, rng: &mut Pcg64Dxsm) -> (LawCounts, Vec<(f64, bool)>) {
+        let exponential =
+            |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
+        let mut totals = LawCounts::empty(64.0);
+        let mut sticks = Vec::new();
+        for path in 0..paths {
+            let is_short = Distribution::<f64>::sample(&StandardUniform, rng) < 0.5;
+            let mean = if is_short { 0.5 } else { 2.0 };
+            for _ in 0..Uniform::new(2, 9).expect("not empty").sample(rng) {
+                let duration = exponential(mean, rng);
+                let clock = exponential(3.0, rng);
+                if duration <= clock {
+                    totals.completed(path, duration);
+                } else {
+                    totals.censored(path, clock);
+                }
+                sticks.push((duration.min(clock), duration <= clock));
+            }
+        }
+        sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (totals, sticks)
+    }
+
+    /// The relative error of the survival function at a time by Greenwood's formula.
+    fn greenwood_error(sticks: &[(f64, bool)], time: f64) -> f64 {
+        let at_risk = |i: usize| (sticks.len() - i) as f64;
+        let passed = sticks
+            .iter()
+            .enumerate()
+            .take_while(|(_, stick)| stick.0 < time);
+        let sum: f64 = passed
+            .filter(|(_, s)| s.1)
+            .map(|(i, _)| 1.0 / (at_risk(i) * (at_risk(i) - 1.0)))
+            .sum();
+        sum.sqrt()
+    }
+
     /// Sticks that depend on each other within a path. A fair coin decides for a whole path whether
     /// the mean duration of its sticks is 1/2 or 2, and each stick is cut off by an independent
     /// clock of mean 3. P(D > t) is the mean of e^{-2t} and e^{-t/2}. (In a path of the program,
@@ -364,8 +403,6 @@ mod tests {
     fn intervals_of_survival_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
-        let exponential =
-            |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;
         // The probability that a stick ends, and does so before t. Its density is that of D times
         // P(C > t) = e^{-t/3}, where C is the clock.
@@ -380,25 +417,7 @@ mod tests {
         let mut greenwood: [Coverage; 3] = Default::default();
         let mut quantiles = Coverage::default();
         for _ in 0..ensembles {
-            let mut totals = LawCounts::empty(64.0);
-            let mut sticks = Vec::new();
-            for path in 0..paths {
-                let mean = if Distribution::<f64>::sample(&StandardUniform, &mut rng) < 0.5 {
-                    0.5
-                } else {
-                    2.0
-                };
-                for _ in 0..Uniform::new(2, 9).expect("not empty").sample(&mut rng) {
-                    let (duration, clock) =
-                        (exponential(mean, &mut rng), exponential(3.0, &mut rng));
-                    if duration <= clock {
-                        totals.completed(path, duration);
-                    } else {
-                        totals.censored(path, clock);
-                    }
-                    sticks.push((duration.min(clock), duration <= clock));
-                }
-            }
+            let (totals, sticks) = alike_within_paths(paths, &mut rng);
             let summary = totals.summary(&totals.ordered(), Some(paths));
             let edges = &summary.histogram.edges;
             let bin = |time: f64| {
@@ -407,7 +426,6 @@ mod tests {
                     .position(|e| e[0] <= time && time < e[1])
                     .expect("a bin")
             };
-            sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
             for ((held, greenwood), bin) in held.iter_mut().zip(&mut greenwood).zip(times.map(bin))
             {
                 let (low, high) = (
@@ -422,16 +440,7 @@ mod tests {
                         && high <= 1.0
                 );
                 held.count(low <= truth && truth <= high);
-                let passed = sticks
-                    .iter()
-                    .enumerate()
-                    .take_while(|(_, stick)| stick.0 < edges[bin + 1]);
-                let at_risk = |i: usize| (sticks.len() - i) as f64;
-                let sum: f64 = passed
-                    .filter(|(_, s)| s.1)
-                    .map(|(i, _)| 1.0 / (at_risk(i) * (at_risk(i) - 1.0)))
-                    .sum();
-                let error = summary.survival[bin] * sum.sqrt();
+                let error = summary.survival[bin] * greenwood_error(&sticks, edges[bin + 1]);
                 greenwood.count((summary.survival[bin] - truth).abs() <= 1.96 * error);
             }
             let (low, high) = (summary.quantile_ends.low[3], summary.quantile_ends.high[3]);

@@ -280,7 +280,7 @@ impl Observer for BlockObserver {
 mod tests {
     use super::*;
     use crate::stats::synthetic::{Path, model, observe, slip, stick, turn};
-    use crate::stats::{Statistic, Summary};
+    use crate::stats::{Estimate, Statistic, Summary};
     use crate::sums::Merge as _;
     use rand_distr::{Distribution, StandardNormal, StandardUniform};
     use rand_pcg::Pcg64Dxsm;
@@ -299,6 +299,63 @@ mod tests {
             events.push(stick(t, x));
         }
         Path { events, end: x }
+    }
+
+    /// Sums of 600 numbers near 10 have a rounding error below 1e-13. A ratio of small differences
+    /// of them loses a digit.
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan())
+    }
+
+    /// The errors of spreads over periods are computed about block means, and the last path has no
+    /// other path in its block. The effect is a relative O(1/256). The same holds for the tails from
+    /// which the interval of a standard deviation or a correlation comes.
+    fn assert_same_estimate(a: &Estimate, b: &Estimate) {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
+        assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
+        match a.statistic {
+            Statistic::DiffusionCoefficient => {
+                assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}")
+            }
+            Statistic::PhaseDisplacementSd => {
+                assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
+            }
+            Statistic::DisplacementEndSd
+            | Statistic::StickDurationSd
+            | Statistic::PeriodDisplacementSd
+            | Statistic::PeriodDisplacementCorrelation => {
+                assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
+            }
+            _ => {
+                assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
+                assert!(close(a.low, b.low) && close(a.high, b.high), "{a:?} {b:?}");
+            }
+        }
+    }
+
+    fn assert_same_summary(whole: &Summary, merged: &Summary) {
+        for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
+            assert_same_estimate(a, b);
+        }
+        let (sticks, others) = (&whole.stick_durations, &merged.stick_durations);
+        assert_eq!(sticks.survival_ends, others.survival_ends);
+        assert_eq!(sticks.quantile_ends, others.quantile_ends);
+        assert_eq!(sticks.histogram, others.histogram);
+        assert_eq!(whole.sub_phases, merged.sub_phases);
+        let all_close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| close(*a, *b));
+        let (bands, others) = (&whole.bands, &merged.bands);
+        assert_eq!(bands.static_probability, others.static_probability);
+        for (a, b) in [
+            (&bands.displacement, &others.displacement),
+            (&bands.velocity, &others.velocity),
+            (&bands.temperature, &others.temperature),
+        ] {
+            assert_eq!(a.quantiles, b.quantiles);
+            assert!(all_close(&a.mean, &b.mean) && all_close(&a.sd, &b.sd));
+        }
+        assert!(all_close(&whole.periods.variance, &merged.periods.variance));
     }
 
     #[test]
@@ -343,77 +400,7 @@ mod tests {
         for (from, to) in [(0, 256), (256, 512), (512, 599), (599, 600)] {
             merged.merge(&part(from, to));
         }
-        let merged = merged.summary();
-        // Sums of 600 numbers near 10 have a rounding error below 1e-13. A ratio of small
-        // differences of them loses a digit.
-        let close =
-            |a: f64, b: f64| (a - b).abs() <= 1e-11 * (1.0 + a.abs()) || (a.is_nan() && b.is_nan());
-        for (a, b) in whole.estimates.iter().zip(&merged.estimates) {
-            assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
-            // The errors of spreads over periods are computed about block means, and the last path
-            // has no other path in its block. The effect is a relative O(1/256). The same holds for
-            // the tails from which the interval of a standard deviation or a correlation comes.
-            let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
-            match a.statistic {
-                Statistic::DiffusionCoefficient => {
-                    assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}")
-                }
-                Statistic::PhaseDisplacementSd => {
-                    assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}");
-                    assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
-                }
-                Statistic::DisplacementEndSd
-                | Statistic::StickDurationSd
-                | Statistic::PeriodDisplacementSd
-                | Statistic::PeriodDisplacementCorrelation => {
-                    assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
-                    assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
-                }
-                _ => {
-                    assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
-                    assert!(close(a.low, b.low) && close(a.high, b.high), "{a:?} {b:?}");
-                }
-            }
-        }
-        assert_eq!(
-            whole.stick_durations.survival_ends,
-            merged.stick_durations.survival_ends
-        );
-        assert_eq!(
-            whole.stick_durations.quantile_ends,
-            merged.stick_durations.quantile_ends
-        );
-        assert_eq!(
-            whole.stick_durations.histogram,
-            merged.stick_durations.histogram
-        );
-        assert_eq!(whole.sub_phases, merged.sub_phases);
-        assert_eq!(
-            whole.bands.static_probability,
-            merged.bands.static_probability
-        );
-        for (a, b) in [
-            (&whole.bands.displacement, &merged.bands.displacement),
-            (&whole.bands.velocity, &merged.bands.velocity),
-            (&whole.bands.temperature, &merged.bands.temperature),
-        ] {
-            assert_eq!(a.quantiles, b.quantiles);
-            assert!(
-                a.mean
-                    .iter()
-                    .zip(&b.mean)
-                    .chain(a.sd.iter().zip(&b.sd))
-                    .all(|(a, b)| close(*a, *b))
-            );
-        }
-        assert!(
-            whole
-                .periods
-                .variance
-                .iter()
-                .zip(&merged.periods.variance)
-                .all(|(a, b)| close(*a, *b))
-        );
+        assert_same_summary(&whole, &merged.summary());
     }
 
     /// A path whose waits and displacements have long tails.
@@ -502,8 +489,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
+    /// A block of the paths 100 to 104, of which 101 and 104 diverged.
+    fn block_with_diverged_paths() -> BlockResult {
         let timeline = Timeline {
             end: 2.0,
             output_step: 1.0,
@@ -514,7 +501,6 @@ mod tests {
             trajectories: 103,
             ..Record::everything()
         };
-        // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(
             &model(),
             &timeline,
@@ -542,8 +528,12 @@ mod tests {
                 observer.snapshot(Instant::End, snapshot);
             }
         }
-        let result = observer.finish(100, 5, vec![101, 104]);
+        observer.finish(100, 5, vec![101, 104])
+    }
 
+    #[test]
+    fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
+        let result = block_with_diverged_paths();
         let columns = result.rows.path_columns.expect("asked for");
         assert_eq!(columns.diverged, [0, 1, 0, 0, 1]);
         assert_eq!(columns.slips, [0, 0, 1, 0, 0]);

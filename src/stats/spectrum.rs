@@ -90,6 +90,13 @@ impl Segments {
             .collect()
     }
 
+    /// sum_n h_n h_{n+l} at each lag l.
+    fn overlaps(self) -> Vec<f64> {
+        let taper = self.taper();
+        let overlap = |l: usize| -> f64 { taper.iter().zip(&taper[l..]).map(|(a, b)| a * b).sum() };
+        (0..self.lags()).map(overlap).collect()
+    }
+
     /// N.
     fn padded(self) -> usize {
         (2 * self.length).next_power_of_two().max(2)
@@ -159,81 +166,9 @@ impl SpectrumSums {
         let segments = Segments::of(timeline);
         let spacing = timeline.output_step;
         let fourier = Fourier::new(segments.padded());
-        let batches: Vec<usize> = (0..BATCHES)
-            .filter(|batch| self.weights[*batch] > 0.0)
-            .collect();
-        let leave_outs: Vec<Option<usize>> = std::iter::once(None)
-            .chain(batches.into_iter().map(Some))
-            .collect();
-        let taper = segments.taper();
-        let overlap = |l: usize| {
-            taper
-                .iter()
-                .zip(&taper[l..])
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-        };
-        let overlaps: Vec<f64> = (0..segments.lags()).map(overlap).collect();
-        let paths = self.weights.iter().sum::<f64>() / segments.count as f64 + 1.0;
-        let (energy, least) = (
-            overlaps.first().copied().unwrap_or(f64::NAN),
-            self.least_variance(segments),
-        );
+        let overlaps = segments.overlaps();
         let [displacement, velocity] = std::array::from_fn(|variable| {
-            let powers: Vec<Vec<f64>> = leave_outs
-                .iter()
-                .map(|w| self.mean_power(variable, *w))
-                .collect();
-            let covariance = |products: Vec<f64>| -> Vec<f64> {
-                products
-                    .iter()
-                    .zip(&overlaps)
-                    .map(|(product, overlap)| product / overlap)
-                    .collect()
-            };
-            let covariances: Vec<Vec<f64>> = self
-                .transformed(&fourier, &powers)
-                .into_iter()
-                .map(covariance)
-                .collect();
-            let scale = |power: f64| power * spacing / energy;
-            let spectra: Vec<Vec<f64>> = powers
-                .into_iter()
-                .map(|powers| powers.into_iter().map(scale).collect())
-                .collect();
-            let last = segments.frequencies() - 1;
-            Fluctuations {
-                autocovariance_ends: ends(&covariances, |_, value, without| {
-                    match without.len() as u64 {
-                        0..FEWEST => [f64::NAN; 2],
-                        _ => Measured::jackknifed(value, without)
-                            .about_mean_of(paths)
-                            .interval(),
-                    }
-                }),
-                spectrum_ends: ends(&spectra, |k, value, without| {
-                    let freedom = without.len().saturating_sub(1) as u64;
-                    let error = if freedom == 0 {
-                        0.0
-                    } else {
-                        standard_error(without)
-                    };
-                    // The transform is real at both ends, and its square has half the freedom.
-                    let least = if k == 0 || k == last {
-                        2.0 * least
-                    } else {
-                        least
-                    };
-                    let wider = if freedom == 0 {
-                        0.0
-                    } else {
-                        student(freedom) / NORMAL
-                    };
-                    chi_square(value, least.max((wider * error / value).powi(2)))
-                }),
-                autocovariance: covariances.into_iter().next().unwrap_or_default(),
-                spectrum: spectra.into_iter().next().unwrap_or_default(),
-            }
+            self.fluctuations(variable, segments, spacing, &fourier, &overlaps)
         });
         let frequency =
             |k: usize| std::f64::consts::TAU * k as f64 / (segments.padded() as f64 * spacing);
@@ -244,6 +179,61 @@ impl SpectrumSums {
             displacement,
             velocity,
             lines: lines(self.forcing_period, timeline, segments, mean_motion),
+        }
+    }
+
+    /// Autocovariance and spectrum of a variable. `overlaps` are those of the segments.
+    fn fluctuations(
+        &self,
+        variable: usize,
+        segments: Segments,
+        spacing: f64,
+        fourier: &Fourier,
+        overlaps: &[f64],
+    ) -> Fluctuations {
+        let batches = (0..BATCHES).filter(|batch| self.weights[*batch] > 0.0);
+        let powers: Vec<Vec<f64>> = std::iter::once(None)
+            .chain(batches.map(Some))
+            .map(|without| self.mean_power(variable, without))
+            .collect();
+        let covariance = |products: Vec<f64>| -> Vec<f64> {
+            products
+                .iter()
+                .zip(overlaps)
+                .map(|(product, overlap)| product / overlap)
+                .collect()
+        };
+        let covariances: Vec<Vec<f64>> = self
+            .transformed(fourier, &powers)
+            .into_iter()
+            .map(covariance)
+            .collect();
+        let energy = overlaps.first().copied().unwrap_or(f64::NAN);
+        let scale = |power: f64| power * spacing / energy;
+        let spectra: Vec<Vec<f64>> = powers
+            .into_iter()
+            .map(|powers| powers.into_iter().map(scale).collect())
+            .collect();
+        let paths = self.weights.iter().sum::<f64>() / segments.count as f64 + 1.0;
+        let least = self.least_variance(segments);
+        let last = segments.frequencies() - 1;
+        Fluctuations {
+            autocovariance_ends: ends(&covariances, |_, value, without| {
+                match without.len() as u64 {
+                    0..FEWEST => [f64::NAN; 2],
+                    _ => Measured::jackknifed(value, without)
+                        .about_mean_of(paths)
+                        .interval(),
+                }
+            }),
+            spectrum_ends: ends(&spectra, |k, value, without| {
+                // The transform is real at both ends, and its square has half the freedom.
+                let is_real = k == 0 || k == last;
+                let least = if is_real { 2.0 * least } else { least };
+                power_interval(value, without, least)
+            }),
+            autocovariance: covariances.into_iter().next().unwrap_or_default(),
+            spectrum: spectra.into_iter().next().unwrap_or_default(),
         }
     }
 
@@ -294,6 +284,18 @@ fn ends(curves: &[Vec<f64>], interval: impl Fn(usize, f64, &[f64]) -> [f64; 2]) 
         )
     };
     (0..curve.len()).map(at).collect()
+}
+
+/// The interval of a value of the spectrum, from the values without each batch and the least
+/// relative variance.
+fn power_interval(value: f64, without: &[f64], least: f64) -> [f64; 2] {
+    let freedom = without.len().saturating_sub(1) as u64;
+    let [error, wider] = if freedom == 0 {
+        [0.0; 2]
+    } else {
+        [standard_error(without), student(freedom) / NORMAL]
+    };
+    chi_square(value, least.max((wider * error / value).powi(2)))
 }
 
 /// The 95 % interval of a positive number with this relative variance r, whose law is that of a chi

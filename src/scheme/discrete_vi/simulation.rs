@@ -1,11 +1,11 @@
 //! The discrete scheme on one model, corrected or not: many paths in lanes, observed on a timeline.
 
-use super::kernel::{Kernel, Paths, RUN};
+use super::kernel::{Kernel, Paths, RUN, Turn};
 use super::reading::GridReader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
-use crate::scheme::{Along, Observer, Segment, Simulate, Simulated, Snapshot, Timeline};
+use crate::scheme::{Along, Instant, Observer, Segment, Simulate, Simulated, Snapshot, Timeline};
 
 /// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
@@ -157,116 +157,193 @@ impl Simulate for DiscreteSimulation {
         paths: &[u64],
         observer: &mut dyn Observer,
     ) -> Simulated {
-        let kernel = Kernel::new(
-            &self.model,
-            self.h,
-            self.refinement,
-            self.is_corrected,
-            self.instructions,
-        );
-        let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
-        let paths = paths.len();
-        let bound = divergence_bound(&self.model, self.timeline.end);
-        let to_force = self.model.oscillator.force_per_temperature();
-        let noise = self.initial_noise(kernel.noise.unit, &mut streams, paths);
-        let mut state = Paths::at(
-            self.model.initial_displacement,
-            self.model.initial_velocity,
-            &noise,
-        );
-        let mut harmonics = [0.0; RUN + 1];
-        let mut forcing = [0.0; RUN + 1];
-        self.clock.fill(0, &mut harmonics[..1]);
-        forcing[0] = to_force * harmonics[0];
-        let mut reader = GridReader::start(&kernel, &state, forcing[0], paths, observer);
-        let mut diverged = vec![false; paths];
-        let (mut temperature, mut is_static) = (Vec::new(), Vec::new());
-        let mut turns = Vec::new();
-        let follows = observer.follows();
-
-        let mut n = 0u64;
+        let mut walk = Walk::start(self, seed, paths, observer);
         for stop in self.timeline.stops() {
             let grid = self.h * self.observed_every as f64;
             let target = (stop.time / grid).round() as u64 * self.observed_every;
-            while n < target {
+            while walk.n < target {
                 if observer.is_stopped() {
                     return Simulated::default();
                 }
-                let steps = if follows {
-                    1
-                } else {
-                    RUN.min((target - n) as usize)
-                };
-                self.clock.fill(n, &mut harmonics[..=steps]);
-                for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
-                    *force = to_force * harmonic;
-                }
-                let before = follows.then(|| {
-                    (
-                        state.clone(),
-                        reader.statics(&kernel, &state, forcing[0], n).collect(),
-                    )
-                });
-                kernel.advance(n, &forcing[..=steps], &mut streams, &mut state, &mut turns);
-                reader.read(&kernel, n, &forcing, &turns, observer);
-                if let Some(before) = before {
-                    let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
-                    self.tell_step(n, before, &state, temperature, observer);
-                }
-                // All lanes are tested together first, because a path hardly ever diverges.
-                let is_bounded = |x: &f64| x.abs() <= bound;
-                if !state.displacement[..paths]
-                    .iter()
-                    .fold(true, |all, x| all & is_bounded(x))
-                {
-                    for (diverged, x) in diverged.iter_mut().zip(&state.displacement) {
-                        *diverged |= !is_bounded(x);
-                    }
-                }
-                // A force of the user's own may be none, which the displacement shows a step later.
-                if self.model.force.is_some() {
-                    for (diverged, v) in diverged.iter_mut().zip(&state.velocity) {
-                        *diverged |= !v.is_finite();
-                    }
-                }
-                n += steps as u64;
-                harmonics[0] = harmonics[steps];
+                walk.advance(target, observer);
             }
-            is_static.clear();
-            is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0], n));
-            temperature.clear();
-            temperature.extend(
-                state.noise[..paths]
-                    .iter()
-                    .map(|v| harmonics[0] + kernel.noise.temperature * v),
-            );
-            let snapshot = Snapshot {
-                time: n as f64 * self.h,
-                displacement: &state.displacement[..paths],
-                velocity: &state.velocity[..paths],
-                temperature: &temperature,
-                is_static: &is_static,
-            };
-            observer.snapshot(stop.instant, snapshot);
+            walk.snapshot(stop.instant, observer);
         }
-        reader
-            .forceless
-            .iter()
-            .for_each(|&lane| diverged[lane] = true);
-        if self.model.force.is_some() {
-            let last = to_force * harmonics[0];
-            for (lane, diverged) in diverged.iter_mut().enumerate() {
-                *diverged |= !kernel
-                    .pulls(&state.point(lane), last, n)
-                    .iter()
-                    .all(|pull| pull.is_finite());
-            }
-        }
-        let lost = (0..paths).filter(|&lane| diverged[lane]).collect();
         Simulated {
-            lost,
+            lost: walk.lost(),
             ..Simulated::default()
         }
+    }
+}
+
+/// Many paths on their way from step to step.
+struct Walk<'a> {
+    simulation: &'a DiscreteSimulation,
+    kernel: Kernel,
+    streams: LaneStreams,
+    paths: usize,
+    /// The step at which the paths are.
+    n: u64,
+    state: Paths,
+    /// T without noise, and the force of it, at the instants of a run of steps; the first is t_n.
+    harmonics: [f64; RUN + 1],
+    forcing: [f64; RUN + 1],
+    to_force: f64,
+    reader: GridReader,
+    turns: Vec<Turn>,
+    /// The displacement beyond which a path counts as diverged.
+    bound: f64,
+    diverged: Vec<bool>,
+    temperature: Vec<f64>,
+    is_static: Vec<bool>,
+}
+
+impl<'a> Walk<'a> {
+    fn start(
+        simulation: &'a DiscreteSimulation,
+        seed: u64,
+        paths: &[u64],
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let model = &simulation.model;
+        let kernel = Kernel::new(
+            model,
+            simulation.h,
+            simulation.refinement,
+            simulation.is_corrected,
+            simulation.instructions,
+        );
+        let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
+        let paths = paths.len();
+        let noise = simulation.initial_noise(kernel.noise.unit, &mut streams, paths);
+        let state = Paths::at(model.initial_displacement, model.initial_velocity, &noise);
+        let to_force = model.oscillator.force_per_temperature();
+        let mut harmonics = [0.0; RUN + 1];
+        let mut forcing = [0.0; RUN + 1];
+        simulation.clock.fill(0, &mut harmonics[..1]);
+        forcing[0] = to_force * harmonics[0];
+        Walk {
+            reader: GridReader::start(&kernel, &state, forcing[0], paths, observer),
+            bound: divergence_bound(model, simulation.timeline.end),
+            diverged: vec![false; paths],
+            turns: Vec::new(),
+            temperature: Vec::new(),
+            is_static: Vec::new(),
+            n: 0,
+            simulation,
+            kernel,
+            streams,
+            paths,
+            state,
+            harmonics,
+            forcing,
+            to_force,
+        }
+    }
+
+    /// Takes a run of steps, at most to `target`, and reports what happens in it.
+    fn advance(&mut self, target: u64, observer: &mut dyn Observer) {
+        let Walk {
+            simulation,
+            kernel,
+            streams,
+            n,
+            state,
+            harmonics,
+            forcing,
+            reader,
+            turns,
+            ..
+        } = self;
+        let follows = observer.follows();
+        let steps = if follows {
+            1
+        } else {
+            RUN.min((target - *n) as usize)
+        };
+        simulation.clock.fill(*n, &mut harmonics[..=steps]);
+        for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
+            *force = self.to_force * harmonic;
+        }
+        let before = follows.then(|| {
+            let is_static = reader.statics(kernel, state, forcing[0], *n).collect();
+            (state.clone(), is_static)
+        });
+        kernel.advance(*n, &forcing[..=steps], streams, state, turns);
+        reader.read(kernel, *n, forcing, turns, observer);
+        if let Some(before) = before {
+            let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
+            simulation.tell_step(*n, before, state, temperature, observer);
+        }
+        *n += steps as u64;
+        harmonics[0] = harmonics[steps];
+        self.note_divergence();
+    }
+
+    fn note_divergence(&mut self) {
+        // All lanes are tested together first, because a path hardly ever diverges.
+        let is_bounded = |x: &f64| x.abs() <= self.bound;
+        if !self.state.displacement[..self.paths]
+            .iter()
+            .fold(true, |all, x| all & is_bounded(x))
+        {
+            for (diverged, x) in self.diverged.iter_mut().zip(&self.state.displacement) {
+                *diverged |= !is_bounded(x);
+            }
+        }
+        // A force of the user's own may be none, which the displacement shows a step later.
+        if self.simulation.model.force.is_some() {
+            for (diverged, v) in self.diverged.iter_mut().zip(&self.state.velocity) {
+                *diverged |= !v.is_finite();
+            }
+        }
+    }
+
+    fn snapshot(&mut self, instant: Instant, observer: &mut dyn Observer) {
+        let Walk {
+            kernel,
+            paths,
+            n,
+            state,
+            harmonics,
+            temperature,
+            is_static,
+            ..
+        } = self;
+        let forcing = self.to_force * harmonics[0];
+        is_static.clear();
+        is_static.extend(self.reader.statics(kernel, state, forcing, *n));
+        temperature.clear();
+        temperature.extend(
+            state.noise[..*paths]
+                .iter()
+                .map(|v| harmonics[0] + kernel.noise.temperature * v),
+        );
+        let snapshot = Snapshot {
+            time: *n as f64 * self.simulation.h,
+            displacement: &state.displacement[..*paths],
+            velocity: &state.velocity[..*paths],
+            temperature,
+            is_static,
+        };
+        observer.snapshot(instant, snapshot);
+    }
+
+    /// The lanes of the paths that have diverged.
+    fn lost(mut self) -> Vec<usize> {
+        for &lane in &self.reader.forceless {
+            self.diverged[lane] = true;
+        }
+        if self.simulation.model.force.is_some() {
+            let last = self.to_force * self.harmonics[0];
+            for (lane, diverged) in self.diverged.iter_mut().enumerate() {
+                let pulls = self.kernel.pulls(&self.state.point(lane), last, self.n);
+                *diverged |= !pulls.iter().all(|pull| pull.is_finite());
+            }
+        }
+        (0..self.paths)
+            .filter(|&lane| self.diverged[lane])
+            .collect()
     }
 }
 

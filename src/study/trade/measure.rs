@@ -99,14 +99,7 @@ pub fn measure(
     } else {
         [FREE_ENDS, ALL_ENDS]
     };
-    let runs: Vec<FreeRun> = (grid.free.iter().zip(&effort.free_paths).zip(2..))
-        .map(|((scheme, paths), part)| FreeRun {
-            scheme: *scheme,
-            paths: *paths,
-            first: part * APART,
-        })
-        .filter(|run| run.paths > 0)
-        .collect();
+    let runs = free_runs(grid, effort);
     let tightest = runs
         .iter()
         .rposition(|run| is_exact(run.scheme))
@@ -114,31 +107,17 @@ pub fn measure(
     // The reference comes first, because everything else is compared with it and time may run out.
     limits.begin(&runs[tightest].scheme.to_string());
     let reference = free(scenario, &runs[tightest], until(reference_ends))?;
-    let beyond = (grid.free.len() as u64 + 2) * APART;
     let paired = FreeRun {
         paths: runs[tightest].paths / pairing::SHARE,
-        first: beyond,
+        first: (grid.free.len() as u64 + 2) * APART,
         ..runs[tightest]
     };
     let pairing = pairing_of(scenario, &reference, &paired, until(reference_ends))?;
-    let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), grid.left_out.clone());
-    let unfinished = |what: String| LeftOut {
-        what,
-        why: "the measurement ended too early".into(),
-    };
-    for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
-        if limits.is_stopped() {
-            left_out.push(unfinished(other.scheme.to_string()));
-            continue;
-        }
-        limits.begin(&other.scheme.to_string());
-        let side = if i < tightest {
-            &mut looser
-        } else {
-            &mut tighter
-        };
-        side.push(free(scenario, other, until(free_ends))?);
-    }
+    let mut left_out = grid.left_out.clone();
+    let mut others =
+        |runs: &[FreeRun]| free_until_stopped(scenario, runs, until(free_ends), &mut left_out);
+    let looser = others(&runs[..tightest])?;
+    let tighter = others(&runs[tightest + 1..])?;
     let mut settings = coupled(scenario, grid, effort, until(ALL_ENDS))?;
     if effort.steps > 0 && settings.is_empty() {
         left_out.extend(
@@ -147,10 +126,10 @@ pub fn measure(
                 .map(|scheme| unfinished(scheme.name().into())),
         );
     }
-    settings.append(&mut looser);
+    settings.extend(looser);
     settings.push(reference);
     let reference = settings.len() - 1;
-    settings.append(&mut tighter);
+    settings.extend(tighter);
     limits.begin("CPU times");
     let timing = if limits.is_stopped() {
         effort.timing.min(BRIEF)
@@ -160,21 +139,28 @@ pub fn measure(
     for setting in &mut settings {
         setting.cost = cost(&scenario.with_scheme(setting.scheme)?.plan(), timing);
     }
-    left_out.extend(
-        settings
-            .iter()
-            .filter(|setting| setting.diverged > 0)
-            .map(|setting| LeftOut {
-                what: setting.scheme.to_string(),
-                why: format!(
-                    "{} of {} paths diverged; not recommended at any accuracy",
-                    setting.diverged, setting.paths
-                ),
-            }),
-    );
+    left_out.extend(settings.iter().filter_map(diverged));
     Ok(Trade {
         left_out,
         ..Trade::of_rungs(scenario, settings, reference, pairing)?
+    })
+}
+
+fn unfinished(what: String) -> LeftOut {
+    LeftOut {
+        what,
+        why: "the measurement ended too early".into(),
+    }
+}
+
+/// Why a setting is not recommended, if some of its paths diverged.
+fn diverged(setting: &TradeSetting) -> Option<LeftOut> {
+    (setting.diverged > 0).then(|| LeftOut {
+        what: setting.scheme.to_string(),
+        why: format!(
+            "{} of {} paths diverged; not recommended at any accuracy",
+            setting.diverged, setting.paths
+        ),
     })
 }
 
@@ -184,6 +170,37 @@ struct FreeRun {
     scheme: Scheme,
     paths: u64,
     first: u64,
+}
+
+fn free_runs(grid: &SettingGrid, effort: &Effort) -> Vec<FreeRun> {
+    (grid.free.iter().zip(&effort.free_paths).zip(2..))
+        .map(|((scheme, paths), part)| FreeRun {
+            scheme: *scheme,
+            paths: *paths,
+            first: part * APART,
+        })
+        .filter(|run| run.paths > 0)
+        .collect()
+}
+
+/// Measure the settings of these runs. Those that begin after the caller has asked to stop are left
+/// out.
+fn free_until_stopped(
+    scenario: &Scenario,
+    runs: &[FreeRun],
+    end: MeasureUntil<'_>,
+    left_out: &mut Vec<LeftOut>,
+) -> Result<Vec<TradeSetting>, TradeError> {
+    let mut settings = Vec::new();
+    for run in runs {
+        if end.limits.is_stopped() {
+            left_out.push(unfinished(run.scheme.to_string()));
+            continue;
+        }
+        end.limits.begin(&run.scheme.to_string());
+        settings.push(free(scenario, run, end)?);
+    }
+    Ok(settings)
 }
 
 /// How antithetic pairs change the variance, from this run in pairs if they are not asked for.

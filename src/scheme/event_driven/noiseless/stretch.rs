@@ -117,13 +117,8 @@ pub trait Stretches {
                 .snapshot(stop.instant, columns.snapshot(stop.time));
         }
         let why = stretch.err();
-        let lost = if why.is_some() {
-            (0..lanes).collect()
-        } else {
-            Vec::new()
-        };
         Simulated {
-            lost,
+            lost: (0..lanes).filter(|_| why.is_some()).collect(),
             why,
             evaluations: self.work_limit() - work.left(),
         }

@@ -184,59 +184,73 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         ((x, v, there.noise), is_felt)
     }
 
+    /// The step and the piece of a recorded slip. The piece is without its motion without noise.
+    #[inline(always)]
+    fn recorded_slip(
+        &self,
+        now: &Border<L>,
+        left: [L; 8],
+        right: [L; 8],
+    ) -> (StepStart<L>, SlipPiece<L>) {
+        let scene = &self.paths.noisy.scene;
+        let zero = L::splat(0.0);
+        let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
+        let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
+        let interval = Interval {
+            end: SlipVelocity {
+                velocity: v1,
+                acceleration: a1,
+            },
+            travel: distance,
+            length,
+            inverse,
+            noise,
+        };
+        // A step that begins with the cell has the state at its start; one that begins later
+        // starts from rest.
+        let is_later = began.gt(zero);
+        let state = SlipPoint {
+            x: x0,
+            v: L::select(is_later, zero, now.v),
+            n: L::select(is_later, noise0, now.n),
+        };
+        let force0 = L::select(is_later, force0, now.force);
+        let friction = eps * scene.friction.dynamic_force;
+        let step = StepStart {
+            after: began,
+            state,
+            motion: motion(&scene.oscillator, eps, state.v, force0, friction),
+            eps,
+        };
+        let start = SlipVelocity {
+            velocity,
+            acceleration,
+        };
+        let (from, to) = (began + after, began + (after + length));
+        let piece = SlipPiece {
+            eps,
+            x0,
+            after: from,
+            until: to,
+            travel,
+            start,
+            interval,
+        };
+        let ways = [&self.way(&step, from), &self.way(&step, to)];
+        (step, piece.less(ways))
+    }
+
     /// Draws the states in the recorded pieces of slips.
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
-        let (body, zero, cell_start) =
-            (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
+        let cell_start = L::splat(self.cell.start);
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
-            let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
-            let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
-            let interval = Interval {
-                end: SlipVelocity {
-                    velocity: v1,
-                    acceleration: a1,
-                },
-                travel: distance,
-                length,
-                inverse,
-                noise,
-            };
-            // A step that begins with the cell has the state at its start; one that begins later
-            // starts from rest.
-            let is_later = began.gt(zero);
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let state = SlipPoint {
-                x: x0,
-                v: L::select(is_later, zero, now.v),
-                n: L::select(is_later, noise0, now.n),
-            };
-            let force0 = L::select(is_later, force0, now.force);
-            let friction = eps * scene.friction.dynamic_force;
-            let step = StepStart {
-                after: began,
-                state,
-                motion: motion(body, eps, state.v, force0, friction),
-                eps,
-            };
-            let start = SlipVelocity {
-                velocity,
-                acceleration,
-            };
-            let (from, to) = (began + after, began + (after + length));
-            let piece = SlipPiece {
-                eps,
-                x0,
-                after: from,
-                until: to,
-                travel,
-                start,
-                interval,
-            };
-            let mut piece = piece.less([&self.way(&step, from), &self.way(&step, to)]);
-            let step_length = L::splat(self.cell.length) - began;
+            let (step, mut piece) = self.recorded_slip(&now, left, right);
+            let (from, to) = (piece.after, piece.until);
+            let step_length = L::splat(self.cell.length) - step.after;
             let mut odd = 0;
             for (i, glance) in inside.glances.iter().enumerate() {
                 let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
