@@ -1,6 +1,6 @@
 //! Measurements in memory, with the checks and repairs of those in a file.
 
-use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
+use super::column::{Column, DataColumn, LARGEST_MEASURED, SampleSource, sorted};
 use super::error::DataError;
 use super::marks::Marks;
 use super::query::{Layout, Wanted};
@@ -57,16 +57,14 @@ pub fn arrays(
                     wrong(problem, "fix the value; use NaN for a missing one")
                 })?;
         }
-        let twice = "keep the right one of the two";
-        sorted(
-            &mut column,
-            &mut repairs,
-            name,
+        let source = SampleSource {
+            file: name,
             layout,
-            twice,
-            &|place| u64::from(place) + 1,
-            true,
-        )?;
+            twice: "keep the right one of the two",
+            line: &|place| u64::from(place) + 1,
+            in_seconds: true,
+        };
+        sorted(&mut column, &mut repairs, &source)?;
         columns.push(column.finished(0.0));
     }
     Ok((columns, repairs))

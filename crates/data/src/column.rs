@@ -250,116 +250,156 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Sort a column, leave out repeated samples, look for outliers, and check for gaps. `twice` is the
-/// remedy for two values at one time.
+/// Where the samples of a column come from, and how they are read.
+pub(super) struct SampleSource<'a> {
+    pub file: &'a str,
+    pub layout: &'a Layout,
+    /// The remedy for two values at one time.
+    pub twice: &'a str,
+    /// The line of a row.
+    pub line: &'a dyn Fn(u32) -> u64,
+    pub in_seconds: bool,
+}
+
+impl SampleSource<'_> {
+    /// An error at the row in this place.
+    fn error(&self, place: u32, problem: String, remedy: &str) -> DataError {
+        DataError::file(self.file, problem, remedy).line((self.line)(place))
+    }
+}
+
+/// Sort a column, leave out repeated samples, look for outliers, and check for gaps.
 pub(super) fn sorted(
     column: &mut Column<'_>,
     repairs: &mut Repairs,
-    file: &str,
-    layout: &Layout,
-    twice: &str,
-    line: &dyn Fn(u32) -> u64,
-    in_seconds: bool,
+    source: &SampleSource<'_>,
 ) -> Result<(), DataError> {
-    let name = column.name.clone();
-    let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
-    if column.is_strict()
-        && let Some(pair) = column
-            .samples
-            .windows(2)
-            .find(|pair| pair[1].0 <= pair[0].0)
-    {
-        let [before, here] = [pair[0], pair[1]];
+    let line = source.line;
+    if column.is_strict() {
+        column.check_order(source)?;
+    }
+    repairs.unsorted = repairs.unsorted.max(column.sort());
+    repairs.repeated = repairs.repeated.max(column.leave_out_repeated(source)?);
+    column.check_spacing(source)?;
+    if column.is_strict() {
+        let values = column.samples.iter().map(|of| (of.1, line(of.2)));
+        column.said.odd = marks::likely(&column.name, values);
+    } else {
+        column.look_for_outliers(source.layout, line);
+    }
+    column.check_count(source.file)?;
+    if !column.is_strict() {
+        column.look_for_means(source.in_seconds);
+    }
+    column.check_gaps(source)?;
+    repairs.columns.push(std::mem::take(&mut column.said));
+    Ok(())
+}
+
+impl Column<'_> {
+    /// Check that each sample is later than the one in the row before.
+    fn check_order(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
+        let mut pairs = self.samples.windows(2);
+        let Some([before, here]) = pairs.find(|pair| pair[1].0 <= pair[0].0) else {
+            return Ok(());
+        };
         let problem = format!(
-            "`{name}` = {} is not later than {} in line {}",
+            "`{}` = {} is not later than {} in line {}",
+            self.name,
             here.1,
             before.1,
-            line(before.2)
+            (source.line)(before.2)
         );
         let remedy =
             "sort the rows, one for each time; rows of an input are not sorted or left out";
-        return Err(error(problem, remedy).line(line(here.2)));
+        Err(source.error(here.2, problem, remedy))
     }
-    let samples = &mut column.samples;
-    let mut latest = f64::NEG_INFINITY;
-    let mut unsorted = 0;
-    for (time, ..) in samples.iter() {
-        unsorted += u64::from(*time < latest);
-        latest = latest.max(*time);
+
+    /// Sort the samples by time, and count those that were out of order.
+    fn sort(&mut self) -> u64 {
+        let mut latest = f64::NEG_INFINITY;
+        let mut unsorted = 0;
+        for (time, ..) in &self.samples {
+            unsorted += u64::from(*time < latest);
+            latest = latest.max(*time);
+        }
+        // The sort is stable, so samples of equal time stay in the order of their rows.
+        self.samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        unsorted
     }
-    repairs.unsorted = repairs.unsorted.max(unsorted);
-    // The sort is stable, so samples of equal time stay in the order of their rows.
-    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some(pair) = samples
-        .windows(2)
-        .find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
-    {
-        let problem = format!(
-            "line {} gives another value of `{name}` at the same time as line {}",
-            line(pair[1].2),
-            line(pair[0].2)
-        );
-        return Err(error(problem, twice).line(line(pair[1].2)));
+
+    /// Leave out and count repeated samples. Two values at one time are an error.
+    fn leave_out_repeated(&mut self, source: &SampleSource<'_>) -> Result<u64, DataError> {
+        let samples = &mut self.samples;
+        if let Some([first, second]) = samples
+            .windows(2)
+            .find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
+        {
+            let problem = format!(
+                "line {} gives another value of `{}` at the same time as line {}",
+                (source.line)(second.2),
+                self.name,
+                (source.line)(first.2)
+            );
+            return Err(source.error(second.2, problem, source.twice));
+        }
+        let all = samples.len();
+        samples.dedup_by(|later, before| later.0 == before.0);
+        Ok((all - samples.len()) as u64)
     }
-    let all = samples.len();
-    samples.dedup_by(|later, before| later.0 == before.0);
-    repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
-    let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
-    if let Some([before, here]) = samples
-        .windows(2)
-        .find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts))
-    {
+
+    /// Check that no two samples are too close in time.
+    fn check_spacing(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
+        let samples = &self.samples;
+        let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
+        let mut pairs = samples.windows(2);
+        let Some([before, here]) = pairs.find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts))
+        else {
+            return Ok(());
+        };
         let problem = format!(
             "the time from line {} to this one is {}, too short beside a record of {}",
-            line(before.2),
-            lasting(here.0 - before.0, in_seconds),
-            lasting(lasts, in_seconds)
+            (source.line)(before.2),
+            lasting(here.0 - before.0, source.in_seconds),
+            lasting(lasts, source.in_seconds)
         );
-        return Err(
-            error(problem, "remove one of the two rows, or correct its time").line(line(here.2)),
-        );
+        let remedy = "remove one of the two rows, or correct its time";
+        Err(source.error(here.2, problem, remedy))
     }
-    match column.is_strict() {
-        true => {
-            column.said.odd =
-                marks::likely(&name, column.samples.iter().map(|of| (of.1, line(of.2))))
+
+    /// Check that there are two samples or more.
+    fn check_count(&self, file: &str) -> Result<(), DataError> {
+        let count = self.samples.len();
+        if count >= 2 {
+            return Ok(());
         }
-        false => column.look_for_outliers(layout, line),
-    }
-    let samples = &column.samples;
-    if samples.len() < 2 {
         let problem = format!(
-            "column `{name}` has {} value{}",
-            samples.len(),
-            if samples.len() == 1 { "" } else { "s" }
+            "column `{}` has {count} value{}",
+            self.name,
+            if count == 1 { "" } else { "s" }
         );
-        return Err(error(
-            problem,
-            "give a column with two values or more, at different times",
-        ));
+        let remedy = "give a column with two values or more, at different times";
+        Err(DataError::file(file, problem, remedy))
     }
-    if !column.is_strict() {
-        column.look_for_means(in_seconds);
-    }
-    let samples = &column.samples;
-    let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
-    if let Some(pair) = samples
-        .windows(2)
-        .find(|pair| pair[1].0 - pair[0].0 > longest)
-    {
-        let gap = pair[1].0 - pair[0].0;
+
+    /// Check that no gap is longer than permitted.
+    fn check_gaps(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
+        let longest = self.wanted.max_gap.unwrap_or(f64::INFINITY);
+        let mut pairs = self.samples.windows(2);
+        let Some([before, here]) = pairs.find(|pair| pair[1].0 - pair[0].0 > longest) else {
+            return Ok(());
+        };
         let problem = format!(
-            "no value of `{name}` for {}, since line {}, longer than the permitted {}",
-            lasting(gap, in_seconds),
-            line(pair[0].2),
-            lasting(longest, in_seconds)
+            "no value of `{}` for {}, since line {}, longer than the permitted {}",
+            self.name,
+            lasting(here.0 - before.0, source.in_seconds),
+            (source.line)(before.2),
+            lasting(longest, source.in_seconds)
         );
         let remedy =
             "fill the gap, cut the file there, or raise `max_gap` to interpolate across it";
-        return Err(error(problem, remedy).line(line(pair[1].2)));
+        Err(source.error(here.2, problem, remedy))
     }
-    repairs.columns.push(std::mem::take(&mut column.said));
-    Ok(())
 }
 
 /// The shortest time between two samples, as a share of the record and in all. At the end of a

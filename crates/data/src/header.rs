@@ -60,20 +60,7 @@ pub(super) fn open<'a>(
         }
         .columns(wanted)
     };
-    let in_line = |line: &Line| in_names(&line.names).is_ok();
-    let in_text = lines
-        .iter()
-        .filter(|line| !line.is_comment)
-        .find(|line| in_line(line));
-    // A comment names the columns only if the rows below it have as many cells.
-    let in_comment = || {
-        let last = lines.iter().rev().find(|line| !line.is_comment)?;
-        lines
-            .iter()
-            .filter(|line| line.is_comment && line.names.len() == last.names.len())
-            .find(|line| in_line(line))
-    };
-    if let Some(line) = in_text.or_else(in_comment) {
+    if let Some(line) = naming(&lines, |line| in_names(&line.names).is_ok()) {
         let (times, values) = in_names(&line.names)?;
         let skipped = lines
             .iter()
@@ -111,21 +98,7 @@ pub(super) fn open<'a>(
     let best = likeliest(file, &lines, layout, wanted)
         .filter(|best| best.number == first.number || !is_data(&first.names));
     let Some(best) = best else {
-        let problem = "its first line contains numbers or dates, not the names of the columns";
-        let [time, value] = [
-            layout.wording.option("time", "1"),
-            layout.wording.column(
-                wanted
-                    .first()
-                    .map_or(ColumnQuantity::Temperature, |one| one.quantity),
-                "2",
-            ),
-        ];
-        let remedy = format!(
-            "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
-                {time} and {value}"
-        );
-        return Err(DataError::file(file, problem, remedy).line(first.number));
+        return Err(unnamed(file, layout, wanted).line(first.number));
     };
     let error = in_names(&best.names).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
@@ -134,6 +107,38 @@ pub(super) fn open<'a>(
     } else {
         error.line(best.number)
     })
+}
+
+/// The line that names the columns, where `is_naming` says whether a line may be it.
+fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
+    let in_text = lines
+        .iter()
+        .filter(|line| !line.is_comment)
+        .find(|line| is_naming(line));
+    // A comment names the columns only if the rows below it have as many cells.
+    let in_comment = || {
+        let last = lines.iter().rev().find(|line| !line.is_comment)?;
+        lines
+            .iter()
+            .filter(|line| line.is_comment && line.names.len() == last.names.len())
+            .find(|line| is_naming(line))
+    };
+    in_text.or_else(in_comment)
+}
+
+/// The error of a file without names of columns.
+fn unnamed(file: &str, layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
+    let quantity = wanted
+        .first()
+        .map_or(ColumnQuantity::Temperature, |one| one.quantity);
+    let time = layout.wording.option("time", "1");
+    let value = layout.wording.column(quantity, "2");
+    let remedy = format!(
+        "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
+            {time} and {value}"
+    );
+    let problem = "its first line contains numbers or dates, not the names of the columns";
+    DataError::file(file, problem, remedy)
 }
 
 /// Whether a line holds measurements: each of its cells is a number, a date or empty.

@@ -1,7 +1,7 @@
 //! The rows of a file in order of time, checked and repaired.
 
 use super::clock::{Clock, Start};
-use super::column::{Column, DataColumn, NOT_REPAIRED, sorted};
+use super::column::{Column, DataColumn, NOT_REPAIRED, SampleSource, sorted};
 use super::decimals::{Decimals, THOUSANDS};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
@@ -49,75 +49,136 @@ pub(super) fn table(
     layout: &Layout,
     wanted: &[Wanted<'_>],
 ) -> Result<Table, DataError> {
-    let names = &header.names;
-    let time_name = header
-        .times
-        .iter()
-        .map(|field| names[*field].as_str())
-        .collect::<Vec<_>>()
-        .join(",");
-    let columns = wanted
-        .iter()
-        .zip(&header.values)
-        .map(|(wanted, field)| Column::of(&names[*field], wanted));
-    let mut columns = columns
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
-    let marks = Marks::of(layout);
-    let told = if layout.dates.is_none() {
-        told_order(&mut rows, header)?
-    } else {
-        None
-    };
+    let mut reading = TableReading::new(file, header, &mut rows, layout, wanted)?;
     rows.rewind();
-    let order = layout.dates.or(told.map(|(order, _)| order));
-    let mut decimals = Decimals::of(layout, rows.commas_are_decimal());
-    let mut undecided = None;
-    let mut clock: Option<Clock> = None;
-    let mut unit_below = None;
-    let mut time_elsewhere = None;
-    let (mut count, mut unit_rows) = (0, 0);
     while rows.next()? {
-        let at = |field: usize, (problem, remedy): ProblemAndRemedy| {
-            let error = DataError::file(file, problem, remedy).line(rows.line(rows.place()));
-            error.cell(&names[field], rows.cell(field))
+        reading.take(&rows)?;
+    }
+    reading.finished(&rows)
+}
+
+/// A table while its rows are read.
+struct TableReading<'a> {
+    file: &'a str,
+    header: &'a Header,
+    layout: &'a Layout,
+    time_name: String,
+    columns: Vec<Column<'a>>,
+    marks: Marks,
+    /// The order of day, month and year that the dates tell, with the reason.
+    told: Option<(DateOrder, &'static str)>,
+    decimals: Decimals,
+    /// The error of the first cell that may have either separator of thousands.
+    undecided: Option<DataError>,
+    /// None above the first row with a time.
+    clock: Option<Clock>,
+    /// The unit of the times in the rows of units.
+    unit_below: Option<String>,
+    /// Another column that has a time of day in the first row.
+    time_elsewhere: Option<usize>,
+    rows: u64,
+    unit_rows: u64,
+}
+
+impl<'a> TableReading<'a> {
+    fn new(
+        file: &'a str,
+        header: &'a Header,
+        rows: &mut CsvRows<'_>,
+        layout: &'a Layout,
+        wanted: &'a [Wanted<'a>],
+    ) -> Result<Self, DataError> {
+        let names = &header.names;
+        let time_names: Vec<&str> = header
+            .times
+            .iter()
+            .map(|field| names[*field].as_str())
+            .collect();
+        let columns = wanted
+            .iter()
+            .zip(&header.values)
+            .map(|(wanted, field)| Column::of(&names[*field], wanted))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
+        let told = if layout.dates.is_none() {
+            told_order(rows, header)?
+        } else {
+            None
         };
-        let cell = time_cell(&rows, header);
-        if clock.is_none() && unit_rows < MOST_UNIT_ROWS && is_row_of_units(&rows, header, &cell) {
-            unit_rows += 1;
-            unit_below = unit_below
-                .or_else(|| Some(cell.to_string()).filter(|cell| unit::time(cell).is_some()));
-            for (column, field) in columns.iter_mut().zip(&header.values) {
-                column
-                    .take_unit(&String::from_utf8_lossy(rows.cell(*field)))
-                    .map_err(|wrong| at(*field, wrong))?;
-            }
-            continue;
+        Ok(TableReading {
+            file,
+            header,
+            layout,
+            time_name: time_names.join(","),
+            columns,
+            marks: Marks::of(layout),
+            told,
+            decimals: Decimals::of(layout, rows.commas_are_decimal()),
+            undecided: None,
+            clock: None,
+            unit_below: None,
+            time_elsewhere: None,
+            rows: 0,
+            unit_rows: 0,
+        })
+    }
+
+    /// Take the current row.
+    fn take(&mut self, rows: &CsvRows<'_>) -> Result<(), DataError> {
+        let cell = time_cell(rows, self.header);
+        if self.clock.is_none()
+            && self.unit_rows < MOST_UNIT_ROWS
+            && is_row_of_units(rows, self.header, &cell)
+        {
+            return self.take_units(rows, &cell);
         }
         if cell.is_empty() {
-            if (0..names.len()).all(|field| rows.cell(field).is_empty()) {
-                continue;
+            if (0..self.header.names.len()).all(|field| rows.cell(field).is_empty()) {
+                return Ok(());
             }
-            return Err(at(
-                header.times[0],
-                (
-                    "has no time".into(),
-                    "give the row a time, or remove it".into(),
-                ),
-            ));
+            let wrong = (
+                "has no time".into(),
+                "give the row a time, or remove it".into(),
+            );
+            return Err(self
+                .header
+                .wrong(self.file, rows, self.header.times[0], wrong));
         }
-        count += 1;
-        if count > MAX_ROWS {
+        self.rows += 1;
+        if self.rows > MAX_ROWS {
             let problem = format!("it has more than {MAX_ROWS} rows");
-            return Err(DataError::file(
-                file,
-                problem,
-                "split it, or keep fewer rows",
-            ));
+            let remedy = "split it, or keep fewer rows";
+            return Err(DataError::file(self.file, problem, remedy));
         }
+        let when = self.time(rows, &cell)?;
+        self.take_values(rows, when)
+    }
+
+    fn take_units(&mut self, rows: &CsvRows<'_>, time: &str) -> Result<(), DataError> {
+        self.unit_rows += 1;
+        if self.unit_below.is_none() && unit::time(time).is_some() {
+            self.unit_below = Some(time.to_string());
+        }
+        for (column, field) in self.columns.iter_mut().zip(&self.header.values) {
+            column
+                .take_unit(&String::from_utf8_lossy(rows.cell(*field)))
+                .map_err(|wrong| self.header.wrong(self.file, rows, *field, wrong))?;
+        }
+        Ok(())
+    }
+
+    /// The time of a row. The first one decides on the clock and the units.
+    fn time(&mut self, rows: &CsvRows<'_>, cell: &str) -> Result<f64, DataError> {
+        let TableReading {
+            file,
+            header,
+            layout,
+            ..
+        } = *self;
         let mut errors = Vec::new();
-        if clock.is_none() {
-            let settled = columns
+        if self.clock.is_none() {
+            let settled = self
+                .columns
                 .iter_mut()
                 .filter_map(|column| column.settle_unit(layout.wording).err());
             errors.extend(settled.map(|(problem, remedy)| DataError::file(file, problem, remedy)));
@@ -125,124 +186,152 @@ pub(super) fn table(
                 !header.times.contains(field)
                     && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)))
             };
-            time_elsewhere = (0..names.len())
+            self.time_elsewhere = (0..header.names.len())
                 .find(elsewhere)
                 .filter(|_| !cell.contains(':'));
         }
-        let known = match &mut clock {
+        let order = layout.dates.or(self.told.map(|(order, _)| order));
+        let unit = self.unit_below.as_deref();
+        let known = match &mut self.clock {
             Some(clock) => Ok(clock),
-            none => Clock::new(&time_name, unit_below.as_deref(), layout, order, &cell)
-                .map(|new| none.insert(new)),
+            none => {
+                Clock::new(&self.time_name, unit, layout, order, cell).map(|new| none.insert(new))
+            }
         };
-        let when = known.and_then(|clock| clock.read(&cell));
-        let when = when
-            .map_err(|wrong| errors.push(at(header.times[0], wrong)))
+        let when = known
+            .and_then(|clock| clock.read(cell))
+            .map_err(|wrong| errors.push(header.wrong(file, rows, header.times[0], wrong)))
             .unwrap_or_default();
-        if let Some(error) = DataError::of_all(errors) {
-            return Err(error);
-        }
-        for (column, field) in columns.iter_mut().zip(&header.values) {
+        DataError::of_all(errors).map_or(Ok(when), Err)
+    }
+
+    fn take_values(&mut self, rows: &CsvRows<'_>, when: f64) -> Result<(), DataError> {
+        let wording = self.layout.wording;
+        for (column, field) in self.columns.iter_mut().zip(&self.header.values) {
             let cell = rows.cell(*field);
             let is_strict = column.is_strict();
             let wrong = |(problem, remedy): (&str, &str)| {
-                let mark = layout.wording.option("missing", &quoted(cell));
-                let decimal = layout.wording.option("decimal", ",");
+                let mark = wording.option("missing", &quoted(cell));
+                let decimal = wording.option("decimal", ",");
                 let remedy = if is_strict && remedy.contains("MARK") {
                     NOT_REPAIRED
                 } else {
                     remedy
                 };
-                at(
-                    *field,
-                    (
-                        problem.into(),
-                        remedy.replace("MARK", &mark).replace("DECIMAL", &decimal),
-                    ),
-                )
+                let remedy = remedy.replace("MARK", &mark).replace("DECIMAL", &decimal);
+                self.header
+                    .wrong(self.file, rows, *field, (problem.into(), remedy))
             };
-            if marks.is_word(cell) {
+            if self.marks.is_word(cell) {
                 column.miss().map_err(wrong)?;
                 continue;
             }
-            let value = decimals.number(cell).map_err(wrong)?;
-            if undecided.is_none() && !decimals.are_known() {
-                undecided = Some(wrong(THOUSANDS));
+            let value = self.decimals.number(cell).map_err(wrong)?;
+            if self.undecided.is_none() && !self.decimals.are_known() {
+                self.undecided = Some(wrong(THOUSANDS));
             }
             column
-                .take(when, value, rows.place(), &marks)
+                .take(when, value, rows.place(), &self.marks)
                 .map_err(wrong)?;
         }
+        Ok(())
     }
-    let Some(clock) = clock else {
-        return Err(DataError::file(
-            file,
-            "it has a header but no rows",
-            "give a file with measurements",
-        ));
-    };
-    if let Some(error) = undecided.filter(|_| !decimals.are_known()) {
-        return Err(error);
-    }
-    if clock.is_disordered() {
-        let problem = "two of five rows are out of order";
-        let remedy = format!(
-            "check whether its dates are {}, and sort its rows",
-            layout.wording.option("dates", "ymd, dmy or mdy")
-        );
-        return Err(DataError::file(file, problem, remedy));
-    }
-    let mut repairs = Repairs {
-        skipped: header.skipped,
-        unit_rows,
-        folds: clock.folds,
-        decimal_commas: decimals.commas(),
-        order: told.map(|(order, why)| format!("{}, {why}", order.word())),
-        zone: clock.other_zone.clone(),
-        ..Repairs::default()
-    };
-    let twice = match time_elsewhere {
-        Some(field) => {
-            let both = layout
-                .wording
-                .option("time", &format!("{time_name},{}", names[field]));
-            format!(
-                "if the time of day is in `{}`, name both columns: {both}",
-                names[field]
-            )
+
+    /// The table, once all rows are taken.
+    fn finished(mut self, rows: &CsvRows<'_>) -> Result<Table, DataError> {
+        let file = self.file;
+        let Some(clock) = self.clock.take() else {
+            let problem = "it has a header but no rows";
+            return Err(DataError::file(
+                file,
+                problem,
+                "give a file with measurements",
+            ));
+        };
+        if let Some(error) = self.undecided.take().filter(|_| !self.decimals.are_known()) {
+            return Err(error);
         }
-        None => {
-            let zone = layout.wording.option("zone", "Europe/Paris");
+        if clock.is_disordered() {
+            let problem = "two of five rows are out of order";
+            let remedy = format!(
+                "check whether its dates are {}, and sort its rows",
+                self.layout.wording.option("dates", "ymd, dmy or mdy")
+            );
+            return Err(DataError::file(file, problem, remedy));
+        }
+        let mut repairs = self.repairs(&clock);
+        let source = SampleSource {
+            file,
+            layout: self.layout,
+            twice: &self.remedy_for_two_values(),
+            line: &|place| rows.line(place),
+            in_seconds: clock.in_seconds(),
+        };
+        let mut begin = f64::INFINITY;
+        for column in &mut self.columns {
+            sorted(column, &mut repairs, &source)?;
+            begin = begin.min(column.samples[0].0);
+        }
+        Ok(Table {
+            start: clock.first().and_then(|first| first.after(begin)),
+            begin: clock.begin(),
+            in_seconds: clock.in_seconds(),
+            rows: self.rows,
+            time: self.time_name,
+            columns: self
+                .columns
+                .into_iter()
+                .map(|column| column.finished(begin))
+                .collect(),
+            repairs,
+        })
+    }
+
+    /// What was repaired in the rows, without their order and single columns.
+    fn repairs(&self, clock: &Clock) -> Repairs {
+        Repairs {
+            skipped: self.header.skipped,
+            unit_rows: self.unit_rows,
+            folds: clock.folds,
+            decimal_commas: self.decimals.commas(),
+            order: self
+                .told
+                .map(|(order, why)| format!("{}, {why}", order.word())),
+            zone: clock.other_zone.clone(),
+            ..Repairs::default()
+        }
+    }
+
+    /// What to do about two values at one time.
+    fn remedy_for_two_values(&self) -> String {
+        let wording = self.layout.wording;
+        if let Some(field) = self.time_elsewhere {
+            let name = &self.header.names[field];
+            let both = wording.option("time", &format!("{},{name}", self.time_name));
+            format!("if the time of day is in `{name}`, name both columns: {both}")
+        } else {
+            let zone = wording.option("zone", "Europe/Paris");
             format!(
                 "keep the right one of the two; if the clock was set back, give its zone, e.g. {zone}, or \
                     write stamps with offsets"
             )
         }
-    };
-    let mut begin = f64::INFINITY;
-    for column in &mut columns {
-        sorted(
-            column,
-            &mut repairs,
-            file,
-            layout,
-            &twice,
-            &|place| rows.line(place),
-            clock.in_seconds(),
-        )?;
-        begin = begin.min(column.samples[0].0);
     }
-    Ok(Table {
-        start: clock.first().and_then(|first| first.after(begin)),
-        begin: clock.begin(),
-        in_seconds: clock.in_seconds(),
-        rows: count,
-        time: time_name,
-        columns: columns
-            .into_iter()
-            .map(|column| column.finished(begin))
-            .collect(),
-        repairs,
-    })
+}
+
+impl Header {
+    /// The error of a cell of the current row.
+    fn wrong(
+        &self,
+        file: &str,
+        rows: &CsvRows<'_>,
+        field: usize,
+        (problem, remedy): ProblemAndRemedy,
+    ) -> DataError {
+        DataError::file(file, problem, remedy)
+            .line(rows.line(rows.place()))
+            .cell(&self.names[field], rows.cell(field))
+    }
 }
 
 /// The cell of the times of the current row; of dates and times of day, both with a blank between.

@@ -2,9 +2,10 @@
 //! logarithmic axis, that of x, and that of both as cells of a plane.
 
 use super::steps::{self, DensityBin};
+use super::theme::Palette;
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use ndarray::Array2;
-use stickslip::stats::{DensityCurve, Dimension};
+use stickslip::stats::{Densities, DensityCurve, Dimension};
 
 /// How much of the time in motion each area of the plane holds, where the density is highest.
 const HELD: [f64; 2] = [0.94, 0.5];
@@ -38,82 +39,81 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
         .label(&scenario.units)
     };
-    let axis_of = |curve: &DensityCurve, title: &str, unit: &str| {
-        Axis::linear(
-            [curve.edges[0], curve.edges[curve.edges.len() - 1]],
-            title,
-            unit,
-        )
-    };
-    let panel = |curve: &DensityCurve, horizontal: Axis, title: &str, unit: &str, is_log: bool| {
-        let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, unit, is_log);
-        let mut panel = Panel::new(horizontal, vertical, 66.0);
-        let bin = |(i, density): (usize, &f64)| {
-            let ends = if *density > 0.0 {
-                curve.ends.at(i)
-            } else {
-                [0.0; 2]
-            };
-            ([curve.edges[i], curve.edges[i + 1]], *density, ends)
-        };
-        let steps: Vec<DensityBin> = curve.density.iter().enumerate().map(bin).collect();
-        steps::draw(&steps, floor, palette, &mut panel);
-        panel
-    };
+    let axes = [
+        ("displacement *x*", unit(0, 1)),
+        ("velocity *x*\u{2032}", unit(-1, 1)),
+    ];
     let velocity = |is_log| {
-        let horizontal = axis_of(&densities.velocity, "velocity *x*\u{2032}", &unit(-1, 1));
-        panel(
-            &densities.velocity,
-            horizontal,
-            "density of *x*\u{2032}",
-            &unit(1, -1),
-            is_log,
-        )
+        let title = ("density of *x*\u{2032}", unit(1, -1));
+        marginal(&densities.velocity, &axes[1], title, is_log, palette)
     };
-    let horizontal = axis_of(&densities.displacement, "displacement *x*", &unit(0, 1));
-    let displacement = panel(
-        &densities.displacement,
-        horizontal,
-        "density of *x*",
-        &unit(0, -1),
-        style.log,
-    );
-    let [rows, columns] = &densities.joint_edges;
-    let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
-    let cells = finer(&densities.joint);
-    let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
-    let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
-    let mut plane = Panel::new(
-        Axis::around(seen(0), "displacement *x*", &unit(0, 1)),
-        Axis::around(seen(1), "velocity *x*\u{2032}", &unit(-1, 1)),
-        96.0,
-    );
-    let fills = [palette.wide, palette.narrow];
-    for (held, fill) in HELD.into_iter().zip(fills) {
-        plane.bars(above(&cells, level(&cells, held), ends), fill);
-    }
+    let title = ("density of *x*", unit(0, -1));
+    let displacement = marginal(&densities.displacement, &axes[0], title, style.log, palette);
     let moving = stickslip_data::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
     let legend = [
         LegendEntry::words(format!("*x*\u{2032} in motion, {moving} % of the time")),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
-    let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
-    let key = HELD
-        .into_iter()
-        .zip(fills)
-        .map(|(held, fill)| LegendEntry::area(fill, words(held)));
     let panels = [
         velocity(false).above_another(),
         velocity(true),
         displacement,
-        plane.keyed(key),
+        plane(densities, &axes, palette),
     ];
     Ok(sheet(
         &format!("Densities: {}", scenario.title),
         legend,
         panels,
     ))
+}
+
+/// The title of an axis and its unit.
+type Titled = (&'static str, String);
+
+/// The density of one variable.
+fn marginal(
+    curve: &DensityCurve,
+    (variable, variable_unit): &Titled,
+    (title, unit): Titled,
+    is_log: bool,
+    palette: &Palette,
+) -> Panel {
+    let ends = [curve.edges[0], curve.edges[curve.edges.len() - 1]];
+    let horizontal = Axis::linear(ends, *variable, variable_unit);
+    let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, &unit, is_log);
+    let mut panel = Panel::new(horizontal, vertical, 66.0);
+    let bin = |(i, density): (usize, &f64)| {
+        let ends = if *density > 0.0 {
+            curve.ends.at(i)
+        } else {
+            [0.0; 2]
+        };
+        ([curve.edges[i], curve.edges[i + 1]], *density, ends)
+    };
+    let steps: Vec<DensityBin> = curve.density.iter().enumerate().map(bin).collect();
+    steps::draw(&steps, floor, palette, &mut panel);
+    panel
+}
+
+/// The density of both variables, with the areas that hold most of the time.
+fn plane(densities: &Densities, [x, y]: &[Titled; 2], palette: &Palette) -> Panel {
+    let [rows, columns] = &densities.joint_edges;
+    let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
+    let cells = finer(&densities.joint);
+    let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
+    let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
+    let mut plane = Panel::new(
+        Axis::around(seen(0), x.0, &x.1),
+        Axis::around(seen(1), y.0, &y.1),
+        96.0,
+    );
+    let areas = HELD.into_iter().zip([palette.wide, palette.narrow]);
+    for (held, fill) in areas.clone() {
+        plane.bars(above(&cells, level(&cells, held), ends), fill);
+    }
+    let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
+    plane.keyed(areas.map(|(held, fill)| LegendEntry::area(fill, words(held))))
 }
 
 /// The density in smaller cells, by linear interpolation between the middles of the cells of the

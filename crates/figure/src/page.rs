@@ -64,21 +64,7 @@ pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Draw
 ///
 /// No figure of the subject can be drawn.
 pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
-    let figures = FIGURES
-        .iter()
-        .filter(|figure| !APART.contains(&figure.name));
-    let mut sheets = Vec::new();
-    let mut without = NoPage::Empty;
-    for figure in figures {
-        match (figure.draws)(subject, style) {
-            Ok(sheet) => sheets.push(sheet),
-            Err(Absent::Elsewhere(_)) => {}
-            Err(absent) => without = NoPage::Without(figure, absent),
-        }
-    }
-    if sheets.is_empty() {
-        return Err(without);
-    }
+    let sheets = sheets(subject, style)?;
     let columns = columns(sheets, style);
     let palette = style.palette();
     let width = columns.len() as f64 * (style.points() + GAP) - GAP + 2.0 * EDGE;
@@ -143,6 +129,27 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
         items,
         left_out,
     })
+}
+
+/// The figures of the page that can be drawn from the subject.
+fn sheets(subject: &Subject, style: &Style) -> Result<Vec<Sheet>, NoPage> {
+    let figures = FIGURES
+        .iter()
+        .filter(|figure| !APART.contains(&figure.name));
+    let mut sheets = Vec::new();
+    let mut without = NoPage::Empty;
+    for figure in figures {
+        match (figure.draws)(subject, style) {
+            Ok(sheet) => sheets.push(sheet),
+            Err(Absent::Elsewhere(_)) => {}
+            Err(absent) => without = NoPage::Without(figure, absent),
+        }
+    }
+    if sheets.is_empty() {
+        Err(without)
+    } else {
+        Ok(sheets)
+    }
 }
 
 /// Figures below each other.

@@ -38,143 +38,201 @@ const SHORT: f64 = 0.005;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let path @ DrawnPath {
-        scenario,
-        number,
-        from,
-    } = subject.path()?;
-    let trace = PathTrace::of(&path)?;
-    let palette = style.palette();
-    let units = [
-        Dimension::TIME,
-        Dimension::LENGTH,
-        Dimension::VELOCITY,
-        Dimension::FORCE,
-    ];
-    let [time_unit, length_unit, velocity_unit, force_unit] =
-        units.map(|d| d.label(&scenario.units));
-    // With a load there is no level of its own.
-    let friction = if scenario.model.has_load() {
-        0.0
-    } else {
-        scenario.model.friction.static_force
-    };
-    let end = scenario.time.end;
-    let margin = MARGIN * (end - from);
-    let time = || Axis::linear([from - margin, end + margin], "time *t*", &time_unit);
+    let path = subject.path()?;
+    let layout = PathLayout::of(path, style)?;
+    Ok(sheet(
+        &format!("Path {}: {}", path.number, path.scenario.title),
+        layout.legend(),
+        layout.panels(),
+    ))
+}
 
-    let displacement = over_time(&trace, palette, time(), &length_unit);
+/// What is drawn, and what the panels have in common.
+struct PathLayout<'a> {
+    path: DrawnPath<'a>,
+    trace: PathTrace,
+    palette: &'static Palette,
+    time_unit: String,
+    length_unit: String,
+    velocity_unit: String,
+    force_unit: String,
+    /// The friction over time.
+    dry: Vec<[f64; 2]>,
+    /// Whether there are too many events to draw velocity and forces over time.
+    is_crowded: bool,
+}
 
-    let size = |values: &dyn Fn(&StateAt) -> f64| {
-        trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max)
-    };
-    let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
-    let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
-    let is_shared = is_dimensionless
-        && trace.moments.len() <= MOST_SHARED
-        && (1.0 / ALIKE..ALIKE).contains(&ratio);
-    let spring = Stroke::solid(palette.faint, THIN);
-    let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
-    let dry = friction_force(&trace, &scenario.model);
-    let forces = |panel: &mut Panel| {
-        panel.line(dry.clone(), force.clone());
-        panel.line(
-            trace.samples().map(|s| [s.time, s.spring]).collect(),
-            spring.clone(),
-        );
-    };
-    let is_crowded = trace.moments.len() > MOST_DRAWN;
-    let mut middle = Vec::new();
-    if is_shared {
-        let seen = trace
+impl<'a> PathLayout<'a> {
+    fn of(path: DrawnPath<'a>, style: &Style) -> Result<Self, Absent> {
+        let trace = PathTrace::of(&path)?;
+        let unit = |dimension: Dimension| dimension.label(&path.scenario.units);
+        Ok(PathLayout {
+            path,
+            palette: style.palette(),
+            time_unit: unit(Dimension::TIME),
+            length_unit: unit(Dimension::LENGTH),
+            velocity_unit: unit(Dimension::VELOCITY),
+            force_unit: unit(Dimension::FORCE),
+            dry: friction_force(&trace, &path.scenario.model),
+            is_crowded: trace.moments.len() > MOST_DRAWN,
+            trace,
+        })
+    }
+
+    fn panels(&self) -> Vec<Panel> {
+        let displacement = over_time(&self.trace, self.palette, self.time(), &self.length_unit);
+        let mut panels = vec![if self.is_crowded {
+            displacement
+        } else {
+            displacement.above_another()
+        }];
+        if self.is_shared() {
+            panels.push(self.shared());
+        } else if !self.is_crowded {
+            panels.extend(self.separate());
+        }
+        panels.extend(short_slip(
+            &self.trace,
+            self.palette,
+            SHORT * self.duration(),
+            &self.time_unit,
+            &self.velocity_unit,
+        ));
+        panels.push(self.plane());
+        panels
+    }
+
+    fn duration(&self) -> f64 {
+        self.path.scenario.time.end - self.path.from
+    }
+
+    /// The axis of time.
+    fn time(&self) -> Axis {
+        let (from, end) = (self.path.from, self.path.scenario.time.end);
+        let margin = MARGIN * self.duration();
+        Axis::linear([from - margin, end + margin], "time *t*", &self.time_unit)
+    }
+
+    /// Whether velocity and forces share an axis.
+    fn is_shared(&self) -> bool {
+        let size = |values: &dyn Fn(&StateAt) -> f64| {
+            let sizes = self.trace.samples().map(|s| values(s).abs());
+            sizes.fold(0.0, f64::max)
+        };
+        let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
+        let is_dimensionless = self.velocity_unit.is_empty() && self.force_unit.is_empty();
+        is_dimensionless
+            && self.trace.moments.len() <= MOST_SHARED
+            && (1.0 / ALIKE..ALIKE).contains(&ratio)
+    }
+
+    /// Velocity and forces over time in one panel.
+    fn shared(&self) -> Panel {
+        let seen = self
+            .trace
             .samples()
             .flat_map(|s| [s.velocity, s.spring])
-            .chain(dry.iter().map(|p| p[1]));
-        let mut panel = Panel::new(
-            time(),
-            Axis::around(seen, "velocity *ẋ*(*t*), force", ""),
-            104.0,
-        );
-        forces(&mut panel);
-        velocities(&trace, palette, &mut panel);
-        middle.push(panel);
-    } else if !is_crowded {
-        let seen = trace.samples().map(|s| s.velocity);
-        let mut panel = Panel::new(
-            time(),
-            Axis::around(seen, "velocity *ẋ*(*t*)", &velocity_unit),
-            76.0,
-        );
-        velocities(&trace, palette, &mut panel);
-        middle.push(panel.above_another());
-        let seen = trace
+            .chain(self.dry.iter().map(|p| p[1]));
+        let axis = Axis::around(seen, "velocity *ẋ*(*t*), force", "");
+        let mut panel = Panel::new(self.time(), axis, 104.0);
+        self.forces(&mut panel);
+        velocities(&self.trace, self.palette, &mut panel);
+        panel
+    }
+
+    /// Velocity and forces over time, in a panel each.
+    fn separate(&self) -> [Panel; 2] {
+        let seen = self.trace.samples().map(|s| s.velocity);
+        let axis = Axis::around(seen, "velocity *ẋ*(*t*)", &self.velocity_unit);
+        let mut velocity = Panel::new(self.time(), axis, 76.0);
+        velocities(&self.trace, self.palette, &mut velocity);
+        let seen = self
+            .trace
             .samples()
             .map(|s| s.spring)
-            .chain(dry.iter().map(|p| p[1]));
-        let mut panel = Panel::new(time(), Axis::around(seen, "force", &force_unit), 76.0);
-        forces(&mut panel);
-        middle.push(panel);
+            .chain(self.dry.iter().map(|p| p[1]));
+        let axis = Axis::around(seen, "force", &self.force_unit);
+        let mut force = Panel::new(self.time(), axis, 76.0);
+        self.forces(&mut force);
+        [velocity.above_another(), force]
     }
-    middle.extend(short_slip(
-        &trace,
-        palette,
-        SHORT * (end - from),
-        &time_unit,
-        &velocity_unit,
-    ));
-    let name = match (&scenario.model.force, scenario.model.oscillator.drive) {
-        (Some(_), _) => "*b*",
-        (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
-        (None, Drive::Force(_)) => "*cT* − *Kx*",
-    };
-    let force_axis = format!("force {name}");
-    let plane = phase_plane(
-        &trace,
-        palette,
-        friction,
-        &velocity_unit,
-        (force_axis, &force_unit),
-    );
 
-    let mut legend = vec![LegendEntry::line(
-        Stroke::dashed(palette.ink, LINE, &DASH_DOT),
-        "static",
-    )];
-    let names = (1..)
-        .zip(["slip", "2nd sub-phase", "3rd and later"])
-        .take(trace.most_sub_phases());
-    legend.extend(names.map(|(k, name)| LegendEntry::line(solid(of_sub_phase(k, palette)), name)));
-    if !is_crowded {
-        legend.push(LegendEntry::line(spring, name));
-        legend.push(LegendEntry::line(force, "friction *F*"));
+    fn spring_stroke(&self) -> Stroke {
+        Stroke::solid(self.palette.faint, THIN)
     }
-    if trace.moments.len() > MOST_MARKED {
-        let done = if is_crowded {
-            "for velocity and forces"
-        } else {
-            "to be marked"
-        };
-        let words = format!(
-            "{} events, too close {done}",
-            grouped(trace.moments.len() as u64)
+
+    fn friction_stroke(&self) -> Stroke {
+        Stroke::dashed(self.palette.fourth, 0.9, &DASHES)
+    }
+
+    fn forces(&self, panel: &mut Panel) {
+        panel.line(self.dry.clone(), self.friction_stroke());
+        panel.line(
+            self.trace.samples().map(|s| [s.time, s.spring]).collect(),
+            self.spring_stroke(),
         );
-        legend.push(LegendEntry::words(words));
     }
-    let plane = match in_full(&trace).len() < trace.pieces.len() {
-        true => plane.keyed([LegendEntry::words("longest slip bold, others thin")]),
-        false => plane,
-    };
-    let displacement = if is_crowded {
-        displacement
-    } else {
-        displacement.above_another()
-    };
-    let panels: Vec<Panel> = [vec![displacement], middle, vec![plane]].concat();
-    Ok(sheet(
-        &format!("Path {number}: {}", scenario.title),
-        legend,
-        panels,
-    ))
+
+    fn plane(&self) -> Panel {
+        let model = &self.path.scenario.model;
+        // With a load there is no level of its own.
+        let friction = if model.has_load() {
+            0.0
+        } else {
+            model.friction.static_force
+        };
+        let plane = phase_plane(
+            &self.trace,
+            self.palette,
+            friction,
+            &self.velocity_unit,
+            (format!("force {}", self.force_name()), &self.force_unit),
+        );
+        match in_full(&self.trace).len() < self.trace.pieces.len() {
+            true => plane.keyed([LegendEntry::words("longest slip bold, others thin")]),
+            false => plane,
+        }
+    }
+
+    fn force_name(&self) -> &'static str {
+        let model = &self.path.scenario.model;
+        match (&model.force, model.oscillator.drive) {
+            (Some(_), _) => "*b*",
+            (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
+            (None, Drive::Force(_)) => "*cT* − *Kx*",
+        }
+    }
+
+    fn legend(&self) -> Vec<LegendEntry> {
+        let (trace, palette) = (&self.trace, self.palette);
+        let mut legend = vec![LegendEntry::line(
+            Stroke::dashed(palette.ink, LINE, &DASH_DOT),
+            "static",
+        )];
+        let names = (1..)
+            .zip(["slip", "2nd sub-phase", "3rd and later"])
+            .take(trace.most_sub_phases());
+        legend.extend(
+            names.map(|(k, name)| LegendEntry::line(solid(of_sub_phase(k, palette)), name)),
+        );
+        if !self.is_crowded {
+            legend.push(LegendEntry::line(self.spring_stroke(), self.force_name()));
+            legend.push(LegendEntry::line(self.friction_stroke(), "friction *F*"));
+        }
+        if trace.moments.len() > MOST_MARKED {
+            let done = if self.is_crowded {
+                "for velocity and forces"
+            } else {
+                "to be marked"
+            };
+            let words = format!(
+                "{} events, too close {done}",
+                grouped(trace.moments.len() as u64)
+            );
+            legend.push(LegendEntry::words(words));
+        }
+        legend
+    }
 }
 
 /// The colour of sub-phase k of a slip.

@@ -2,16 +2,37 @@
 //! starting points of the least squares.
 
 use super::calibration::{DAY, thinned};
-use super::theme::THIN;
+use super::theme::{Palette, THIN};
 use super::{
     Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet,
 };
-use stickslip_bearing::calibration::Quantity;
+use stickslip_bearing::calibration::{Calibration, Quantity};
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
+    let mut panels = vec![
+        against_time(calibration, palette),
+        correlation(calibration, palette),
+    ];
+    let mut legend = Vec::new();
+    if !calibration.starts.is_empty() {
+        panels.push(starts(calibration, palette));
+        legend.push(LegendEntry::mark(
+            Mark::Circle,
+            palette.second,
+            "least-squares start",
+        ));
+        legend.push(LegendEntry::line(
+            Stroke::solid(palette.first, 1.0),
+            "interval of the estimate",
+        ));
+    }
+    Ok(sheet(&format!("Residuals: {title}"), legend, panels))
+}
+
+fn against_time(calibration: &Calibration, palette: &Palette) -> Panel {
     let record = &calibration.record;
     let days = record.times.last().copied().unwrap_or(0.0) / DAY;
     let residual = |i: usize| {
@@ -23,10 +44,13 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
     let time = calendar::time([0.0, days], record.start);
     let millimetres = Axis::around(left.iter().map(|point| point[1]), "measured − model", "mm");
-    let mut against_time = Panel::new(time, millimetres, 84.0);
-    against_time.line(left, Stroke::solid(palette.first, 0.4));
-    against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
+    let mut panel = Panel::new(time, millimetres, 84.0);
+    panel.line(left, Stroke::solid(palette.first, 0.4));
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    panel
+}
 
+fn correlation(calibration: &Calibration, palette: &Palette) -> Panel {
     let correlation: Vec<[f64; 2]> = calibration
         .residuals
         .autocorrelation
@@ -39,54 +63,43 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         "autocorrelation",
         "",
     );
-    let mut memory = Panel::new(delay, axis, 60.0);
-    memory.level(0.0, Stroke::solid(palette.faint, 0.4));
+    let mut panel = Panel::new(delay, axis, 60.0);
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     correlation
         .iter()
-        .for_each(|point| memory.mark(*point, Mark::Disc, palette.first));
-    memory.line(correlation, Stroke::solid(palette.first, THIN));
+        .for_each(|point| panel.mark(*point, Mark::Disc, palette.first));
+    panel.line(correlation, Stroke::solid(palette.first, THIN));
+    panel
+}
 
-    let mut panels = vec![against_time, memory];
-    let mut legend = Vec::new();
-    if !calibration.starts.is_empty() {
-        let best = calibration
-            .starts
-            .iter()
-            .map(|start| start.err)
-            .fold(f64::INFINITY, f64::min);
-        let values = calibration.start_values();
-        let ways: Vec<f64> = values
-            .iter()
-            .map(|values| 1e3 * values[Quantity::StaticWay as usize])
-            .collect();
-        let above: Vec<f64> = calibration
-            .starts
-            .iter()
-            .map(|start| 100.0 * (start.err / best - 1.0))
-            .collect();
-        let chosen = calibration.estimate(Quantity::StaticWay);
-        let ends = [1e3 * chosen.low, 1e3 * chosen.high];
-        let x = Axis::around(ways.iter().copied().chain(ends), "*f*_{s}/*K*", "mm");
-        let y = Axis::around(
-            above.iter().copied().chain([0.0, 0.2]),
-            "err above the best",
-            "%",
-        );
-        let mut starts = Panel::new(x, y, 74.0);
-        ways.iter()
-            .zip(&above)
-            .for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
-        starts.interval_across(0.1, ends, palette.first);
-        panels.push(starts);
-        legend.push(LegendEntry::mark(
-            Mark::Circle,
-            palette.second,
-            "least-squares start",
-        ));
-        legend.push(LegendEntry::line(
-            Stroke::solid(palette.first, 1.0),
-            "interval of the estimate",
-        ));
-    }
-    Ok(sheet(&format!("Residuals: {title}"), legend, panels))
+/// The results of the starting points, beside the interval of the estimate.
+fn starts(calibration: &Calibration, palette: &Palette) -> Panel {
+    let starts = &calibration.starts;
+    let best = starts
+        .iter()
+        .map(|start| start.err)
+        .fold(f64::INFINITY, f64::min);
+    let ways: Vec<f64> = calibration
+        .start_values()
+        .iter()
+        .map(|values| 1e3 * values[Quantity::StaticWay as usize])
+        .collect();
+    let above: Vec<f64> = starts
+        .iter()
+        .map(|start| 100.0 * (start.err / best - 1.0))
+        .collect();
+    let chosen = calibration.estimate(Quantity::StaticWay);
+    let ends = [1e3 * chosen.low, 1e3 * chosen.high];
+    let x = Axis::around(ways.iter().copied().chain(ends), "*f*_{s}/*K*", "mm");
+    let y = Axis::around(
+        above.iter().copied().chain([0.0, 0.2]),
+        "err above the best",
+        "%",
+    );
+    let mut panel = Panel::new(x, y, 74.0);
+    ways.iter()
+        .zip(&above)
+        .for_each(|(way, above)| panel.mark([*way, *above], Mark::Circle, palette.second));
+    panel.interval_across(0.1, ends, palette.first);
+    panel
 }

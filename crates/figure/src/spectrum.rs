@@ -1,9 +1,10 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
+use super::theme::Palette;
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
-use stickslip::stats::Dimension;
+use stickslip::stats::{Dimension, Spectrum};
 use stickslip::sums::Ends;
 
 /// Draws the figure.
@@ -14,9 +15,8 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             "the run has no spectrum: set record.spectrum = true",
         ));
     };
-    let of = &spectrum.velocity;
     let [least, most] = range_of(
-        of.spectrum[1..]
+        spectrum.velocity.spectrum[1..]
             .iter()
             .copied()
             .filter(|power| *power > 0.0),
@@ -35,50 +35,15 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
         .label(&scenario.units)
     };
-    let frequencies = &spectrum.frequency;
-    let horizontal = Axis::log(
-        [frequencies[1], frequencies[frequencies.len() - 1]],
-        "angular frequency *ω*",
-        &unit(-1, 0),
-    );
     let vertical = Axis::log_around(
         [least, most],
         "power spectrum *S*(*ω*) of *x*\u{2032}",
         &unit(-1, 2),
     );
-    let mut power = Panel::new(horizontal, vertical, 96.0);
-    let curve = |values: &[f64]| -> Vec<[f64; 2]> {
-        frequencies
-            .iter()
-            .zip(values)
-            .skip(1)
-            .map(|(w, s)| [*w, *s])
-            .filter(|point| point[1] > 0.0)
-            .collect()
-    };
-    power.band(band(frequencies, &of.spectrum_ends, 1), palette.narrow);
-    power.line(curve(&of.spectrum), solid(palette.first));
-    let lags = &spectrum.lag;
-    let horizontal = Axis::linear([0.0, lags[lags.len() - 1]], "lag *s*", &unit(1, 0));
-    let seen = of.autocovariance_ends.low[..lags.len()]
-        .iter()
-        .chain(&of.autocovariance_ends.high[..lags.len()])
-        .copied();
-    let title = "autocovariance *C*(*s*) of *x*\u{2032}";
-    let mut covariance = Panel::new(
-        horizontal,
-        Axis::around(seen.chain([0.0]), title, &unit(-2, 2)),
-        72.0,
-    );
-    covariance.level(0.0, Stroke::solid(palette.faint, 0.4));
-    covariance.band(band(lags, &of.autocovariance_ends, 0), palette.narrow);
-    covariance.line(
-        lags.iter()
-            .zip(&of.autocovariance)
-            .map(|(l, c)| [*l, *c])
-            .collect(),
-        solid(palette.first),
-    );
+    let panels = [
+        power(spectrum, &unit(-1, 0), vertical, palette),
+        covariance(spectrum, [unit(1, 0), unit(-2, 2)], palette),
+    ];
     let legend = [
         LegendEntry::line(solid(palette.first), "deviations from the mean over paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
@@ -86,8 +51,45 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     Ok(sheet(
         &format!("Spectrum: {}", scenario.title),
         legend,
-        [power, covariance],
+        panels,
     ))
+}
+
+/// The power spectrum.
+fn power(spectrum: &Spectrum, unit: &str, vertical: Axis, palette: &Palette) -> Panel {
+    let (of, frequencies) = (&spectrum.velocity, &spectrum.frequency);
+    let horizontal = Axis::log(
+        [frequencies[1], frequencies[frequencies.len() - 1]],
+        "angular frequency *ω*",
+        unit,
+    );
+    let mut panel = Panel::new(horizontal, vertical, 96.0);
+    panel.band(band(frequencies, &of.spectrum_ends, 1), palette.narrow);
+    let points = frequencies.iter().zip(&of.spectrum).skip(1);
+    let curve = points
+        .map(|(w, s)| [*w, *s])
+        .filter(|point| point[1] > 0.0)
+        .collect();
+    panel.line(curve, solid(palette.first));
+    panel
+}
+
+fn covariance(spectrum: &Spectrum, units: [String; 2], palette: &Palette) -> Panel {
+    let (of, lags) = (&spectrum.velocity, &spectrum.lag);
+    let horizontal = Axis::linear([0.0, lags[lags.len() - 1]], "lag *s*", &units[0]);
+    let seen = of.autocovariance_ends.low[..lags.len()]
+        .iter()
+        .chain(&of.autocovariance_ends.high[..lags.len()])
+        .copied();
+    let title = "autocovariance *C*(*s*) of *x*\u{2032}";
+    let vertical = Axis::around(seen.chain([0.0]), title, &units[1]);
+    let mut panel = Panel::new(horizontal, vertical, 72.0);
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    panel.band(band(lags, &of.autocovariance_ends, 0), palette.narrow);
+    let points = lags.iter().zip(&of.autocovariance);
+    let curve = points.map(|(l, c)| [*l, *c]).collect();
+    panel.line(curve, solid(palette.first));
+    panel
 }
 
 fn band(at: &[f64], ends: &Ends, from: usize) -> Vec<[f64; 3]> {

@@ -82,48 +82,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let palette = style.palette();
     let curves = curves(sweeps, palette);
-    let (mut panels, mut has_corrected) = (Vec::new(), false);
+    let mut panels = Vec::new();
+    let mut has_corrected = false;
     for (n, &statistic) in statistics.iter().enumerate() {
-        let drawn: Vec<Vec<(f64, Estimate)>> = curves
-            .iter()
-            .map(|curve| curve.estimates(statistic))
-            .collect();
-        let all = || drawn.iter().flatten().map(|(_, e)| e);
-        let numbers = || {
-            all()
-                .flat_map(|e| [e.estimate, e.low, e.high])
-                .chain(all().filter_map(without_step))
-        };
-        let [least, most] = range_of(numbers());
-        if !least.is_finite() {
-            return Err(Absent::Nothing("the statistic does not exist at any point"));
-        }
-        let unit = statistic.dimension().label(&first.question.scenario.units);
-        let title = of_statistic(statistic, style);
-        let positive = range_of(numbers().filter(|y| *y > 0.0));
-        let vertical = match style.log && positive[0].is_finite() {
-            true => Axis::log_around(positive, title, &unit),
-            false if least >= 0.0 => Axis::from_zero(most, title, &unit),
-            false => Axis::around(numbers(), title, &unit),
-        };
-        let mut panel = Panel::new(horizontal(axis, style), vertical, HEIGHT);
-        for (curve, points) in curves.iter().zip(&drawn) {
-            let colour = curve.stroke.colour;
-            panel.line(
-                points.iter().map(|(x, e)| [*x, e.estimate]).collect(),
-                curve.stroke.clone(),
-            );
-            for (x, e) in points {
-                panel.interval(*x, [e.low, e.high], colour);
-                if let Some(y) = without_step(e) {
-                    panel.mark([*x, y], Mark::Circle, colour);
-                    has_corrected = true;
-                }
-                if points.len() <= MOST_MARKS {
-                    panel.mark([*x, e.estimate], curve.mark, colour);
-                }
-            }
-        }
+        let (panel, is_corrected) = panel(statistic, axis, &curves, style)?;
+        has_corrected |= is_corrected;
         panels.push(if n + 1 < statistics.len() {
             panel.above_another()
         } else {
@@ -155,6 +118,68 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend,
         panels,
     ))
+}
+
+/// The panel of a statistic, and whether it shows corrected estimates.
+fn panel(
+    statistic: Statistic,
+    axis: &sweep::SweepAxis,
+    curves: &[Curve],
+    style: &Style,
+) -> Result<(Panel, bool), Absent> {
+    let drawn: Vec<Vec<(f64, Estimate)>> = curves
+        .iter()
+        .map(|curve| curve.estimates(statistic))
+        .collect();
+    let vertical = vertical(statistic, curves, &drawn, style)?;
+    let mut panel = Panel::new(horizontal(axis, style), vertical, HEIGHT);
+    let mut has_corrected = false;
+    for (curve, points) in curves.iter().zip(&drawn) {
+        let colour = curve.stroke.colour;
+        panel.line(
+            points.iter().map(|(x, e)| [*x, e.estimate]).collect(),
+            curve.stroke.clone(),
+        );
+        for (x, e) in points {
+            panel.interval(*x, [e.low, e.high], colour);
+            if let Some(y) = without_step(e) {
+                panel.mark([*x, y], Mark::Circle, colour);
+                has_corrected = true;
+            }
+            if points.len() <= MOST_MARKS {
+                panel.mark([*x, e.estimate], curve.mark, colour);
+            }
+        }
+    }
+    Ok((panel, has_corrected))
+}
+
+/// The axis of a statistic. It holds all estimates and their intervals.
+fn vertical(
+    statistic: Statistic,
+    curves: &[Curve],
+    drawn: &[Vec<(f64, Estimate)>],
+    style: &Style,
+) -> Result<Axis, Absent> {
+    let all = || drawn.iter().flatten().map(|(_, e)| e);
+    let numbers = || {
+        all()
+            .flat_map(|e| [e.estimate, e.low, e.high])
+            .chain(all().filter_map(without_step))
+    };
+    let [least, most] = range_of(numbers());
+    if !least.is_finite() {
+        return Err(Absent::Nothing("the statistic does not exist at any point"));
+    }
+    let units = &curves[0].sweep.question.scenario.units;
+    let unit = statistic.dimension().label(units);
+    let title = of_statistic(statistic, style);
+    let positive = range_of(numbers().filter(|y| *y > 0.0));
+    Ok(match style.log && positive[0].is_finite() {
+        true => Axis::log_around(positive, title, &unit),
+        false if least >= 0.0 => Axis::from_zero(most, title, &unit),
+        false => Axis::around(numbers(), title, &unit),
+    })
 }
 
 /// The space at both ends of the horizontal axis, as a share of it, for the bars of the outermost

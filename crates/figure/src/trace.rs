@@ -169,22 +169,16 @@ impl PathTrace {
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
         let row = |i: usize| {
-            let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
-            let spring = shown(
-                model,
-                time[i],
-                rows.temperature[i],
-                [displacement, velocity],
-            );
+            let state = [rows.displacement[i], rows.velocity[i]];
             StateAt {
                 time: time[i],
-                displacement,
-                velocity,
-                spring,
+                displacement: state[0],
+                velocity: state[1],
+                spring: shown(model, time[i], rows.temperature[i], state),
             }
         };
-        let end = time.len().min(rows.displacement.len());
         let mut next_row = 0;
+        let end = time.len().min(rows.displacement.len());
         let mut piece = DrawnPhase {
             slip: None,
             samples: Vec::new(),
@@ -195,14 +189,13 @@ impl PathTrace {
         };
         let mut count = EventNumbers::default();
         for i in 0..events.time.len() {
-            let [time, displacement] = [events.time[i], events.displacement[i]];
             let at = match rows.velocity.first() {
                 // A body with initial velocity begins its first slip with it.
-                Some(v0) if time == 0.0 && *v0 != 0.0 => row(0),
+                Some(v0) if events.time[i] == 0.0 && *v0 != 0.0 => row(0),
                 // The velocity is zero at an event, so the force b is that of the spring alone.
                 _ => StateAt {
-                    time,
-                    displacement,
+                    time: events.time[i],
+                    displacement: events.displacement[i],
                     velocity: 0.0,
                     spring: events.force[i],
                 },
@@ -212,44 +205,42 @@ impl PathTrace {
                 next_row += 1;
             }
             piece.samples.push(at);
-            let name = count.name(events.kind[i]);
             trace.moments.push(LabelledEvent {
                 at,
-                name,
+                name: count.name(events.kind[i]),
                 is_turn: events.kind[i] == 2,
             });
-            let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
-            let before = std::mem::replace(
-                &mut piece,
-                DrawnPhase {
-                    slip,
-                    samples: vec![at],
-                },
-            );
-            trace.pieces.push(before);
+            let next = DrawnPhase {
+                slip: (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i]))),
+                samples: vec![at],
+            };
+            trace.pieces.push(std::mem::replace(&mut piece, next));
         }
         piece.samples.extend((next_row..end).map(row));
         trace.pieces.push(piece);
-        if let Some(first) = trace
+        trace.name_first_state();
+        Some(trace)
+    }
+
+    /// Names the state at t = 0, where no event has that name.
+    fn name_first_state(&mut self) {
+        if let Some(first) = self
             .pieces
             .iter()
             .find_map(|piece| piece.samples.first())
             .filter(|first| first.time == 0.0)
-            && trace
+            && self
                 .moments
                 .first()
                 .is_none_or(|moment| moment.at.time > 0.0)
         {
-            trace.moments.insert(
-                0,
-                LabelledEvent {
-                    at: *first,
-                    name: "*τ*_{0}".to_string(),
-                    is_turn: false,
-                },
-            );
+            let begin = LabelledEvent {
+                at: *first,
+                name: "*τ*_{0}".to_string(),
+                is_turn: false,
+            };
+            self.moments.insert(0, begin);
         }
-        Some(trace)
     }
 
     /// The same path with the motion that the scheme knows in sub-phases of few rows.

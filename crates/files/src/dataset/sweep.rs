@@ -214,123 +214,158 @@ fn points(
     seeds: &[u64],
     points: &mut Vec<Option<Point>>,
 ) -> Walked {
-    const STATISTICS: usize = Statistic::ALL.len();
-    const MISSING: [f64; STATISTICS] = [f64::NAN; STATISTICS];
-    let mut coordinates = "statistic_long_name statistic_unit".to_string();
-    match design {
-        Design::Grid(_) => {}
-        Design::Zip(axes) => axes
-            .iter()
-            .for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
-        Design::Star { .. } => coordinates.push_str(" point_key point_value"),
+    let mut columns = PointColumns::of(points);
+    columns.walk_estimates(walk, design)?;
+    columns.walk_paths(walk, design, seeds)?;
+    points.clear();
+    for p in 0..design.points() {
+        let is_right = columns.status[p] == 0 || columns.diverged[p] <= columns.completed[p];
+        walk.check(is_right, || "more diverged paths than paths".to_string())?;
+        points.push(columns.point(p));
     }
-    let (attributes, shape) = ([("coordinates", coordinates.as_str())], shape(design));
-    let count = design.points();
-    let of_point = |point: &Option<Point>| match point {
-        Some(Point { estimates, .. }) => estimates
-            .each_ref()
-            .map(|e| (numbers_of(e), corrected_of(e))),
-        None => [([f64::NAN; 7], [f64::NAN; 3]); STATISTICS],
-    };
-    let (found, corrected): (Vec<_>, Vec<_>) = points.iter().flat_map(of_point).unzip();
-    let mut found = columns_of(found);
-    for (variable, values) in PER_STATISTIC.iter().zip(&mut found) {
+    Ok(())
+}
+
+const STATISTICS: usize = Statistic::ALL.len();
+
+/// The results of all points, as the variables of a file.
+struct PointColumns {
+    estimates: [Vec<f64>; 7],
+    corrected: [Vec<f64>; 3],
+    /// The estimates without each group of paths.
+    without: Vec<f64>,
+    /// 0 if a point is not done, 1 if it is, and 2 if all of its paths diverged.
+    status: Vec<i8>,
+    completed: Vec<u64>,
+    diverged: Vec<u64>,
+    seconds: Vec<f64>,
+    cycles: Vec<Option<LimitCycle>>,
+}
+
+impl PointColumns {
+    fn of(points: &[Option<Point>]) -> Self {
+        let estimates = |point: &Option<Point>| match point {
+            Some(Point { estimates, .. }) => estimates
+                .each_ref()
+                .map(|e| (numbers_of(e), corrected_of(e))),
+            None => [([f64::NAN; 7], [f64::NAN; 3]); STATISTICS],
+        };
+        let (estimates, corrected): (Vec<_>, Vec<_>) = points.iter().flat_map(estimates).unzip();
+        let without = |point: &Option<Point>| {
+            let known = point.as_ref().map_or(&[][..], |point| &point.without);
+            (0..GROUPS)
+                .flat_map(|group| known.get(group).copied().unwrap_or([f64::NAN; STATISTICS]))
+                .collect::<Vec<f64>>()
+        };
+        let status = |point: &Option<Point>| match point {
+            None => 0,
+            Some(point) if point.diverged_paths < point.completed_paths => 1,
+            Some(_) => 2,
+        };
+        let each = || points.iter().map(Option::as_ref);
+        PointColumns {
+            estimates: columns_of(estimates),
+            corrected: columns_of(corrected),
+            without: points.iter().flat_map(without).collect(),
+            status: points.iter().map(status).collect(),
+            completed: each()
+                .map(|point| point.map_or(0, |point| point.completed_paths))
+                .collect(),
+            diverged: each()
+                .map(|point| point.map_or(0, |point| point.diverged_paths))
+                .collect(),
+            seconds: each()
+                .map(|point| point.map_or(f64::NAN, |point| point.seconds))
+                .collect(),
+            cycles: each()
+                .map(|point| point.and_then(|point| point.cycle.clone()))
+                .collect(),
+        }
+    }
+
+    fn walk_estimates(&mut self, walk: &mut Walk, design: &Design) -> Walked {
+        let mut coordinates = "statistic_long_name statistic_unit".to_string();
+        match design {
+            Design::Grid(_) => {}
+            Design::Zip(axes) => axes
+                .iter()
+                .for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
+            Design::Star { .. } => coordinates.push_str(" point_key point_value"),
+        }
+        let attributes = [("coordinates", coordinates.as_str())];
+        let shape = shape(design);
+        let length = design.points() * STATISTICS;
+        for (variable, values) in PER_STATISTIC.iter().zip(&mut self.estimates) {
+            let dimensions = [&shape, variable.axes].concat();
+            walk.sized(&variable.along(&dimensions, &attributes), values, length)?;
+        }
+        for (variable, values) in CORRECTED.iter().zip(&self.corrected) {
+            let dimensions = [&shape, variable.axes].concat();
+            walk.derived(&variable.along(&dimensions, &attributes), values);
+        }
+        let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
         walk.sized(
-            &variable.along(&[&shape, variable.axes].concat(), &attributes),
-            values,
-            count * STATISTICS,
+            &own::ESTIMATE_WITHOUT.along(&dimensions, &[]),
+            &mut self.without,
+            length * GROUPS,
+        )
+    }
+
+    /// Walk over what became of the paths of each point, and over the cycles.
+    fn walk_paths(&mut self, walk: &mut Walk, design: &Design, seeds: &[u64]) -> Walked {
+        let (shape, count) = (shape(design), design.points());
+        walk.sized(
+            &own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes),
+            &mut self.status,
+            count,
         )?;
+        walk.sized(
+            &own::POINT_COMPLETED_PATHS.along(&shape, &[]),
+            &mut self.completed,
+            count,
+        )?;
+        walk.sized(
+            &own::POINT_DIVERGED_PATHS.along(&shape, &[]),
+            &mut self.diverged,
+            count,
+        )?;
+        walk.derived(&own::POINT_SEED.along(&shape, &[]), seeds);
+        walk.sized(
+            &own::POINT_SECONDS.along(&shape, &[]),
+            &mut self.seconds,
+            count,
+        )?;
+        // A walk that reads begins without points.
+        self.cycles.resize(count, None);
+        walk_cycles(walk, &shape, &mut self.cycles)
     }
-    for (variable, values) in CORRECTED.iter().zip(&columns_of(corrected)) {
-        walk.derived(
-            &variable.along(&[&shape, variable.axes].concat(), &attributes),
-            values,
-        );
-    }
-    let without = |point: &Option<Point>| {
-        let known = point.as_ref().map_or(&[][..], |point| &point.without);
-        (0..GROUPS)
-            .flat_map(|group| known.get(group).copied().unwrap_or(MISSING))
-            .collect::<Vec<f64>>()
-    };
-    let mut without: Vec<f64> = points.iter().flat_map(without).collect();
-    let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
-    walk.sized(
-        &own::ESTIMATE_WITHOUT.along(&dimensions, &[]),
-        &mut without,
-        count * GROUPS * STATISTICS,
-    )?;
 
-    let done = |point: &Option<Point>| match point {
-        None => 0,
-        Some(point) if point.diverged_paths < point.completed_paths => 1,
-        Some(_) => 2_i8,
-    };
-    let mut status: Vec<i8> = points.iter().map(done).collect();
-    let whole = |of: fn(&Point) -> u64| -> Vec<u64> {
-        points
-            .iter()
-            .map(|point| point.as_ref().map_or(0, of))
-            .collect()
-    };
-    let (mut completed, mut diverged) = (
-        whole(|point| point.completed_paths),
-        whole(|point| point.diverged_paths),
-    );
-    let seconds = |point: &Option<Point>| point.as_ref().map_or(f64::NAN, |point| point.seconds);
-    let mut seconds: Vec<f64> = points.iter().map(seconds).collect();
-    walk.sized(
-        &own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes),
-        &mut status,
-        count,
-    )?;
-    walk.sized(
-        &own::POINT_COMPLETED_PATHS.along(&shape, &[]),
-        &mut completed,
-        count,
-    )?;
-    walk.sized(
-        &own::POINT_DIVERGED_PATHS.along(&shape, &[]),
-        &mut diverged,
-        count,
-    )?;
-    walk.derived(&own::POINT_SEED.along(&shape, &[]), seeds);
-    walk.sized(&own::POINT_SECONDS.along(&shape, &[]), &mut seconds, count)?;
-    // A walk that reads begins without points.
-    points.resize(count, None);
-    let cycles = points
-        .iter()
-        .map(|point| point.as_ref().and_then(|point| point.cycle.clone()));
-    let mut cycles: Vec<Option<LimitCycle>> = cycles.collect();
-    walk_cycles(walk, &shape, &mut cycles)?;
-
-    for (p, point) in points.iter_mut().enumerate() {
-        let is_done = status[p] != 0;
-        walk.check(!is_done || diverged[p] <= completed[p], || {
-            "more diverged paths than paths".to_string()
-        })?;
+    /// A point; none if it is not done.
+    fn point(&self, p: usize) -> Option<Point> {
         let estimate = |statistic: Statistic| {
             let row = p * STATISTICS + statistic.index();
-            estimate_of(statistic, found.each_ref().map(|column| column[row]))
+            estimate_of(
+                statistic,
+                self.estimates.each_ref().map(|column| column[row]),
+            )
         };
         let group = |values: &[f64]| -> GroupValues { std::array::from_fn(|i| values[i]) };
-        let groups = without[p * GROUPS * STATISTICS..]
+        let groups = self.without[p * GROUPS * STATISTICS..]
             .chunks(STATISTICS)
             .take(GROUPS)
             .map(group);
-        *point = is_done.then(|| Point {
+        (self.status[p] != 0).then(|| Point {
             estimates: Statistic::ALL.map(estimate),
-            completed_paths: completed[p],
-            diverged_paths: diverged[p],
-            seconds: seconds[p],
-            cycle: cycles[p].clone(),
+            completed_paths: self.completed[p],
+            diverged_paths: self.diverged[p],
+            seconds: self.seconds[p],
+            cycle: self.cycles[p].clone(),
             // There are fewer groups where there are fewer paths.
             without: groups
                 .take_while(|values| values.iter().any(|x| !x.is_nan()))
                 .collect(),
-        });
+        })
     }
-    Ok(())
 }
 
 /// Walk over the cycles of the points of a design of this shape, if a point has one.

@@ -66,88 +66,125 @@ fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) 
 /// Walk over the measurements of the settings. Variance, bias and the error of the bias follow from
 /// them.
 fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64>; 3]) -> Walked {
+    let mut columns = SettingColumns::of(settings);
+    columns.walk(walk, &derived)?;
+    *settings = (0..columns.names.len())
+        .map(|i| columns.setting(i))
+        .collect::<Result<_, _>>()?;
+    Ok(())
+}
+
+/// The measurements of all settings, as the variables of a file.
+struct SettingColumns {
+    names: Vec<String>,
+    steps: Vec<f64>,
+    tolerances: Vec<f64>,
+    paths: Vec<u64>,
+    diverged: Vec<u64>,
+    first: Vec<f64>,
+    each: Vec<f64>,
+    estimates: Vec<f64>,
+    errors: Vec<f64>,
+    changes: Vec<f64>,
+    change_errors: Vec<f64>,
+}
+
+impl SettingColumns {
     const ALL: usize = Statistic::ALL.len();
-    let of_rung = |setting: &TradeSetting| {
-        let TradeSetting {
-            scheme,
-            cost: Cost { first, each },
-            ..
-        } = setting;
-        [
-            scheme.step().unwrap_or(f64::NAN),
-            scheme.tolerance().unwrap_or(f64::NAN),
-            *first,
-            *each,
-        ]
-    };
-    let numbers = |setting: &TradeSetting| {
-        Statistic::ALL.map(|statistic| {
-            let estimate = setting.estimate(statistic);
-            let change = setting.change(statistic).unwrap_or(Number {
-                value: f64::NAN,
-                error: f64::NAN,
-            });
-            [estimate.value, estimate.error, change.value, change.error]
-        })
-    };
-    let mut names = texts(settings.iter().map(|setting| setting.scheme.name()));
-    let [mut steps, mut tolerances, mut first, mut each] = columns_of(settings.iter().map(of_rung));
-    let (mut paths, mut diverged): (Vec<_>, Vec<_>) = settings
-        .iter()
-        .map(|setting| (setting.paths, setting.diverged))
-        .unzip();
-    let [mut estimates, mut errors, mut changes, mut change_errors] =
-        columns_of(settings.iter().flat_map(numbers));
-    walk.variable(&RUNG_SCHEME, &mut names)?;
-    walk.check(!names.is_empty(), || {
-        format!("{} is missing", RUNG_SCHEME.name)
-    })?;
-    let count = names.len();
-    walk.sized(&RUNG_STEP, &mut steps, count)?;
-    walk.sized(&RUNG_TOLERANCE, &mut tolerances, count)?;
-    walk.sized(&RUNG_PATHS, &mut paths, count)?;
-    walk.sized(&RUNG_DIVERGED, &mut diverged, count)?;
-    walk.sized(&RUNG_SECONDS_FIRST, &mut first, count)?;
-    walk.sized(&RUNG_SECONDS, &mut each, count)?;
-    walk.sized(&RUNG_ESTIMATE, &mut estimates, count * ALL)?;
-    walk.sized(&RUNG_STANDARD_ERROR, &mut errors, count * ALL)?;
-    for (variable, values) in [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR]
-        .into_iter()
-        .zip(&derived)
-    {
-        walk.derived(variable, values);
+
+    fn of(settings: &[TradeSetting]) -> Self {
+        let of_rung = |setting: &TradeSetting| {
+            let TradeSetting {
+                scheme,
+                cost: Cost { first, each },
+                ..
+            } = setting;
+            [
+                scheme.step().unwrap_or(f64::NAN),
+                scheme.tolerance().unwrap_or(f64::NAN),
+                *first,
+                *each,
+            ]
+        };
+        let numbers = |setting: &TradeSetting| {
+            Statistic::ALL.map(|statistic| {
+                let estimate = setting.estimate(statistic);
+                let change = setting.change(statistic).unwrap_or(Number {
+                    value: f64::NAN,
+                    error: f64::NAN,
+                });
+                [estimate.value, estimate.error, change.value, change.error]
+            })
+        };
+        let [steps, tolerances, first, each] = columns_of(settings.iter().map(of_rung));
+        let [estimates, errors, changes, change_errors] =
+            columns_of(settings.iter().flat_map(numbers));
+        SettingColumns {
+            names: texts(settings.iter().map(|setting| setting.scheme.name())),
+            steps,
+            tolerances,
+            paths: settings.iter().map(|setting| setting.paths).collect(),
+            diverged: settings.iter().map(|setting| setting.diverged).collect(),
+            first,
+            each,
+            estimates,
+            errors,
+            changes,
+            change_errors,
+        }
     }
-    walk.sized(&RUNG_CHANGE, &mut changes, count * ALL)?;
-    walk.sized(&RUNG_CHANGE_ERROR, &mut change_errors, count * ALL)?;
-    settings.clear();
-    for (i, name) in names.iter().enumerate() {
+
+    fn walk(&mut self, walk: &mut Walk, derived: &[Vec<f64>; 3]) -> Walked {
+        walk.variable(&RUNG_SCHEME, &mut self.names)?;
+        walk.check(!self.names.is_empty(), || {
+            format!("{} is missing", RUNG_SCHEME.name)
+        })?;
+        let count = self.names.len();
+        walk.sized(&RUNG_STEP, &mut self.steps, count)?;
+        walk.sized(&RUNG_TOLERANCE, &mut self.tolerances, count)?;
+        walk.sized(&RUNG_PATHS, &mut self.paths, count)?;
+        walk.sized(&RUNG_DIVERGED, &mut self.diverged, count)?;
+        walk.sized(&RUNG_SECONDS_FIRST, &mut self.first, count)?;
+        walk.sized(&RUNG_SECONDS, &mut self.each, count)?;
+        let length = count * Self::ALL;
+        walk.sized(&RUNG_ESTIMATE, &mut self.estimates, length)?;
+        walk.sized(&RUNG_STANDARD_ERROR, &mut self.errors, length)?;
+        let variables = [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR];
+        for (variable, values) in variables.into_iter().zip(derived) {
+            walk.derived(variable, values);
+        }
+        walk.sized(&RUNG_CHANGE, &mut self.changes, length)?;
+        walk.sized(&RUNG_CHANGE_ERROR, &mut self.change_errors, length)
+    }
+
+    fn setting(&self, i: usize) -> Result<TradeSetting, String> {
+        let name = &self.names[i];
         let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
         let numbers = |values: &[f64], errors: &[f64]| -> Vec<Number> {
-            let of_rung = i * ALL..(i + 1) * ALL;
+            let of_rung = i * Self::ALL..(i + 1) * Self::ALL;
             let pairs = values[of_rung.clone()].iter().zip(&errors[of_rung]);
             pairs
                 .map(|(&value, &error)| Number { value, error })
                 .collect()
         };
-        let changes = numbers(&changes, &change_errors);
+        let changes = numbers(&self.changes, &self.change_errors);
         let is_measured = changes.iter().any(|change| !change.value.is_nan());
-        settings.push(TradeSetting {
+        Ok(TradeSetting {
             scheme: kind.with(if kind.has_step() {
-                steps[i]
+                self.steps[i]
             } else {
-                tolerances[i]
+                self.tolerances[i]
             }),
-            paths: paths[i],
-            diverged: diverged[i].min(paths[i]),
+            paths: self.paths[i],
+            diverged: self.diverged[i].min(self.paths[i]),
             cost: Cost {
-                first: first[i],
-                each: each[i],
+                first: self.first[i],
+                each: self.each[i],
             },
-            estimates: numbers(&estimates, &errors),
+            estimates: numbers(&self.estimates, &self.errors),
             changes: if is_measured { changes } else { Vec::new() },
-        });
+        })
     }
-    Ok(())
 }
 
 fn orders(to: &mut Dataset, trade: &Trade) {

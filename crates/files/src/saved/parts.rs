@@ -70,6 +70,76 @@ pub struct Parts {
     pub(crate) parts: Vec<(PathBuf, State)>,
 }
 
+/// The run to which a part belongs, and into how many parts it is cut.
+fn whole(state: &State) -> (RunQuestion, Option<u64>) {
+    let mut question = state.question.clone();
+    let count = question.asked.part.take().map(|part| part.of());
+    (question, count)
+}
+
+fn number(state: &State) -> u64 {
+    state.question.asked.part.map_or(1, |part| part.number())
+}
+
+/// Check that each part is finished and of the same run as the first one.
+fn check_same_run(parts: &[(PathBuf, State)]) -> Result<(), PartsError> {
+    let (first, of) = &parts[0];
+    of.check_program(first)?;
+    let (question, count) = whole(of);
+    for (path, state) in parts {
+        state.check_program(path)?;
+        let asked = &state.question.asked;
+        if asked.part.is_none() || state.paths() != asked.own_paths() {
+            return Err(SavedError::Damaged { path: path.clone() }.into());
+        }
+        let (mine, cut) = whole(state);
+        let difference = mine.difference_from(&question).or_else(|| {
+            (cut != count).then(|| {
+                format!(
+                    "it is one of {} parts, not {}",
+                    cut.unwrap_or(1),
+                    count.unwrap_or(1)
+                )
+            })
+        });
+        if let Some(difference) = difference {
+            return Err(PartsError::Foreign {
+                path: path.clone(),
+                first: first.clone(),
+                difference,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Check that each of so many parts is there once, where parts are in the order of their numbers.
+fn check_complete(parts: &[(PathBuf, State)], count: u64) -> Result<(), PartsError> {
+    let twice = parts
+        .windows(2)
+        .find(|pair| number(&pair[0].1) == number(&pair[1].1));
+    if let Some([(first, state), (second, _)]) = twice {
+        let part = state.question.asked.part;
+        return Err(PartsError::Repeated {
+            first: first.clone(),
+            second: second.clone(),
+            part: part.map_or_else(String::new, |part| part.to_string()),
+        });
+    }
+    let is_there = |wanted: &u64| parts.iter().any(|(_, state)| number(state) == *wanted);
+    let missing: Vec<String> = (1..=count)
+        .filter(|wanted| !is_there(wanted))
+        .map(|number| format!("{number}/{count}"))
+        .collect();
+    if missing.is_empty() {
+        Ok(())
+    } else {
+        Err(PartsError::Missing {
+            missing: missing.join(", "),
+        })
+    }
+}
+
 impl Parts {
     /// Check that these states of parts, each with its name, are one whole run together. Parts that
     /// are unreadable, unfinished, repeated, missing, of another run or of another program are
@@ -84,72 +154,15 @@ impl Parts {
 
     /// The same of states that are read already.
     pub(crate) fn of(mut parts: Vec<(PathBuf, State)>) -> Result<Parts, PartsError> {
-        let Some((first, of)) = parts.first().cloned() else {
+        let Some((_, first)) = parts.first() else {
             return Err(PartsError::Missing {
                 missing: "1/1".into(),
             });
         };
-        of.check_program(&first)?;
-        let whole = |state: &State| {
-            let mut question = state.question.clone();
-            let of = question.asked.part.take().map(|part| part.of());
-            (question, of)
-        };
-        let (question, count) = whole(&of);
-        for (path, state) in &parts {
-            state.check_program(path)?;
-            if state.question.asked.part.is_none()
-                || state.paths() != state.question.asked.own_paths()
-            {
-                return Err(SavedError::Damaged { path: path.clone() }.into());
-            }
-            let (mine, cut) = whole(state);
-            let difference = mine.difference_from(&question).or_else(|| {
-                (cut != count).then(|| {
-                    format!(
-                        "it is one of {} parts, not {}",
-                        cut.unwrap_or(1),
-                        count.unwrap_or(1)
-                    )
-                })
-            });
-            if let Some(difference) = difference {
-                return Err(PartsError::Foreign {
-                    path: path.clone(),
-                    first,
-                    difference,
-                });
-            }
-        }
-        let number = |state: &State| state.question.asked.part.map_or(1, |part| part.number());
+        check_same_run(&parts)?;
+        let (question, count) = whole(first);
         parts.sort_by_key(|(_, state)| number(state));
-        let twice = parts
-            .windows(2)
-            .find(|pair| number(&pair[0].1) == number(&pair[1].1));
-        if let Some([(first, state), (second, _)]) = twice {
-            let (first, second) = (first.clone(), second.clone());
-            let part = state
-                .question
-                .asked
-                .part
-                .map_or_else(String::new, |part| part.to_string());
-            return Err(PartsError::Repeated {
-                first,
-                second,
-                part,
-            });
-        }
-        let count = count.unwrap_or(1);
-        let is_there = |wanted: &u64| parts.iter().any(|(_, state)| number(state) == *wanted);
-        let missing: Vec<String> = (1..=count)
-            .filter(|wanted| !is_there(wanted))
-            .map(|number| format!("{number}/{count}"))
-            .collect();
-        if !missing.is_empty() {
-            return Err(PartsError::Missing {
-                missing: missing.join(", "),
-            });
-        }
+        check_complete(&parts, count.unwrap_or(1))?;
         let mut totals = RunTotals::empty(
             &question.scenario.model,
             &question.scenario.timeline(),

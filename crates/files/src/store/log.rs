@@ -213,6 +213,13 @@ mod tests {
         Ok(all)
     }
 
+    fn is_damaged(path: &Path, end: Position) -> bool {
+        matches!(
+            read_all(path, end),
+            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        )
+    }
+
     fn bits(rows: &[BlockRows]) -> Vec<Vec<u8>> {
         let bytes = |rows: &BlockRows| {
             let mut out = Vec::new();
@@ -242,57 +249,36 @@ mod tests {
         }
         // Another checksum, or an end within a block, is reported as damage.
         let last = ends[20];
-        assert!(matches!(
-            read_all(
-                &path,
-                Position {
-                    checksum: 1,
-                    ..last
-                }
-            ),
-            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        assert!(is_damaged(
+            &path,
+            Position {
+                checksum: 1,
+                ..last
+            }
         ));
-        assert!(matches!(
-            read_all(
-                &path,
-                Position {
-                    length: last.length - 1,
-                    ..last
-                }
-            ),
-            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        assert!(is_damaged(
+            &path,
+            Position {
+                length: last.length - 1,
+                ..last
+            }
         ));
         // A length beyond that of the file is an error before memory is allocated.
-        assert!(matches!(
-            read_all(
-                &path,
-                Position {
-                    length: 1 << 60,
-                    ..last
-                }
-            ),
-            Err(StoreError::Saved(SavedError::Damaged { .. }))
+        assert!(is_damaged(
+            &path,
+            Position {
+                length: 1 << 60,
+                ..last
+            }
         ));
         // The log is cut at every byte, and one bit of every byte is flipped.
         for at in 0..whole.len() {
             std::fs::write(&path, &whole[..at]).expect("room");
-            assert!(
-                matches!(
-                    read_all(&path, last),
-                    Err(StoreError::Saved(SavedError::Damaged { .. }))
-                ),
-                "cut at {at}"
-            );
+            assert!(is_damaged(&path, last), "cut at {at}");
             let mut flipped = whole.clone();
             flipped[at] ^= 1 << (at % 8);
             std::fs::write(&path, &flipped).expect("room");
-            assert!(
-                matches!(
-                    read_all(&path, last),
-                    Err(StoreError::Saved(SavedError::Damaged { .. }))
-                ),
-                "flipped at {at}"
-            );
+            assert!(is_damaged(&path, last), "flipped at {at}");
         }
         // The log is continued after the seventh block, behind which a power failure has left other
         // bytes.

@@ -78,22 +78,6 @@ fn explanation(
             .collect::<Vec<_>>()
             .join(" and "),
     };
-    let (decisive, cost, bias) = (
-        choice.decisive.name(),
-        time(choice.seconds),
-        percent(choice.bias),
-    );
-    let paths = match choice.paths {
-        1 => "the scenario is deterministic, so one path is enough".into(),
-        FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
-        _ => format!("{decisive} needs the most paths"),
-    };
-    let mut why = format!(
-        "the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
-    );
-    if !choice.is_measured {
-        why += ", extrapolated from coarser steps: this step itself was not measured";
-    }
     let mut said = vec![
         format!(
             "chosen for a relative error of {} of {of}:",
@@ -105,7 +89,7 @@ fn explanation(
             choice.paths,
             pairs(choice)
         ),
-        why,
+        reason(choice),
     ];
     if choice.paths > 1 {
         said.push("the error is a root mean square; a 95 % interval extends about twice this to each side".into());
@@ -126,8 +110,9 @@ fn explanation(
         let seconds = choice.seconds / threads as f64;
         if seconds > NOTABLE {
             said.push(format!(
-                "{decisive} alone decides the cost, about {} here; select statistics with --statistic to \
+                "{} alone decides the cost, about {} here; select statistics with --statistic to \
                 shorten the run, or bound it with --max-time; Ctrl-C saves it",
+                choice.decisive.name(),
                 time(seconds)
             ));
         }
@@ -139,6 +124,25 @@ fn explanation(
         );
     }
     said
+}
+
+/// Why scheme, step and paths were chosen.
+fn reason(choice: &Choice) -> String {
+    let decisive = choice.decisive.name();
+    let cost = time(choice.seconds);
+    let bias = percent(choice.bias);
+    let paths = match choice.paths {
+        1 => "the scenario is deterministic, so one path is enough".into(),
+        FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
+        _ => format!("{decisive} needs the most paths"),
+    };
+    let mut why = format!(
+        "the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
+    );
+    if !choice.is_measured {
+        why += ", extrapolated from coarser steps: this step itself was not measured";
+    }
+    why
 }
 
 /// Says why nothing was chosen, and what to ask for instead.

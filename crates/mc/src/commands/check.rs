@@ -8,7 +8,7 @@ use crate::session::cost;
 use crate::{Failure, print_data};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
-use stickslip::advice::DerivedQuantity;
+use stickslip::advice::{Derived, DerivedQuantity};
 use stickslip::scenario::{Measured, Period, Scenario, WrittenForce};
 use stickslip::scheme::{Resolution, Stability};
 use stickslip_data::input_unit;
@@ -72,7 +72,6 @@ fn taken(measured: &Measured) -> String {
         begin,
         ..
     } = measured;
-    let number = |x: f64| significant(x, DIGITS);
     let unit = match unit
         .as_ref()
         .and_then(|unit| Some((unit, input_unit(unit)?)))
@@ -141,26 +140,44 @@ fn warnings(scenario: &Scenario) -> String {
 /// Significant digits of a derived quantity.
 const DIGITS: usize = 6;
 
-fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
-    let (d, body) = (scenario.derived(), scenario.model.oscillator);
-    let number = |x: f64| significant(x, DIGITS);
-    let optional = |x: Option<f64>, none: &str| x.map_or(none.to_string(), number);
-    let mut lines = Vec::new();
-    let mut say = |meaning: &'static str, value: String| lines.push((meaning, value));
-    say(
+fn number(x: f64) -> String {
+    significant(x, DIGITS)
+}
+
+fn optional(x: Option<f64>, none: &str) -> String {
+    x.map_or(none.to_string(), number)
+}
+
+/// What a number means, and the number.
+type Line = (&'static str, String);
+
+fn derived(scenario: &Scenario) -> Vec<Line> {
+    let d = scenario.derived();
+    [
+        of_model(scenario, &d),
+        of_noise(&d),
+        of_scheme(&d),
+        of_motion(scenario, &d),
+        of_run(scenario, &d),
+    ]
+    .concat()
+}
+
+fn of_model(scenario: &Scenario, d: &Derived) -> Vec<Line> {
+    let body = scenario.model.oscillator;
+    let mut lines = vec![(
         "w0 = sqrt(K/m), natural frequency",
         number(d.natural_frequency),
-    );
+    )];
     if d.natural_frequency > 0.0 {
-        d.frequency_ratios
-            .iter()
-            .for_each(|ratio| say("w/w0, forcing", number(*ratio)));
+        let ratios = d.frequency_ratios.iter();
+        lines.extend(ratios.map(|ratio| ("w/w0, forcing", number(*ratio))));
     }
     if body.stiffness > 0.0 {
-        say(
+        lines.push((
             "alpha/(m w0), damping ratio",
             number(body.damping / (body.mass * d.natural_frequency)),
-        );
+        ));
     }
     if let Some(WrittenForce { without, .. }) = &scenario.written_force {
         let (stiffness, damping) = (number(body.stiffness), number(body.damping));
@@ -168,13 +185,13 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
             Some(_) => format!("linear: simulated as K = {stiffness}, alpha = {damping}"),
             None => "general: slips are simulated to a tolerance".to_string(),
         };
-        say("g, user-defined force", told);
+        lines.push(("g, user-defined force", told));
     }
     if scenario.model.has_load() {
-        say(
+        lines.push((
             "friction",
             "depends on a load or direction; f_s and f_d below exclude it".to_string(),
-        );
+        ));
     }
     let amplitudes = scenario
         .model
@@ -183,118 +200,139 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         .iter()
         .map(|harmonic| harmonic.amplitude.abs());
     let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
-    say("K beta sum |a|, force of the harmonics", number(forcing));
-    say(
+    lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
+    lines.push((
         "f_d/f_s, friction ratio",
         optional(d.friction_ratio, "none: f_s = 0"),
-    );
-    say(
+    ));
+    lines
+}
+
+fn of_noise(d: &Derived) -> Vec<Line> {
+    let mut lines = vec![(
         "K beta rho sigma/sqrt(2 theta), noise in b",
         optional(d.noise_force, "no noise"),
-    );
+    )];
     if d.noise_force.is_some() {
-        say(
+        lines.push((
             "f_s/(K beta rho), half width of the stick band in v",
             optional(d.corridor_half_width, "unbounded"),
-        );
-        say(
+        ));
+        lines.push((
             "(f_s/(K beta rho sigma))^2, time to cross it",
             optional(d.corridor_time, "unbounded"),
-        );
+        ));
     }
+    lines
+}
+
+/// What limits the scheme.
+fn of_scheme(d: &Derived) -> Vec<Line> {
+    let mut lines = Vec::new();
     if let Some(amplitude) = d.runaway_amplitude {
-        say(
+        lines.push((
             "amplitude beyond which the motion grows without bound",
             number(amplitude),
-        );
+        ));
     }
-    if let Some(stability) = d.stability {
-        let (meaning, limit, why) = match stability {
-            Stability::Growing {
-                critical_amplitude: a,
-            } => (
-                "the same, including the error of the step",
-                a,
-                " (negative damping)",
-            ),
-            Stability::Undamped {
-                critical_amplitude: a,
-            } => (
-                "A_c = 4 f_d/(pi w0 h K), critical amplitude",
-                a,
-                " (no damping)",
-            ),
-            Stability::Underdamped { largest_step: h } => (
-                "2 alpha/K, stability limit of the step",
-                h,
-                " (underdamped)",
-            ),
-            Stability::Overdamped { largest_step: h } => (
-                "2/|lambda_max|, stability limit of the step",
-                h,
-                " (overdamped)",
-            ),
-            Stability::NewVelocity { largest_step: h } => ("stability limit of the step", h, ""),
-        };
-        say(meaning, number(limit) + why);
-    }
+    lines.extend(d.stability.map(of_stability));
     if let Some(shift) = d.monitoring_shift {
-        say(
+        lines.push((
             "0.5826 K beta rho sigma sqrt(h), shift of f_s",
             number(shift),
-        );
+        ));
     }
     if let Some(tolerance) = d.tolerance {
-        say("tolerance, relative", number(tolerance));
+        lines.push(("tolerance, relative", number(tolerance)));
     }
     if let Some(Resolution {
         static_force,
         shortest_slip,
     }) = d.resolution
     {
-        say(
+        lines.push((
             "resolution: shortest slip resolved, about",
             number(shortest_slip),
-        );
-        say("resolution: f_s as simulated", static_force.to_string());
+        ));
+        lines.push(("resolution: f_s as simulated", static_force.to_string()));
     }
+    lines
+}
+
+fn of_stability(stability: Stability) -> Line {
+    let (meaning, limit, why) = match stability {
+        Stability::Growing {
+            critical_amplitude: a,
+        } => (
+            "the same, including the error of the step",
+            a,
+            " (negative damping)",
+        ),
+        Stability::Undamped {
+            critical_amplitude: a,
+        } => (
+            "A_c = 4 f_d/(pi w0 h K), critical amplitude",
+            a,
+            " (no damping)",
+        ),
+        Stability::Underdamped { largest_step: h } => (
+            "2 alpha/K, stability limit of the step",
+            h,
+            " (underdamped)",
+        ),
+        Stability::Overdamped { largest_step: h } => (
+            "2/|lambda_max|, stability limit of the step",
+            h,
+            " (overdamped)",
+        ),
+        Stability::NewVelocity { largest_step: h } => ("stability limit of the step", h, ""),
+    };
+    (meaning, number(limit) + why)
+}
+
+fn of_motion(scenario: &Scenario, d: &Derived) -> Vec<Line> {
     let without = match d.runaway_amplitude {
         _ if scenario.model.force.is_some() => " without [force]",
         Some(limit) if d.expected_amplitude > limit => " if the motion stays bounded",
         _ => "",
     };
-    say(
-        "largest |x| expected, roughly",
-        significant(d.expected_amplitude, 2) + without,
-    );
     let with_source =
         |period: Period| format!("{}, {}", number(period.length), period.source.words());
-    say(
-        "P, period at which displacements are compared",
-        d.period.map_or("none".to_string(), with_source),
-    );
-    say("whole periods P", number(d.whole_periods));
-    say(
-        "whole periods P that are counted",
-        grouped(d.counted_periods as u64),
-    );
+    vec![
+        (
+            "largest |x| expected, roughly",
+            significant(d.expected_amplitude, 2) + without,
+        ),
+        (
+            "P, period at which displacements are compared",
+            d.period.map_or("none".to_string(), with_source),
+        ),
+        ("whole periods P", number(d.whole_periods)),
+        (
+            "whole periods P that are counted",
+            grouped(d.counted_periods as u64),
+        ),
+    ]
+}
+
+/// What the run takes.
+fn of_run(scenario: &Scenario, d: &Derived) -> Vec<Line> {
     let none = || {
         format!(
             "none; the {} scheme does not use time.step",
             scenario.scheme.name()
         )
     };
-    say("steps of a path", d.steps.map_or_else(none, grouped));
+    let memory = scenario.run_bytes(scenario.ensemble.paths, crate::cores());
+    let mut lines = vec![("steps of a path", d.steps.map_or_else(none, grouped))];
     if let Some(steps) = d.path_steps {
-        say("path-steps in all", significant(steps, 3));
+        lines.push(("path-steps in all", significant(steps, 3)));
     }
-    say("rows of the output grid", grouped(d.rows as u64));
-    let threads = crate::cores();
-    say(
-        "memory of the run, about",
-        bytes(scenario.run_bytes(scenario.ensemble.paths, threads)),
-    );
-    say("output file, about", bytes(d.output_bytes));
+    lines.extend([
+        ("rows of the output grid", grouped(d.rows as u64)),
+        ("memory of the run, about", bytes(memory)),
+        ("output file, about", bytes(d.output_bytes)),
+    ]);
     lines
 }
 

@@ -6,12 +6,12 @@ use crate::commands::sweep;
 use crate::inputs::files;
 use crate::inputs::results;
 use crate::output::failure::{Failure, note, writable};
-use crate::report::{self, Chosen, html::Page};
+use crate::report::{self, Chosen, Report, html::Page};
 use std::path::PathBuf;
 use stickslip::scenario::BridgeScene;
 use stickslip_bearing::forecast::Foreseen;
 use stickslip_figure::{Drawing, DrawnPath, FIGURES, Style, Subject};
-use stickslip_files::store::{self, Content, StoredCalibration};
+use stickslip_files::store::{self, Content, Stored, StoredCalibration, StoredSweep, StoredTrade};
 
 /// Arguments of `mc report`.
 #[derive(Debug, clap::Args)]
@@ -43,86 +43,85 @@ impl Arguments {
 
     fn page(&self, content: Content) -> Result<String, Failure> {
         let scenario = content.scenario().0;
-        let program = |other: Option<&str>| {
-            let program = other.map_or_else(crate::version, str::to_string);
-            vec![
-                ("file", self.file.display().to_string()),
-                ("program", format!("mc {program}")),
-            ]
-        };
         let digits = format!(
             "`mc show {} --format csv` prints all digits.",
             self.file.display()
         );
-        let mut words = vec![("All digits", digits)];
-        let (report, warnings, pictures, provenance) = match content {
-            Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
-            Content::Run(stored) => {
-                let scenario = results::scenario("scenario", &stored, &[]).ok();
-                let info = show::info(&self.file, &stored, scenario.as_ref());
-                let path = |scenario| DrawnPath {
-                    scenario,
-                    number: 0,
-                    from: 0.0,
-                };
-                let summary = &stored.summary;
-                let pictures = scenario.as_ref().map_or_else(Vec::new, |scenario| {
-                    pictures(&Subject::Run {
-                        scenario,
-                        summary,
-                        path: path(scenario),
-                    })
-                });
-                words.push(("Intervals", INTERVALS.into()));
-                words.push(("How to cite", report::citation(&stored).join(" ")));
-                let mut report = report::run(summary, &info, Chosen::All, true);
-                // The warnings say these.
-                report
-                    .remarks
-                    .retain(|(label, _)| !["drift", "few"].contains(label));
-                let warnings = results::warnings(summary, scenario.as_ref())
-                    .into_iter()
-                    .map(|(_, text)| text);
-                (report, warnings.collect(), pictures, Vec::new())
-            }
-            Content::Sweep(stored) => {
-                let by = program(stored.other_program.as_deref());
-                let sweeps = [(String::new(), sweep::stored(&self.file, *stored)?)];
-                let [(_, sweep)] = &sweeps;
-                let pictures = pictures(&Subject::Sweep {
-                    sweeps: &sweeps,
-                    statistics: &[],
-                });
-                (
-                    report::sweep(sweep, Chosen::First, &self.file),
-                    report::warnings(sweep),
-                    pictures,
-                    by,
-                )
-            }
-            Content::Trade(stored) => {
-                let prices = stored.prices(None);
-                let pictures = prices
-                    .as_ref()
-                    .map_or_else(Vec::new, |prices| pictures(&Subject::Trade(prices)));
-                let report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);
-                (
-                    report,
-                    Vec::new(),
-                    pictures,
-                    program(stored.other_program.as_deref()),
-                )
-            }
-        };
-        Ok(Page {
-            report,
-            warnings,
-            words,
-            pictures,
+        let mut page = Page {
+            report: Report::default(),
+            warnings: Vec::new(),
+            words: vec![("All digits", digits)],
+            pictures: Vec::new(),
             scenario: &scenario,
-            provenance,
+            provenance: Vec::new(),
+        };
+        match content {
+            Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
+            Content::Run(stored) => self.fill_with_run(&mut page, &stored),
+            Content::Sweep(stored) => self.fill_with_sweep(&mut page, *stored)?,
+            Content::Trade(stored) => self.fill_with_trade(&mut page, &stored),
         }
-        .html())
+        Ok(page.html())
+    }
+
+    fn fill_with_run(&self, page: &mut Page<'_>, stored: &Stored) {
+        let scenario = results::scenario("scenario", stored, &[]).ok();
+        let info = show::info(&self.file, stored, scenario.as_ref());
+        let summary = &stored.summary;
+        if let Some(scenario) = &scenario {
+            let path = DrawnPath {
+                scenario,
+                number: 0,
+                from: 0.0,
+            };
+            page.pictures = pictures(&Subject::Run {
+                scenario,
+                summary,
+                path,
+            });
+        }
+        page.words.push(("Intervals", INTERVALS.into()));
+        let citation = report::citation(stored).join(" ");
+        page.words.push(("How to cite", citation));
+        page.report = report::run(summary, &info, Chosen::All, true);
+        // The warnings say these.
+        page.report
+            .remarks
+            .retain(|(label, _)| !["drift", "few"].contains(label));
+        page.warnings = results::warnings(summary, scenario.as_ref())
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect();
+    }
+
+    fn fill_with_sweep(&self, page: &mut Page<'_>, stored: StoredSweep) -> Result<(), Failure> {
+        page.provenance = self.provenance(stored.other_program.as_deref());
+        let sweeps = [(String::new(), sweep::stored(&self.file, stored)?)];
+        let [(_, sweep)] = &sweeps;
+        page.pictures = pictures(&Subject::Sweep {
+            sweeps: &sweeps,
+            statistics: &[],
+        });
+        page.report = report::sweep(sweep, Chosen::First, &self.file);
+        page.warnings = report::warnings(sweep);
+        Ok(())
+    }
+
+    fn fill_with_trade(&self, page: &mut Page<'_>, stored: &StoredTrade) {
+        if let Some(prices) = stored.prices(None) {
+            page.pictures = pictures(&Subject::Trade(&prices));
+        }
+        page.report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);
+        page.provenance = self.provenance(stored.other_program.as_deref());
+    }
+
+    /// The file and the program that wrote it, where `other` is not this one.
+    fn provenance(&self, other: Option<&str>) -> Vec<(&'static str, String)> {
+        let program = other.map_or_else(crate::version, str::to_string);
+        vec![
+            ("file", self.file.display().to_string()),
+            ("program", format!("mc {program}")),
+        ]
     }
 }
 

@@ -94,25 +94,6 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         _ if calibration.slips.is_empty() => "least squares",
         _ => "slips",
     };
-    let minutes = |seconds: f64| significant(seconds / 60.0, 3);
-    let ParameterEstimate {
-        estimate,
-        low,
-        high,
-    } = calibration.lag;
-    let lag = match (calibration.question.lag, &calibration.lag_profile) {
-        (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
-        (Lag::Auto, Some(_)) if estimate > 0.0 => {
-            format!(
-                "{} min ({} to {}), estimated",
-                minutes(estimate),
-                minutes(low),
-                minutes(high)
-            )
-        }
-        (Lag::Auto, Some(_)) => "none: no lag describes the record clearly better".to_string(),
-        (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
-    };
     let between = match calibration.roughness {
         0.0 => "in straight lines".to_string(),
         roughness => {
@@ -153,13 +134,36 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
             format!("{slips} seen, {usual} of them alone and of the usual size"),
         ),
         ("method", method),
-        ("lag", lag),
+        ("lag", lag(calibration)),
         (
             "moves",
             format!("the temperature moves between samples {between}"),
         ),
         ("rest", rest),
     ]
+}
+
+/// The lag, in minutes, and where it comes from.
+fn lag(calibration: &Calibration) -> String {
+    let minutes = |seconds: f64| significant(seconds / 60.0, 3);
+    let ParameterEstimate {
+        estimate,
+        low,
+        high,
+    } = calibration.lag;
+    match (calibration.question.lag, &calibration.lag_profile) {
+        (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
+        (Lag::Auto, Some(_)) if estimate > 0.0 => {
+            format!(
+                "{} min ({} to {}), estimated",
+                minutes(estimate),
+                minutes(low),
+                minutes(high)
+            )
+        }
+        (Lag::Auto, Some(_)) => "none: no lag describes the record clearly better".to_string(),
+        (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
+    }
 }
 
 /// The table of the paper: the result from each starting point of the least squares, and the

@@ -80,36 +80,12 @@ pub fn paths_of_each(question: &SweepQuestion) -> Option<String> {
 fn points(sweep: &Sweep, statistic: Statistic) -> Table {
     let design = &sweep.question.design;
     let is_line = design.along().len() == 1;
-    let keys: Vec<(String, String)> = match design {
-        Design::Star { keys, .. } => keys
-            .iter()
-            .map(|(key, _)| (key.clone(), key.clone()))
-            .collect(),
-        _ => design
-            .axes()
-            .iter()
-            .map(|axis| (axis.key.clone(), axis.name.clone()))
-            .collect(),
-    };
+    let keys = keys(design);
     let has_bias = sweep
         .points
         .iter()
         .flatten()
         .any(|point| point.estimates[statistic.index()].bias.is_some());
-    let mut columns: Vec<Column> = keys
-        .iter()
-        .map(|(key, name)| Column::of(key, name))
-        .collect();
-    columns.extend([in_joined(Column::of("statistic", "statistic"))]);
-    columns.extend(of_estimate());
-    let rest = [
-        ("bias", "bias"),
-        ("bias_uncertainty", "+-"),
-        ("to_next", "to the next"),
-        ("to_next_error", "std. error"),
-    ];
-    columns.extend(super::columns(rest));
-    columns.extend([Column::of("gain", "gain"), in_joined(Column::unit("unit"))]);
     let row = |(p, point): (usize, &Option<Point>)| {
         let settings = design.settings(p);
         let value = |key: &str| {
@@ -137,19 +113,11 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Table {
         } else {
             Default::default()
         });
-        cells.extend(
-            match sweep.difference(p, 0, statistic).filter(|_| is_line) {
-                Some(Paired {
-                    measurement: m,
-                    gain,
-                }) => {
-                    let [difference, error] =
-                        Cell::all([m.estimate, m.standard_error], m.standard_error);
-                    [difference, error, gain_cell(gain)]
-                }
-                None => Default::default(),
-            },
-        );
+        cells.extend(if is_line {
+            to_next(sweep.difference(p, 0, statistic))
+        } else {
+            Default::default()
+        });
         cells.push(
             statistic
                 .dimension()
@@ -164,10 +132,57 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Table {
     let rows = sweep.points.iter().enumerate().map(row).collect();
     Table {
         heading: statistic.name().into(),
-        columns,
+        columns: point_columns(&keys),
         rows,
         ..Table::default()
     }
+}
+
+/// The keys that differ between points, with their names.
+fn keys(design: &Design) -> Vec<(String, String)> {
+    match design {
+        Design::Star { keys, .. } => keys
+            .iter()
+            .map(|(key, _)| (key.clone(), key.clone()))
+            .collect(),
+        _ => design
+            .axes()
+            .iter()
+            .map(|axis| (axis.key.clone(), axis.name.clone()))
+            .collect(),
+    }
+}
+
+fn point_columns(keys: &[(String, String)]) -> Vec<Column> {
+    let mut columns: Vec<Column> = keys
+        .iter()
+        .map(|(key, name)| Column::of(key, name))
+        .collect();
+    columns.extend([in_joined(Column::of("statistic", "statistic"))]);
+    columns.extend(of_estimate());
+    let rest = [
+        ("bias", "bias"),
+        ("bias_uncertainty", "+-"),
+        ("to_next", "to the next"),
+        ("to_next_error", "std. error"),
+    ];
+    columns.extend(super::columns(rest));
+    columns.extend([Column::of("gain", "gain"), in_joined(Column::unit("unit"))]);
+    columns
+}
+
+/// The difference to the next point, its error, and the gain.
+fn to_next(difference: Option<Paired>) -> [Cell; 3] {
+    difference.map_or_else(
+        Default::default,
+        |Paired {
+             measurement: m,
+             gain,
+         }| {
+            let [difference, error] = Cell::all([m.estimate, m.standard_error], m.standard_error);
+            [difference, error, gain_cell(gain)]
+        },
+    )
 }
 
 /// A column that repeats what the heading of a table says.
