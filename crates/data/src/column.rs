@@ -48,9 +48,9 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// What is said of an input without a unit, and of a cell of an input that is no number.
-pub(super) const AS_IT_IS: &str = "it is (`unit = \"g\"` converts it, `unit = \"none\"` does not)";
+pub(super) const AS_IT_IS: &str = "SI (`unit = \"g\"` converts, `unit = \"none\"` confirms SI)";
 pub(super) const NOT_REPAIRED: &str =
-    "give the cell its value: nothing of an input is mended or left out";
+    "fix the cell; values of an input are not repaired or left out";
 
 /// A column while it is read: its unit, and its samples so far.
 pub(super) struct Column<'a> {

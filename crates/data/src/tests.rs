@@ -224,7 +224,7 @@ fn an_input_is_converted_from_every_unit() {
         );
         let said = table.repairs.sentences();
         assert!(
-            said.len() == 1 && said[0].contains("because nothing says its unit"),
+            said.len() == 1 && said[0].contains("not given; assuming SI"),
             "{name}: {said:?}"
         );
     }
@@ -353,12 +353,12 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         (
             "ACCELERATION IN FURLONGS",
             "NPTS= 4, DT= .01",
-            "unit that is not known, `FURLONGS`",
+            "unknown unit `FURLONGS`",
         ),
         (
             in_g,
             "NPTS= 4, DT= .01 FORTNIGHTS",
-            "is no header of a record",
+            "is not the header of a record",
         ),
         (in_g, "NPTS= 4, DT= 1E-300", "too short"),
     ] {
@@ -817,7 +817,7 @@ proptest! {
     /// are read with every bit.
     #[test]
     fn what_is_written_is_read(
-        values in proptest::collection::vec((0..1_000_000u32, proptest::option::of(-1e3..1e3f64)), 2..40),
+        values in proptest::collection::vec((0..1_000_000u32, proptest::option::of(-459.0..1e3f64)), 2..40),
         (separator, end, quote) in (prop_oneof![Just(","), Just(";"), Just("\t")], prop_oneof![Just("\n"), Just("\r\n")], any::<bool>()),
     ) {
         let mut expected: Vec<(u32, f64)> = values.iter().filter_map(|(time, value)| value.map(|value| (*time, value))).collect();

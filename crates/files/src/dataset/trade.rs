@@ -306,21 +306,21 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
 }
 
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];
-const BOTH: &[&str] = &["setting", "statistic"];
+const BOTH: &[&str] = &["rung", "statistic"];
 const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
 
 table! {
-    RUNG = coordinate!("setting", Unit::ONE, "number of the setting: scheme by scheme, from coarse to fine");
+    RUNG = coordinate!("rung", Unit::ONE, "number of the setting: scheme by scheme, from coarse to fine");
     SCHEME = coordinate!("scheme", Unit::None, "name of the scheme");
     TARGET = coordinate!("target", Unit::ONE, "target relative root mean square error");
-    RUNG_SCHEME = variable("rung_scheme", &["setting"], Unit::None, "scheme of the setting");
-    RUNG_STEP = variable("rung_step", &["setting"], Unit::TIME, "time step, missing if there is none");
-    RUNG_TOLERANCE = variable("rung_tolerance", &["setting"], Unit::ONE, "tolerance, missing if there is none");
-    RUNG_PATHS = variable("rung_paths", &["setting"], Unit::ONE, "paths simulated").with(PER_RUNG);
-    RUNG_DIVERGED = variable("rung_diverged", &["setting"], Unit::ONE, "paths that diverged").with(PER_RUNG);
-    RUNG_SECONDS_FIRST = variable("rung_seconds_first", &["setting"], Unit::Seconds,
+    RUNG_SCHEME = variable("rung_scheme", &["rung"], Unit::None, "scheme of the setting");
+    RUNG_STEP = variable("rung_step", &["rung"], Unit::TIME, "time step, missing if there is none");
+    RUNG_TOLERANCE = variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing if there is none");
+    RUNG_PATHS = variable("rung_paths", &["rung"], Unit::ONE, "paths simulated").with(PER_RUNG);
+    RUNG_DIVERGED = variable("rung_diverged", &["rung"], Unit::ONE, "paths that diverged").with(PER_RUNG);
+    RUNG_SECONDS_FIRST = variable("rung_seconds_first", &["rung"], Unit::Seconds,
         "CPU time of a run of one path").with(PER_RUNG);
-    RUNG_SECONDS = variable("rung_seconds", &["setting"], Unit::Seconds,
+    RUNG_SECONDS = variable("rung_seconds", &["rung"], Unit::Seconds,
         "CPU time per path of a large run").with(PER_RUNG);
 
     RUNG_ESTIMATE = variable("rung_estimate", BOTH, Unit::None, "estimate").with(PER_RUNG);
