@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from . import _native
 from ._data import load, raw, ready, warn
@@ -21,21 +21,13 @@ class Verified:
     """What was compared and found identical, bit for bit.
 
     Attributes:
-        blocks: number of blocks of 256 paths in the run; 0 for a trade, a sweep or a calibration.
-        blocks_checked: the numbers of the blocks that were simulated again.
-        paths: number of paths in the run.
-        paths_checked: number of paths that were simulated again.
-        statistics_checked: whether all statistics were computed again and compared.
+        paths: number of paths that were simulated again; 0 for a trade, a sweep or a calibration.
         values_checked: number of numbers and strings compared.
         has_checksum: whether a file has a checksum, which is then correct; None for a data set.
         same_program: whether this version of the program made the run.
     """
 
-    blocks: int
-    blocks_checked: tuple[int, ...]
     paths: int
-    paths_checked: int
-    statistics_checked: bool
     values_checked: int
     has_checksum: bool | None
     same_program: bool
@@ -44,19 +36,15 @@ class Verified:
 def verify(
     run: xr.Dataset | str | os.PathLike[str],
     *,
-    blocks: int | Literal["all"] = 8,
     threads: int | None = None,
 ) -> Verified:
     """Compare a run with a second simulation of its scenario and seed, and a file with its
-    checksum, like `mc verify`.
+    checksum, like `mc verify --again`. This takes as long as the run.
 
     Args:
         run: a data set that `run`, `merge` or `load` returned, or the path of the file of a run.
             The path may also be the file of a trade, a sweep or a calibration, of which only the
-            checksum is compared; `mc verify` compares these as well.
-        blocks: number of blocks of 256 paths to simulate again, drawn at random in each
-            call. "all" simulates the whole run again and compares all statistics, which takes as
-            long as the run.
+            checksum is compared; `mc verify --again` compares these as well.
         threads: number of threads; one for each core if not given.
 
     Returns:
@@ -66,15 +54,12 @@ def verify(
         VerificationError: a number differs from the one that the scenario gives. The error
             names it.
         RunError: the file is damaged: its checksum is wrong.
-        ArgumentError: an argument is invalid, or is not a run.
+        ArgumentError: an argument is invalid, is not a run, or is a part of one.
         OSError: the file cannot be opened.
     """
     ready()
-    is_number = blocks == "all" or not isinstance(blocks, str) and blocks >= 0
-    remedy = 'give a number of blocks, or "all"'
-    require(is_number, "blocks", blocks, "it is not a number of blocks", remedy)
     if not isinstance(run, (str, os.PathLike)):
-        return _verified(run, blocks, threads, None, "data set")
+        return _verified(run, threads, None, "data set")
     path = Path(run)
     path.stat()
     is_right = _native.sealed(str(path), True)
@@ -85,13 +70,12 @@ def verify(
     has_checksum = is_right is not None
     with load(path) as ds:
         if ds.attrs.get("format_name") in STUDIES:
-            return Verified(0, (), 0, 0, False, 0, has_checksum, _is_same_program(ds))
-        return _verified(ds.load(), blocks, threads, has_checksum, "file")
+            return Verified(0, 0, has_checksum, _is_same_program(ds))
+        return _verified(ds.load(), threads, has_checksum, "file")
 
 
 def _verified(
     ds: xr.Dataset,
-    blocks: int | Literal["all"],
     threads: int | None,
     has_checksum: bool | None,
     where: str,
@@ -100,10 +84,12 @@ def _verified(
     other = "it was made by another version of the program, whose results may differ"
     warn([] if is_same else [other], level=4)
     of_run(ds)
+    part = ds.attrs.get("part")
+    remedy = "merge the parts and verify the run"
+    require(part is None, "run", f"part {part}", "a part cannot be simulated again", remedy)
     # Statistics of the caller's own cannot be computed again.
     own = [name for name in ds.variables if str(name).startswith("own")]
-    wanted = None if blocks == "all" else int(blocks)
-    found, difference = _native.verify(raw(ds.drop_vars(own)), wanted, threads)
+    values, difference = _native.verify(raw(ds.drop_vars(own)), threads)
     if difference is not None:
         problem = (
             f"{difference.pop('place')} is {difference['stored']} in the {where}, "
@@ -116,7 +102,7 @@ def _verified(
         message = f"{problem}\n  fix: {remedy}"
         raise VerificationError(message, problem=problem, remedy=remedy, **difference)
     completed = int(ds.attrs["completed_paths"])
-    return Verified(paths=completed, has_checksum=has_checksum, same_program=is_same, **found)
+    return Verified(completed, values, has_checksum, is_same)
 
 
 def _is_same_program(ds: xr.Dataset) -> bool:

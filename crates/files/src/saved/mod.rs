@@ -6,7 +6,7 @@
 //! State         the question, the sums so far, and how much of the rows is valid
 //! PartRecorder  a sink that makes the state of a part
 //! Parts         the states of all parts, checked against each other
-//! Again         a run compared with a second simulation of its scenario
+//! rerun         simulates the scenario of a run again, to be compared with the run
 //! ```
 
 mod again;
@@ -18,7 +18,7 @@ mod rows;
 pub mod seal;
 mod state;
 
-pub use again::{Again, BlocksAgain, Difference, again_in_memory, drawn};
+pub use again::{Difference, Verified, again_in_memory, rerun};
 pub use error::SavedError;
 pub use part::PartRecorder;
 pub use parts::{Parts, PartsError};
@@ -28,7 +28,7 @@ pub use state::RunQuestion;
 pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
-    again::{Against, again},
+    again::{Against, compare},
     checksum::checksum,
     parts::each_block,
     rows::{Position, read_rows},

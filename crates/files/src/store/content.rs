@@ -99,6 +99,16 @@ pub fn content(path: &Path) -> Result<Content, StoreError> {
 }
 
 impl Content {
+    /// The program that wrote the file, if it was another one.
+    pub fn other_program(&self) -> Option<String> {
+        match self {
+            Content::Run(run) => run.header.program.other(),
+            Content::Trade(trade) => trade.other_program.clone(),
+            Content::Sweep(sweep) => sweep.other_program.clone(),
+            Content::Calibration(calibration) => calibration.other_program.clone(),
+        }
+    }
+
     /// The text of the scenario, and whether the file also holds the measured values that the text
     /// names.
     pub fn scenario(&self) -> (String, bool) {

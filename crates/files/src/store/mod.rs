@@ -54,5 +54,5 @@ pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use staging::{write_together, write_whole};
 pub use sweep::{SweepFile, sweep_bytes};
-pub use verify::{Sealed, Verified, check_bytes, verify_run, verify_whole};
+pub use verify::{Sealed, check_bytes, verify};
 pub use writer::Writer;

@@ -1,8 +1,7 @@
-//! Comparing a finished file with what is computed again ([`crate::saved::Again`]). What it is
-//! compared with depends on what can be repeated:
+//! Checking a finished file: against its checksum, and against what is computed again.
 //!
 //! ```text
-//! run           rows of blocks that are simulated again; after all of them, every statistic
+//! run           simulated again
 //! sweep         points that are simulated again
 //! calibration   the fit to the record that is in the file
 //! trade         what follows from its measurements; times cannot be measured twice
@@ -11,52 +10,13 @@
 use super::StoreError;
 use super::error::not_opened;
 use super::reader::{check_file, check_seal, damaged, open};
-use crate::dataset::{Dataset, StoredRun};
-use crate::saved::{Again, Against, BlocksAgain, Difference, again};
+use crate::dataset::Dataset;
+use crate::saved::{Verified, compare};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-use stickslip::scenario::Scenario;
 
-/// Compare the file of a run with what this scenario gives.
-pub fn verify_run(
-    path: &Path,
-    stored: &StoredRun,
-    scenario: &Scenario,
-    sample: BlocksAgain,
-    threads: usize,
-) -> Result<Again, StoreError> {
-    again(
-        &open(path)?,
-        stored,
-        scenario,
-        sample,
-        threads,
-        &AtomicBool::new(false),
-    )
-    .map_err(damaged(path))
-}
-
-/// What the comparison of a whole data set came to.
-#[derive(Clone, Debug)]
-pub struct Verified {
-    /// Number of values and texts that were compared.
-    pub values: u64,
-    /// The first difference, if there is one.
-    pub difference: Option<Difference>,
-}
-
-/// Compare the file of a sweep, a trade or a calibration with this data set.
-pub fn verify_whole(path: &Path, again: &Dataset) -> Result<Verified, StoreError> {
-    let file = open(path)?;
-    let mut against = Against::of(&file);
-    against
-        .variables(again)
-        .and_then(|()| against.finish(again))
-        .map_err(damaged(path))?;
-    Ok(Verified {
-        values: against.values,
-        difference: against.difference,
-    })
+/// Compare a file with a data set that was computed again.
+pub fn verify(path: &Path, again: &Dataset) -> Result<Verified, StoreError> {
+    compare(&open(path)?, again).map_err(damaged(path))
 }
 
 /// The result of checking a file against its checksum.

@@ -237,7 +237,7 @@ fn results_hold_their_inputs() {
         here,
         &["replay", "block.h5", "--path", "0", "-o", "path.h5"],
     );
-    done(here, &["verify", "block.h5"]);
+    done(here, &["verify", "block.h5", "--again"]);
     let file = hdf5::File::open(here.join("block.h5")).expect("opens");
     let rows = |name: &str| {
         file.dataset(name)
@@ -456,7 +456,7 @@ fn a_number_may_name_a_parameter() {
     // It is stored as it is written, and run again from the file.
     done(here, &["run", "belt.toml", "-o", "run.h5", "--paths", "1"]);
     assert!(done(here, &["show", "run.h5", "--scenario"]).contains("trend = \"V\""));
-    done(here, &["verify", "run.h5"]);
+    done(here, &["verify", "run.h5", "--again"]);
     // A parameter that is 0 stays in the text, and so in use.
     let zero = [
         "--set",
@@ -474,7 +474,7 @@ fn a_number_may_name_a_parameter() {
         ]
         .concat(),
     );
-    done(here, &["verify", "zero.h5"]);
+    done(here, &["verify", "zero.h5", "--again"]);
     // A value of its own takes its place.
     let own = done(
         here,

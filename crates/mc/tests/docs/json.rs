@@ -128,7 +128,7 @@ fn every_key_of_every_object_is_described() {
                 "star.h5",
             ],
         ),
-        ("verification", vec!["verify", "a.h5"]),
+        ("verification", vec!["verify", "a.h5", "--again"]),
         ("calibration", vec!["calibrate", &bearing, &data]),
         ("weather", vec!["fit-temperature", &data]),
         (

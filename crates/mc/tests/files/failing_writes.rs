@@ -195,7 +195,7 @@ impl Writes {
         if self.is_repeatable {
             assert!(found == file, "{what}: another file");
         } else {
-            let output = command::mc(here, &["verify", self.output]);
+            let output = command::mc(here, &["verify", self.output, "--again"]);
             assert!(output.status.success(), "{what}: {}", text(&output.stderr));
         }
     }

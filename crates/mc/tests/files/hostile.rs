@@ -671,8 +671,8 @@ fn every_verb_says_that_a_file_has_no_checksum() {
         &["report", "a.h5"],
         &["replay", "a.h5", "--path", "3", "-o", "path.h5"],
         &["merge", "part.h5", "-o", "merged.h5", "--quiet"],
-        &["verify", "a.h5"],
-        &["verify", "sweep.h5"],
+        &["verify", "a.h5", "--again"],
+        &["verify", "sweep.h5", "--again"],
     ] {
         let output = mc(&here, verb);
         let said = text(&output.stderr);

@@ -65,140 +65,9 @@ fn add<T: hdf5::H5Type + Clone + std::ops::AddAssign>(
 }
 
 #[test]
-fn every_kind_of_file_is_what_its_scenario_comes_to() {
-    let kinds: [(&[&str], u64); 9] = [
-        (SCENE, 12),
-        (&[SCENE, &["--part", "2/3"]].concat(), 4),
-        (
-            &[SCENE, &["--set", "ensemble.antithetic=true", "--no-bias"]].concat(),
-            12,
-        ),
-        (
-            &[
-                SCENE,
-                &[
-                    "--set",
-                    "record.paths=false",
-                    "--set",
-                    "record.trajectories=0",
-                ],
-            ]
-            .concat(),
-            12,
-        ),
-        (
-            &[
-                "run",
-                RHO025,
-                "--quiet",
-                "--step",
-                "0.05",
-                "--until",
-                "stick_duration_mean < 5%",
-            ],
-            4,
-        ),
-        (
-            &[
-                "run",
-                RHO025,
-                "--quiet",
-                "--paths",
-                "700",
-                "--scheme",
-                "event-driven",
-            ],
-            3,
-        ),
-        (
-            &[
-                "run",
-                RHO025,
-                "--quiet",
-                "--paths",
-                "700",
-                "--scheme",
-                "corrected-vi",
-                "--step",
-                "0.05",
-            ],
-            3,
-        ),
-        (
-            &[
-                "run",
-                SHAW,
-                "--quiet",
-                "--paths",
-                "700",
-                "--scheme",
-                "quasi-static",
-            ],
-            3,
-        ),
-        (&["run", BRIDGE, "--quiet", "--paths", "300"], 2),
-    ];
-    for (arguments, blocks) in kinds {
-        let here = made(arguments);
-        let all = verified(&here, &["--blocks", "all"]);
-        assert_eq!(
-            (&all["matches"], &all["statistics_checked"]),
-            (&true.into(), &true.into()),
-            "{arguments:?}"
-        );
-        assert_eq!(
-            (&all["blocks"], &all["paths_checked"]),
-            (&blocks.into(), &all["paths"]),
-            "{arguments:?}"
-        );
-        assert_eq!(
-            (&all["has_checksum"], &all["same_program"]),
-            (&true.into(), &true.into()),
-            "{arguments:?}"
-        );
-        let some = verified(&here, &["--blocks", "2"]);
-        assert_eq!(
-            some["blocks_checked"].as_array().map(Vec::len),
-            Some(2),
-            "{arguments:?}"
-        );
-        assert_eq!(
-            some["statistics_checked"],
-            serde_json::json!(blocks == 2),
-            "{arguments:?}"
-        );
-    }
-}
-
-#[test]
-fn the_report_says_how_much_was_checked() {
-    // The text without its line breaks.
-    let line = |output: &Output| {
-        text(&output.stdout)
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
-    let here = made(SCENE);
-    let said = line(&verify(&here, &["--blocks", "3"]));
-    assert!(said.contains("simulated 3 of 12 blocks"), "{said}");
-    assert!(
-        said.contains("not compared statistics and intervals"),
-        "{said}"
-    );
-    let said = line(&verify(&here, &["--blocks", "all"]));
-    assert!(
-        said.contains("simulated 12 of 12 blocks, 2 900 of 2 900 paths: all"),
-        "{said}"
-    );
-    assert!(
-        said.contains("every statistic") && said.contains("bit for bit"),
-        "{said}"
-    );
-    // All of it takes less than a few seconds, so it is done without being asked for.
-    assert_eq!(line(&verify(&here, &[])), said);
-    // Without rows of single paths there is nothing that a block could be compared with.
-    let none = [
+fn every_kind_of_run_is_what_its_scenario_gives() {
+    let rho025 = ["run", RHO025, "--quiet", "--paths", "700"];
+    let no_rows = [
         "--set",
         "record.paths=false",
         "--set",
@@ -206,17 +75,73 @@ fn the_report_says_how_much_was_checked() {
         "--set",
         "record.trajectories=0",
     ];
-    let here = made(&[SCENE, &none].concat());
-    let said = line(&verify(&here, &["--blocks", "3"]));
-    assert!(
-        said.contains("simulated nothing: the file has no rows"),
-        "{said}"
-    );
-    let all = verified(&here, &["--blocks", "all"]);
+    let kinds: [Vec<&str>; 9] = [
+        SCENE.to_vec(),
+        [
+            SCENE,
+            &["--set", "ensemble.antithetic=true", "--no-bias"][..],
+        ]
+        .concat(),
+        [SCENE, &no_rows].concat(),
+        [
+            &rho025[..3],
+            &["--step", "0.05", "--until", "stick_duration_mean < 5%"],
+        ]
+        .concat(),
+        [&rho025[..3], &["--paths", "100k", "--max-time", "300ms"]].concat(),
+        [&rho025[..], &["--scheme", "event-driven"]].concat(),
+        [&rho025[..], &["--scheme", "corrected-vi", "--step", "0.05"]].concat(),
+        vec![
+            "run",
+            SHAW,
+            "--quiet",
+            "--paths",
+            "700",
+            "--scheme",
+            "quasi-static",
+        ],
+        vec!["run", BRIDGE, "--quiet", "--paths", "300"],
+    ];
+    for arguments in kinds {
+        let here = made(&arguments);
+        let again = verified(&here, &["--again"]);
+        for key in ["matches", "has_checksum", "same_program"] {
+            assert_eq!(again[key], true, "{key}: {arguments:?}");
+        }
+    }
+}
+
+#[test]
+fn without_again_only_the_checksum_is_compared() {
+    let here = made(SCENE);
+    let without = verified(&here, &[]);
+    assert_eq!(without["has_checksum"], true);
     assert_eq!(
-        (&all["statistics_checked"], &all["paths_checked"]),
-        (&true.into(), &2900.into())
+        (&without["matches"], &without["values_checked"]),
+        (&serde_json::Value::Null, &0.into())
     );
+    let says = |more: &[&str], parts: &[&str]| {
+        let said = text(&verify(&here, more).stdout);
+        let line = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in parts {
+            assert!(line.contains(part), "{part}: {said}");
+        }
+    };
+    says(
+        &[],
+        &["checksum correct for its", "`mc verify a.h5 --again`"],
+    );
+    says(&["--again"], &["simulated 2 900 paths", "bit for bit"]);
+}
+
+#[test]
+fn a_part_of_a_run_is_not_simulated_again() {
+    let here = made(&[SCENE, &["--part", "2/3"]].concat());
+    assert!(verify(&here, &[]).status.success());
+    let output = verify(&here, &["--again"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("part 2/3") && said.contains("fix: merge the parts"));
 }
 
 /// A change of one value or of one attribute, in words.
@@ -355,7 +280,7 @@ fn not_found(make: &[&str], tried: &mut BTreeSet<String>) -> Vec<String> {
         }
         fs::write(&path, &original).expect("written");
         forge(&here, true, make);
-        let output = verify(&here, &[]);
+        let output = verify(&here, &["--again"]);
         match output.status.code() {
             Some(0) => missed.push(what),
             Some(1 | 2) => assert!(
@@ -434,19 +359,11 @@ fn every_value_and_attribute_of_a_run_is_compared() {
     );
 }
 
-/// The steps of a part and the series of a bridge are further variables. That a run ended at a
-/// goal, and how many paths it might have taken, does not follow from its scenario.
+/// The series of a bridge are further variables. That a run ended at a goal, and how many paths it
+/// might have taken, does not follow from its scenario.
 #[test]
-fn every_value_of_a_part_and_of_an_ended_run_is_compared() {
+fn every_value_of_a_bridge_and_of_an_ended_run_is_compared() {
     let tried = &mut BTreeSet::new();
-    let part = [
-        "run", RHO025, "--quiet", "--step", "0.1", "--paths", "700", "--part", "2/3",
-    ];
-    all_but_these_are_found(
-        &[&part[..], &["--set", "time.output_step=20"]].concat(),
-        &[],
-        tried,
-    );
     let bridge = [
         "run",
         BRIDGE,
@@ -625,13 +542,13 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
                     .and_then(|seed| seed.write_scalar(&2_u64))
                     .expect("written")
             },
-            &["seed is 2 in the file, and 1 when"],
+            &["seed is 2 in the file, but 1 when"],
         ),
     ];
     for (name, change, named) in changes {
         let here = made(SCENE);
         forge(&here, true, change);
-        let output = verify(&here, &["--blocks", "all"]);
+        let output = verify(&here, &["--again"]);
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{name}: {said}");
         assert!(
@@ -651,7 +568,7 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
             .expect("written");
     };
     forge(&here, true, edit);
-    let output = verify(&here, &["--blocks", "1"]);
+    let output = verify(&here, &["--again"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(
         text(&output.stderr).contains("path "),
@@ -663,7 +580,10 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
 /// A scenario that was stored with a calibration asks for it, with what `--set` changed.
 #[test]
 fn a_calibration_is_compared_with_its_scenario() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bridge.toml");
+    let scene = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/bridge/bridge.toml"
+    );
     let data = fs::read_to_string(scene.replace("bridge.toml", "twin.csv")).expect("there");
     let rows = tempfile::tempdir().expect("a folder");
     let short = rows.path().join("short.csv").display().to_string();
@@ -684,7 +604,7 @@ fn a_calibration_is_compared_with_its_scenario() {
         "--set",
         "friction.static=4.9e5",
     ];
-    assert_eq!(verify(&made(&make), &[]).status.code(), Some(0));
+    assert_eq!(verify(&made(&make), &["--again"]).status.code(), Some(0));
     let changes = [
         ("title = \"", "title = \"Another ", "title is"),
         ("static=4.9e5", "static=4.5e5", "guess"),
@@ -701,7 +621,7 @@ fn a_calibration_is_compared_with_its_scenario() {
                 .write_scalar(&other.parse::<VarLenUnicode>().expect("a text"))
                 .expect("written");
         });
-        let output = verify(&here, &[]);
+        let output = verify(&here, &["--again"]);
         let said = text(&output.stderr);
         assert!(
             !output.status.success() && said.contains(named),
@@ -750,7 +670,7 @@ fn a_file_of_another_program_is_said_to_be_one() {
             .expect("written");
         add(file, "path_stick_time", 5, 1.0);
     });
-    let output = verify(&here, &["--blocks", "all"]);
+    let output = verify(&here, &["--again"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(

@@ -5,6 +5,7 @@ use crate::dataset::layout::{Described, Unit, variable};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{Attribute, Dataset, ElementType, Entry, Source, read_other_program};
 use std::collections::{BTreeMap, BTreeSet};
+use stickslip::stats::EVENT_COUNT;
 use stickslip::stats::column::FirstDifference;
 
 /// Attributes that another program, or another version of this one, may write otherwise although
@@ -65,32 +66,53 @@ impl<'a> Against<'a> {
         self.difference.get_or_insert_with(difference);
     }
 
-    /// Compare all variables of a data set with those that are stored, except those that have rows
-    /// of single paths.
+    /// Compare all variables of a data set with those that are stored.
     pub fn variables(&mut self, expected: &Dataset) -> Result<(), String> {
-        for entry in expected
-            .entries
-            .iter()
-            .filter(|entry| RowAxis::of(entry).is_none())
-        {
+        for entry in &expected.entries {
             self.described(entry)?;
-            let (values, axes) = (
-                entry.column.values(),
-                entry.axes.iter().map(String::as_str).collect::<Vec<_>>(),
-            );
+            let values = entry.column.values();
             self.values += values.len() as u64;
-            let found = match self
-                .held
-                .column(&variable(&entry.name, &axes, Unit::None, ""), values.kind())?
-            {
+            let axes: Vec<&str> = entry.axes.iter().map(String::as_str).collect();
+            let stored = match RowAxis::of(entry) {
+                None => {
+                    let variable = variable(&entry.name, &axes, Unit::None, "");
+                    self.held.column(&variable, values.kind())?
+                }
+                // The dimension of events has no coordinate that would give its length.
+                Some(along) => {
+                    let rows = expected.shape(entry)[0];
+                    let lengths = [
+                        self.held.length(&entry.name)?.unwrap_or(0),
+                        self.held.length(along.axis())?.unwrap_or(rows),
+                    ];
+                    if let Some(there) = self.other_length(lengths, rows) {
+                        let lengths = (format!("one of {there} rows"), format!("one of {rows}"));
+                        self.differs(&entry.name, None, (None, lengths.0, lengths.1));
+                        continue;
+                    }
+                    Some(self.held.rows(&entry.name, values.kind(), &(0..rows))?)
+                }
+            };
+            let found = match stored {
                 Some(stored) => stored.values().first_difference(values),
                 None => Some((None, "missing".into(), "there".into())),
             };
-            found
-                .into_iter()
-                .for_each(|found| self.differs(&entry.name, None, found));
+            if let Some((at, stored, computed)) = found {
+                let (path, index) = place(expected, entry, at);
+                self.differs(&entry.name, path, (index, stored, computed));
+            }
         }
         Ok(())
+    }
+
+    /// The length of a variable, or of its dimension, if it differs. Another program may have left
+    /// out the length of a dimension without a variable.
+    fn other_length(&self, [variable, dimension]: [usize; 2], rows: usize) -> Option<usize> {
+        let is_left_out = dimension == 0 && self.held.is_laid_out_anew();
+        let dimension = if is_left_out { rows } else { dimension };
+        [variable, dimension]
+            .into_iter()
+            .find(|there| *there != rows)
     }
 
     /// Compare the attributes of a variable.
@@ -160,6 +182,27 @@ impl<'a> Against<'a> {
         }
         Ok(())
     }
+}
+
+/// The path of a value of a variable, if it belongs to a single path, and its index there.
+fn place(dataset: &Dataset, entry: &Entry, at: Option<usize>) -> (Option<u64>, Option<usize>) {
+    let (Some(along), Some(at)) = (RowAxis::of(entry), at) else {
+        return (None, at);
+    };
+    let width: usize = dataset.shape(entry)[1..].iter().product();
+    let (mut path, mut index) = (at / width, at % width);
+    if along == RowAxis::Event
+        && let Some(counts) = dataset.array::<u32>(EVENT_COUNT.name)
+    {
+        (path, index) = (0, at);
+        for count in counts {
+            match index.checked_sub(*count as usize) {
+                Some(rest) => (path, index) = (path + 1, rest),
+                None => break,
+            }
+        }
+    }
+    (Some(path as u64), Some(index))
 }
 
 /// The first lines that differ between two texts of several lines, such as a scenario.

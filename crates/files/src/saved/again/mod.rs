@@ -2,51 +2,114 @@
 //! it is computed again.
 //!
 //! Every variable and attribute that would be written must be there, bit for bit, and nothing else
-//! may be. Everything that is not simulated again is compared with what is derived from the rest of
-//! the data set, so that a number that was changed does not go with the others.
-//!
-//! ```text
-//! against   the comparison of two data sets
-//! rows      rows of blocks that are simulated again, and all that is no row
-//! run       which blocks of a run are simulated again
-//! ```
+//! may be.
 
 mod against;
-mod rows;
-mod run;
-
-pub use run::{Again, BlocksAgain, drawn};
 
 pub(crate) use against::Against;
-pub(crate) use run::again;
 
-use crate::dataset::{Dataset, StoredRun};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{Dataset, Recorder, Source, StoredRun, layout};
 use std::fmt;
 use std::sync::atomic::AtomicBool;
+use stickslip::engine::{Asked, Run, RunError, Status};
+use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;
+
+/// What the comparison of a data set came to.
+#[derive(Clone, Debug)]
+pub struct Verified {
+    /// Number of values and texts that were compared.
+    pub values: u64,
+    /// The first difference, if there is one.
+    pub difference: Option<Difference>,
+}
+
+/// Simulate a stored run again, with this scenario. The result is the data set that must be stored.
+/// What ended the run before its last path does not follow from the scenario, and is taken from the
+/// stored run. The run must not be a part.
+///
+/// # Errors
+///
+/// The simulation fails.
+pub fn rerun(
+    stored: &StoredRun,
+    scenario: &Scenario,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Dataset, RunError> {
+    let all = scenario.ensemble.paths;
+    let early = match stored.status {
+        _ if stored.ended_by.is_some() => Some((Status::Ended, stored.header.paths)),
+        Status::Interrupted if stored.completed_paths < all => Some((Status::Interrupted, all)),
+        _ => None,
+    };
+    let paths = early.map_or(all, |(_, paths)| {
+        // It ended after a block that is not the last.
+        (stored.completed_paths.min(paths) / BLOCK_SIZE * BLOCK_SIZE).max(1)
+    });
+    let mut recorder = Recorder::default();
+    let asked = Asked {
+        with_bias: stored.summary.has_bias(),
+        ..Asked::paths(paths)
+    };
+    Run::of(scenario)
+        .asked(asked)
+        .threads(threads)
+        .stopped_by(stop)
+        .into_sink(&mut recorder)
+        .simulate()?;
+    let mut again = recorder.into_dataset();
+    if let Some((status, paths)) = early {
+        again.set_attribute("status", status.name());
+        again.set_attribute("paths", paths);
+        let ended_by = stored.ended_by.iter().cloned();
+        ended_by.for_each(|reason| again.set_attribute("ended_by", reason));
+        if status == Status::Interrupted {
+            // A run that was interrupted has no limit cycle.
+            let of_cycle = [layout::CYCLE_NUMBER.name, layout::SECTION_STATE.name];
+            again
+                .entries
+                .retain(|entry| !entry.axes.iter().any(|axis| of_cycle.contains(&&**axis)));
+        }
+    }
+    Ok(again)
+}
+
+/// Compare a data set that is stored with one that was computed again.
+pub(crate) fn compare(held: &dyn Source, again: &Dataset) -> Result<Verified, String> {
+    let mut against = Against::of(held);
+    against.variables(again)?;
+    if again
+        .entries
+        .iter()
+        .any(|entry| RowAxis::of(entry) == Some(RowAxis::Event))
+    {
+        against.exempt(&layout::EVENT);
+    }
+    against.finish(again)?;
+    Ok(Verified {
+        values: against.values,
+        difference: against.difference,
+    })
+}
 
 /// Compare the data set of a run with a second simulation.
 ///
 /// # Errors
 ///
-/// The data set cannot be read as that of a run, or its scenario is none.
+/// The data set cannot be read as that of a run, its scenario is none, or the simulation fails.
 pub fn again_in_memory(
     dataset: &Dataset,
-    sample: BlocksAgain,
     threads: usize,
     stop: &AtomicBool,
-) -> Result<Again, String> {
+) -> Result<Verified, String> {
     let stored = StoredRun::read(dataset)?;
     let header = &stored.header;
-    let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], &header.samples);
-    again(
-        dataset,
-        &stored,
-        &scenario.map_err(|error| error.to_string())?,
-        sample,
-        threads,
-        stop,
-    )
+    let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], &header.samples)
+        .map_err(|error| error.to_string())?;
+    let again = rerun(&stored, &scenario, threads, stop).map_err(|error| error.to_string())?;
+    compare(dataset, &again)
 }
 
 /// The first value of a data set that differs from what its scenario gives.

@@ -1,32 +1,29 @@
-//! `mc verify`: checks that a file holds what its scenario and its seed give.
+//! `mc verify`: checks that a file is as it was written, and that it holds what its scenario and its
+//! seed give.
 
-mod run;
 mod study;
 
 use crate::arguments::threads::Threads;
-use crate::inputs::files;
-use crate::output::document::{document, joined};
+use crate::inputs::{files, results};
+use crate::output::document::document;
 use crate::output::failure::{Failure, note, print, print_data};
 use crate::output::numbers::grouped;
 use crate::report::{Report, text};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
-use std::time::Duration;
-use stickslip_files::saved::{BlocksAgain, Difference};
-use stickslip_files::store::{self, Content, FileKind, Sealed, Verified};
-
-/// How long a file may take to be computed again as a whole if nobody asked for that.
-const UNASKED: Duration = Duration::from_secs(5);
+use std::sync::atomic::AtomicBool;
+use stickslip_files::saved::{Difference, Verified, rerun};
+use stickslip_files::store::{self, Content, FileKind, Sealed, Stored};
 
 /// Arguments of `mc verify`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("../help/verify.txt"))]
 pub struct Arguments {
-    /// File of results: a run or a part of one, a sweep, a trade or a calibration
+    /// File of results: a run, a sweep, a trade or a calibration
     file: PathBuf,
-    /// Number of blocks to simulate again, or `all` [default: all, or 8 if that takes long]
-    #[arg(long, value_name = "N|all", value_parser = sample)]
-    blocks: Option<BlocksAgain>,
+    /// Simulate the stored scenario again, and compare all numbers with those in the file
+    #[arg(long)]
+    again: bool,
     #[command(flatten)]
     threads: Threads,
     /// Print only one JSON object to standard output
@@ -34,29 +31,13 @@ pub struct Arguments {
     json: bool,
 }
 
-fn sample(text: &str) -> Result<BlocksAgain, String> {
-    match text {
-        "all" => Ok(BlocksAgain::All),
-        number => number
-            .parse()
-            .map(BlocksAgain::Some)
-            .map_err(|_| "write a number of blocks, or `all`".into()),
-    }
-}
-
-/// What was compared, and the first difference if there is one.
-struct Checked {
+/// What was computed again and compared.
+struct Again {
     /// What was computed again, for people.
     simulated: String,
     /// What was compared with that.
-    compared: String,
-    /// What was not, and why.
-    not_compared: Option<String>,
-    /// The same in JSON, without what all kinds of files have in common.
-    fields: Value,
+    compared: &'static str,
     found: Verified,
-    /// The program that wrote the file, if it was not this one.
-    other_program: Option<String>,
 }
 
 impl Arguments {
@@ -70,23 +51,26 @@ impl Arguments {
             ));
         }
         let sealed = store::check_bytes(&self.file)?;
-        let checked = match files::read(&self.file, store::content)? {
-            Content::Run(stored) => self.run(&stored)?,
-            Content::Sweep(stored) => self.sweep(&stored)?,
-            Content::Trade(stored) => self.trade(&stored)?,
-            Content::Calibration(stored) => self.calibration(&stored)?,
-        };
-        if let Some(other) = &checked.other_program {
+        let content = files::read(&self.file, store::content)?;
+        let other_program = content.other_program();
+        if let Some(other) = &other_program {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
+        let again = match &content {
+            _ if !self.again => None,
+            Content::Run(stored) => Some(self.run(stored, sealed)?),
+            Content::Sweep(stored) => Some(self.sweep(stored)?),
+            Content::Trade(stored) => Some(self.trade(stored)?),
+            Content::Calibration(stored) => Some(self.calibration(stored)?),
+        };
         match self.json {
-            true => print_data(&self.object(&checked, sealed))?,
-            false => print(&self.report(&checked, sealed))?,
+            true => print_data(&self.object(again.as_ref(), sealed, other_program.is_none()))?,
+            false => print(&self.report(again.as_ref(), sealed))?,
         }
-        let Some(difference) = &checked.found.difference else {
+        let Some(difference) = again.and_then(|again| again.found.difference) else {
             return Ok(());
         };
-        let remedy = match &checked.other_program {
+        let remedy = match other_program {
             Some(_) => {
                 "verify it with the program that wrote it; results of other versions may differ"
             }
@@ -95,63 +79,84 @@ impl Arguments {
         Err(Failure::run_of(&self.file, difference.of("file"), remedy))
     }
 
-    /// How many blocks or points are to be simulated again.
-    fn sample(&self) -> BlocksAgain {
-        self.blocks.unwrap_or(BlocksAgain::Within(UNASKED))
+    /// Simulate a run again.
+    fn run(&self, stored: &Stored, sealed: Sealed) -> Result<Again, Failure> {
+        let name = self.file.display().to_string();
+        if let Some(part) = stored.part {
+            return Err(Failure::usage(
+                format!("{name}: part {part} of a run cannot be simulated again"),
+                "merge the parts and verify the run",
+            ));
+        }
+        let scenario = results::scenario(&name, stored, &[])?;
+        // All rows are kept, and the largest variable of the file is read beside them.
+        let used = scenario.run_bytes(stored.header.paths, self.threads.number())
+            + 2.0 * sealed.bytes as f64;
+        let threads = self.threads.ready("this verification", used)?;
+        let again = rerun(stored, &scenario, threads, &AtomicBool::new(false))?;
+        Ok(Again {
+            simulated: format!("{} paths", grouped(stored.completed_paths)),
+            compared: "rows of paths, statistics, attributes, coordinates and units",
+            found: store::verify(&self.file, &again)?,
+        })
     }
 
     /// The result for people.
     fn report(
         &self,
-        checked: &Checked,
+        again: Option<&Again>,
         Sealed {
             bytes,
             has_checksum,
         }: Sealed,
     ) -> String {
-        let Checked {
-            simulated,
-            compared,
-            not_compared,
-            found,
-            ..
-        } = checked;
+        let file = self.file.display().to_string();
         let checksum = match has_checksum {
             true => format!("correct for its {} bytes", grouped(bytes)),
             false => "none: another program changed the file, or an earlier version of mc wrote it"
                 .into(),
         };
-        let compared = format!("{compared}: {} values", grouped(found.values));
-        let mut remarks = vec![
-            ("checksum", checksum),
-            ("simulated", simulated.clone()),
-            ("compared", compared),
-        ];
-        if found.difference.is_none() {
-            remarks.extend(not_compared.clone().map(|why| ("not compared", why)));
-            remarks.push(("result", "all of this is identical, bit for bit".into()));
+        let mut remarks = vec![("checksum", checksum)];
+        if let Some(Again {
+            simulated,
+            compared,
+            found,
+        }) = again
+        {
+            let compared = format!("{compared}: {} values", grouped(found.values));
+            remarks.extend([("simulated", simulated.clone()), ("compared", compared)]);
+            if found.difference.is_none() {
+                remarks.push(("result", "all of this is identical, bit for bit".into()));
+            }
+        } else {
+            let rest = format!("numbers with a second simulation: `mc verify {file} --again`");
+            remarks.extend([
+                ("result", "the file can be read".into()),
+                ("not compared", rest),
+            ]);
         }
         text(&Report {
-            title: self.file.display().to_string(),
+            title: file,
             remarks,
             ..Report::default()
         })
     }
 
-    fn object(&self, checked: &Checked, sealed: Sealed) -> String {
-        let difference = checked.found.difference.as_ref().map(|difference| {
+    fn object(&self, again: Option<&Again>, sealed: Sealed, same_program: bool) -> String {
+        let found = again.map(|again| &again.found);
+        let difference = found.and_then(|found| found.difference.as_ref()).map(|difference| {
             let Difference { variable, path, index, stored, computed } = difference;
             json!({ "variable": variable, "path": path, "index": index, "stored": stored, "computed": computed })
         });
         let object = json!({
             "file": self.file.display().to_string(),
-            "matches": difference.is_none(),
+            "matches": found.map(|_| difference.is_none()),
             "bytes": sealed.bytes,
             "has_checksum": sealed.has_checksum,
-            "same_program": checked.other_program.is_none(),
-            "values_checked": checked.found.values,
+            "same_program": same_program,
+            "values_checked": found.map_or(0, |found| found.values),
             "difference": difference,
         });
-        document("verification", joined(object, checked.fields.clone()))
+        document("verification", object)
     }
 }
