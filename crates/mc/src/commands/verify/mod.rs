@@ -129,9 +129,7 @@ impl Arguments {
                 remarks.push(("result", "all of this is identical, bit for bit".into()));
             }
         } else {
-            let rest = format!(
-                "the numbers with those of the stored scenario; `mc verify {file} --again` does"
-            );
+            let rest = format!("numbers with a second simulation: `mc verify {file} --again`");
             remarks.extend([
                 ("result", "the file can be read".into()),
                 ("not compared", rest),
