@@ -144,7 +144,7 @@ def test_an_input_in_memory_is_that_of_a_file(tmp_path):
     assert ss.replay(in_memory, 0).path_slips.item() == in_memory.path_slips.item() > 0
     with pytest.raises(ss.ScenarioError, match="is not used in any expression"):
         ss.run(BLOCK, inputs={"ag": (TIMES, VALUES), "p": (TIMES, VALUES)})
-    with pytest.raises(ss.ArgumentError, match="is no number") as raised:
+    with pytest.raises(ss.ArgumentError, match="is not a number") as raised:
         ss.run(BLOCK, inputs={"ag": ([0.0, 1.0], [1.0, float("nan")])})
     assert raised.value.argument == "inputs.ag"
 

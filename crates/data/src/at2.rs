@@ -147,7 +147,7 @@ fn unit_of(file: &str, wanted: &Wanted<'_>, said: &str) -> Result<InputUnit, Dat
             wrong(
                 file,
                 HEADER - 1,
-                format!("has a unit that is not known, `{name}`"),
+                format!("has the unknown unit `{name}`"),
                 &remedy,
             )
         },
@@ -213,7 +213,7 @@ impl Sampling<'_> {
                 file,
                 HEADER,
                 problem,
-                "take the whole file: nothing of an input is mended or left out",
+                "use the complete file; values of an input are not repaired or left out",
             );
         }
         if cells.len() < 2 {
@@ -298,7 +298,7 @@ impl Sampling<'_> {
                         return wrong(
                             self.file,
                             i + 1,
-                            format!("`{word}` is no number"),
+                            format!("`{word}` is not a number"),
                             NOT_REPAIRED,
                         );
                     }

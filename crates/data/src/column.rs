@@ -50,7 +50,7 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 /// What is said of an input without a unit, and of a cell of an input that is no number.
 pub(super) const AS_IT_IS: &str = "SI (`unit = \"g\"` converts, `unit = \"none\"` confirms SI)";
 pub(super) const NOT_REPAIRED: &str =
-    "fix the cell; values of an input are not repaired or left out";
+    "correct the cell; values of an input are not repaired or left out";
 
 /// A column while it is read: its unit, and its samples so far.
 pub(super) struct Column<'a> {
@@ -104,7 +104,7 @@ impl<'a> Column<'a> {
                 self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
             let remedy = || unit::unknown_unit(self.wanted.quantity, &self.name, inside).1;
             return if is_unknown {
-                Err(("is a unit that is not known".into(), remedy()))
+                Err(("is an unknown unit".into(), remedy()))
             } else {
                 Ok(())
             };

@@ -240,7 +240,7 @@ fn an_input_is_converted_from_every_unit() {
             format!("t_s,a\ns,{unit}\n0,1\n1,2\n"),
         ] {
             let error = input(&text, None).expect_err(unit);
-            assert!(error.problem.contains("unit that is not known"), "{error}");
+            assert!(error.problem.contains("unknown unit"), "{error}");
             assert_eq!(
                 input(&text, Some("g")).unwrap().columns[0].values,
                 [gravity, 2.0 * gravity]
@@ -348,7 +348,7 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         (
             "IN UNITS OF CM/SEC",
             "NPTS= 4, DT= .01",
-            "unit that is not known, `CM/SEC`",
+            "unknown unit `CM/SEC`",
         ),
         (
             "ACCELERATION IN FURLONGS",
@@ -385,11 +385,11 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         Ok(samples.clone())
     );
     for (text, column, says) in [
-        ("1 2\n3\n", Some("2"), "`` is no number"),
-        ("1 x\n", None, "`x` is no number"),
+        ("1 2\n3\n", Some("2"), "`` is not a number"),
+        ("1 x\n", None, "`x` is not a number"),
         ("1", None, "1 values"),
         ("1 2", Some("acc"), "by their numbers"),
-        ("2020-01-01 2", None, "`2020-01-01` is no number"),
+        ("2020-01-01 2", None, "`2020-01-01` is not a number"),
     ] {
         assert!(
             read(text, column).is_err_and(|error| error.problem.contains(says)),
@@ -407,11 +407,11 @@ fn what_is_no_record_is_refused_with_its_remedy() {
     for (text, says) in [
         (
             "t_s,a_g\n0,1\n1,inf\n",
-            "is not finite\n  fix: give the cell its value",
+            "is not finite\n  fix: correct the cell",
         ),
         (
             "t_s,a_g\n0,1\n1,strong\n",
-            "is not a number\n  fix: give the cell its value",
+            "is not a number\n  fix: correct the cell",
         ),
         (
             "t_s,a_g\n0,1\n1e-300,2\n2,3\n",

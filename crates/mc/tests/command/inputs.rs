@@ -111,7 +111,7 @@ fn a_run_warns_of_an_input_without_a_unit() {
         );
         (output.status.code(), text(&output.stderr))
     };
-    let warns = "because nothing says its";
+    let warns = "not given; assuming SI";
     let (code, stderr) = said("time_s,acc", &[]);
     assert!(
         code == Some(0) && stderr.contains("warning: quake.csv") && stderr.contains(warns),
