@@ -72,8 +72,9 @@ pub(super) struct Extrapolated {
     scatter: f64,
 }
 
-/// Where five of 16 groups have rare events, the error of a number has more degrees of freedom.
-const LEAST_FREEDOM: f64 = 10.0;
+/// Where fewer than five of 16 groups have rare events, the error of a number has fewer degrees of
+/// freedom. That of 16 normal numbers has fewer in 3 % of cases.
+const LEAST_FREEDOM: f64 = 9.0;
 
 /// The paths that measure a bias are taken for typical of the run if the statistic scatters among
 /// them at least by this share of what it does among the paths of the run. From 16 groups of normal

@@ -141,13 +141,13 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
 /// Tables that may hold parameters beside their expression, as in `force.parameters`.
 const OTHER_SCOPES: [&str; 2] = ["force", "friction"];
 
-/// The key in the one table of parameters, of a key in that of [`OTHER_SCOPES`].
+/// The key in the one table of parameters, of a parameter in that of [`OTHER_SCOPES`].
 pub(super) fn in_one_scope(key: &str) -> Option<String> {
     let rest = OTHER_SCOPES.iter().find_map(|home| {
         let rest = key.strip_prefix(home)?.strip_prefix('.')?;
         rest.strip_prefix(PARAMETERS)
     })?;
-    (rest.is_empty() || rest.starts_with('.')).then(|| format!("{PARAMETERS}{rest}"))
+    rest.starts_with('.').then(|| format!("{PARAMETERS}{rest}"))
 }
 
 /// Moves the parameters of [`OTHER_SCOPES`] to the one table of parameters. One that is there with

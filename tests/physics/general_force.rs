@@ -181,7 +181,10 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
         );
     }
     let noisy = text.replace("dilatation = 0", "force_per_temperature = 1");
-    let noisy = scenario(&noisy.replace("[force]", "temperature.noise.intensity = 1\n[force]"));
+    let noisy = scenario(&noisy.replace(
+        "force.expression",
+        "temperature.noise.intensity = 1\nforce.expression",
+    ));
     let warns = |of: &Scenario| {
         of.warnings()
             .iter()

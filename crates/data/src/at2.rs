@@ -206,7 +206,7 @@ impl Sampling<'_> {
         let cells = self.cells(text)?;
         if let Some(count) = self.count.filter(|count| *count != cells.len()) {
             let problem = format!(
-                "has {} values, and its header says NPTS = {count}",
+                "has {} values, but its header says NPTS = {count}",
                 cells.len()
             );
             return wrong(

@@ -123,7 +123,7 @@ fn a_run_warns_of_an_input_without_a_unit() {
     }
     let (code, stderr) = said("time_s,acc_ft/s", &["--set", "input.ag.column=acc_ft/s"]);
     assert!(
-        code == Some(2) && stderr.contains("a unit that is not known, `ft/s`"),
+        code == Some(2) && stderr.contains("the unknown unit `ft/s`"),
         "{stderr}"
     );
     // The name of an input in capitals finds its column.
@@ -320,7 +320,7 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     );
     set(
         "units.length=mm",
-        &["is converted to m/s2, and `units.length` is \"mm\""],
+        &["is converted to m/s2, but `units.length` is \"mm\""],
     );
     set("units.time=ms", &["has times in seconds"]);
     set(

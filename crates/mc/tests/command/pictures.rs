@@ -198,7 +198,11 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         ),
         (&["run.h5", "-o", "picture.jpg"], 2, ".svg, .png or .pdf"),
         (&["run.h5", "--only", "ventilator"], 2, "path, fan, sticks"),
-        (&["run.h5", "--only", "path.D"], 2, "no panel D, but A to C"),
+        (
+            &["run.h5", "--only", "path.D"],
+            2,
+            "no panel D; panels are A to C",
+        ),
         (
             &["run.h5", "--only", "path.b"],
             2,

@@ -533,7 +533,7 @@ fn the_command_refuses_before_it_measures() {
         (vec!["-o", "old.h5"], "old.png already exists"),
         (
             vec!["-o", "picture.svg"],
-            "picture.svg is the name of a picture",
+            "picture.svg has the extension of a picture",
         ),
         (vec!["-o", "absent/trade.h5"], "the directory absent"),
         (vec!["--set", "time.end=0"], "`time.end` = 0"),
@@ -581,7 +581,7 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
 
     let file = hdf5::File::open(folder.path().join("trade.h5")).expect("HDF5");
     let shape = |name: &str| file.dataset(name).expect(name).shape();
-    let settings = values("coords", "setting").len();
+    let settings = values("coords", "rung").len();
     assert_eq!(shape("rung_bias"), [settings, Statistic::ALL.len()]);
     assert_eq!(shape("predicted_seconds"), [3, Statistic::ALL.len(), 4]);
     let biases: Vec<f64> = file

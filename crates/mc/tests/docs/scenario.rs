@@ -81,7 +81,8 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         let given = [
             "initial.velocity=1",
             "friction.load=\"c\"",
-            "parameters={c=1, d=0.1, f_d=1}",
+            "friction.dynamic=f_d",
+            "parameters={c=1, f_d=1}",
         ];
         let given = given.map(|set| Override::set(set).expect("well formed"));
         let resolved = shipped(name)

@@ -113,11 +113,7 @@ fn commands() -> Vec<Writes> {
         ),
         writes(&[&run], &[&["plot", "a.h5", "-o", "p.svg"]], "p.svg"),
         writes(&[&run], &[&["report", "a.h5", "-o", "p.html"]], "p.html"),
-        writes(
-            &[],
-            &[&["twin", BRIDGE, "--duration", "20d", "-o", "twin.csv"]],
-            "twin.csv",
-        ),
+        writes(&[], &[&["twin", BRIDGE, "-o", "twin.csv"]], "twin.csv"),
     ]
 }
 

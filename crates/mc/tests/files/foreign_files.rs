@@ -138,7 +138,11 @@ fn a_lock_of_another_program_stays() {
         )
         .expect("written");
         let lock = format!("{name}.lock");
-        refused_untouched(here, &run(name, &["--force"]), &[&lock, "in the way"]);
+        refused_untouched(
+            here,
+            &run(name, &["--force"]),
+            &[&lock, "the name is taken"],
+        );
     }
     refused_untouched(here, &["resume", "a.h5"], &["a.h5"]);
     // What a killed process has left is taken over: a lock with its mark, or with a part of it.
@@ -163,7 +167,7 @@ fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
     refused_untouched(
         here,
         &run("a.h5", &["--force"]),
-        &["a.h5.partial", "in the way"],
+        &["a.h5.partial", "the name is taken"],
     );
     refused_untouched(
         here,
@@ -176,7 +180,7 @@ fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
             "a.h5",
             "--force",
         ],
-        &["in the way"],
+        &["the name is taken"],
     );
     refused_untouched(here, &["resume", "a.h5", "--force"], &["no unfinished run"]);
     // A folder of ours that holds something of somebody else.
@@ -184,7 +188,7 @@ fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
     refused_untouched(
         here,
         &run("a.h5", &["--force"]),
-        &["a.h5.partial/thesis.tex", "in the way"],
+        &["a.h5.partial/thesis.tex", "the name is taken"],
     );
     fs::remove_dir_all(&partial).expect("removed");
     for text in ["", "mine"] {
@@ -192,7 +196,7 @@ fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
         refused_untouched(
             here,
             &run("a.h5", &["--force"]),
-            &["a.h5.partial", "in the way"],
+            &["a.h5.partial", "the name is taken"],
         );
     }
     fs::remove_file(&partial).expect("removed");
@@ -202,7 +206,7 @@ fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
     refused_untouched(
         here,
         &run("a.h5", &["--force"]),
-        &["a.h5.partial", "in the way"],
+        &["a.h5.partial", "the name is taken"],
     );
 }
 
@@ -391,7 +395,7 @@ fn help_that_cannot_be_written_is_a_failure() {
         "check scenarios/rho025.toml",
     ] {
         let line = format!(
-            "cd {}; \"$0\" {arguments} > /dev/full",
+            "cd {}/../..; \"$0\" {arguments} > /dev/full",
             env!("CARGO_MANIFEST_DIR")
         );
         let output = shell(folder.path(), &line);

@@ -276,7 +276,7 @@ fn a_pipe_in_the_way_holds_nobody_up() {
         &here,
         &["run", RHO025, "-o", "a.h5", "--force"],
         2,
-        &["a.h5.partial", "in the way"],
+        &["a.h5.partial", "the name is taken"],
     );
     assert_refused(
         &here,
@@ -548,7 +548,7 @@ fn a_file_without_what_a_table_needs_is_damaged() {
                 ),
             }
         });
-        assert_refused(&here, &["show", "a.h5"], 1, &["estimate has another"]);
+        assert_refused(&here, &["show", "a.h5"], 1, &["estimate differs from"]);
     }
     let here = folder();
     run(&here, &[]);
