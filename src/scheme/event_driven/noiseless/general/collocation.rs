@@ -122,12 +122,12 @@ impl Rule {
         nodes.push(1.0);
         let weight = |u: f64| u / (n as f64 * legendre(n - 1, 2.0 * u - 1.0)).powi(2);
         let mut integrals = [[0.0; MOST]; MOST];
-        for (i, to) in nodes.iter().enumerate() {
-            for j in 0..n {
+        for (row, to) in integrals.iter_mut().zip(&nodes) {
+            for (j, entry) in row.iter_mut().enumerate().take(n) {
                 let terms = nodes
                     .iter()
                     .map(|u| to * weight(*u) * cardinal(&nodes, j, to * u));
-                integrals[i][j] = terms.sum();
+                *entry = terms.sum();
             }
         }
         Rule { nodes, integrals }
