@@ -282,7 +282,7 @@ pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
         if reserved(name).is_some() {
             return fault(
                 name,
-                format!("the name of the {kind} `{shown}` is reserved"),
+                format!("must not contain the reserved name `{shown}`"),
                 "give it another name",
             );
         }

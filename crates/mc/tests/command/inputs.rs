@@ -344,10 +344,10 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
         ],
     );
     for (name, says) in [
-        ("t", "the name of the input `t` is reserved"),
-        ("xdot", "the input `xdot` has a name"),
-        ("direction", "the input `direction` has a name"),
-        ("max", "the input `max` has a name"),
+        ("t", "must not contain the reserved name `t`"),
+        ("xdot", "must not contain the reserved name `xdot`"),
+        ("direction", "must not contain the reserved name `direction`"),
+        ("max", "must not contain the reserved name `max`"),
         ("m", "a parameter and an input are called `m`"),
         ("a-b", "`a-b` cannot be the name of an input"),
     ] {

@@ -208,7 +208,7 @@ fn what_cannot_be_drawn_is_refused_in_words() {
             2,
             "panels are named by capital letters",
         ),
-        (&["run.h5", "--width", "5"], 2, "from 60 to 400"),
+        (&["run.h5", "--width", "5"], 2, "between 60 and 400"),
         (&["run.h5", "--theme", "pink"], 2, "light or dark"),
         (&["run.h5", "--path", "1"], 2, "the ensemble has 1 path\n"),
         (&["run.h5", "--only", "trade"], 2, "a file of `mc trade`"),

@@ -77,12 +77,15 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         .to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
     // A body on a belt, and a force of the user's own with parameters; both with a load on friction.
-    for name in ["belt", "stribeck-belt"] {
+    for (name, parameters) in [
+        ("belt", "parameters={c=1, f_d=1}"),
+        ("stribeck-belt", "parameters={c=1, d=0.1, f_d=1}"),
+    ] {
         let given = [
             "initial.velocity=1",
             "friction.load=\"c\"",
             "friction.dynamic=f_d",
-            "parameters={c=1, f_d=1}",
+            parameters,
         ];
         let given = given.map(|set| Override::set(set).expect("well formed"));
         let resolved = shipped(name)

@@ -263,11 +263,11 @@ fn a_parameter_has_a_name_and_a_value_of_its_own() {
     };
     assert_eq!(
         problem(&[("sin", 1.0)]),
-        "the name of the parameter `sin` is reserved"
+        "must not contain the reserved name `sin`"
     );
     assert_eq!(
         problem(&[("xdot", 1.0)]),
-        "the name of the parameter `xdot` is reserved"
+        "must not contain the reserved name `xdot`"
     );
     for name in ["", "1a", "a b", "μ", "k.3", &"a".repeat(41)] {
         assert!(
