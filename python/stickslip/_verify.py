@@ -96,7 +96,7 @@ def _verified(
             f"but {difference['computed']} when computed again"
         )
         remedy = (
-            f"use the unmodified {where};  "
+            f"use the unmodified {where}; "
             "its scenario, seed or numbers were changed"
         )
         message = f"{problem}\n  fix: {remedy}"

@@ -151,8 +151,8 @@ def test_parts_that_do_not_go_together_are_named():
         (half[:1], "missing: part 2/2"),
         ([half[0], half[0]], "both are part 1/2"),
         ([half[0], ss.run("rho025", **repeated, seed=2)], "not of the same"),
-        ([half[0], ss.run("rho025", **repeated, bias=False)], "others"),
-        ([half[0], half[1].drop_vars("part_state")], "no part"),
+        ([half[0], ss.run("rho025", **repeated, bias=False)], "not of the same run"),
+        ([half[0], half[1].drop_vars("part_state")], "not a part"),
         # All of them are of one build, which is not this one.
         (other, "started by mc"),
         ([half[0], wrong_rows], r"parts\[1\]: its rows differ"),

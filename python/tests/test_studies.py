@@ -117,11 +117,11 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
     assert ss.plot("shaw").pdf().startswith(b"%PDF") and ss.plot("shaw")._repr_svg_().startswith(
         "<svg"
     )
-    with pytest.raises(ss.ArgumentError, match="no such figure"):
+    with pytest.raises(ss.ArgumentError, match="unknown figure"):
         ss.plot("shaw", only="fann")
-    with pytest.raises(ss.ArgumentError, match="no sweep"):
+    with pytest.raises(ss.ArgumentError, match="not a sweep"):
         ss.plot("shaw", labels={STATIC: "Grip"})
-    with pytest.raises(ss.ArgumentError, match="no panel C, but A to B"):
+    with pytest.raises(ss.ArgumentError, match="no panel C; panels are A to B"):
         ss.plot(run, only="sticks.C")
     with pytest.raises(ss.ArgumentError, match="only = trade"):
         ss.plot(run, only="trade")

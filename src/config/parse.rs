@@ -25,9 +25,14 @@ const CHANGED: &str = " (changed: ";
 /// The title with the changes that the overrides make to the physics, so that tables, pictures and
 /// citations are headed by what was simulated. A title among the overrides is kept as it is.
 fn titled(title: String, overrides: &[Override]) -> String {
-    let changes: Vec<String> = overrides
-        .iter()
-        .filter_map(Override::change_of_physics)
+    let set_later = |i: usize| {
+        overrides[i + 1..]
+            .iter()
+            .any(|later| later.key == overrides[i].key)
+    };
+    let changes: Vec<String> = (0..overrides.len())
+        .filter(|i| !set_later(*i))
+        .filter_map(|i| overrides[i].change_of_physics())
         .collect();
     if changes.is_empty() || overrides.iter().any(|change| change.sets("title")) {
         return title;

@@ -32,7 +32,7 @@ pub enum ForecastError {
     Weather(#[from] WeatherError),
     /// Most of the parameters that the calibration leaves open are those of no bearing.
     #[error(
-        "the record tells too little of the bearing: most of the parameters that it leaves open are those of no bearing"
+        "the record does not constrain the bearing: most sampled parameter sets are unphysical"
     )]
     Unknown,
     /// The record and the forecast of the same time are too far apart.

@@ -9,7 +9,7 @@ use crate::unsound::{SEE_SENSOR, Unsound};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WeatherError {
     /// The record has too few samples.
-    #[error("{0} samples tell no weather; at least {LEAST} are needed")]
+    #[error("need at least {LEAST} samples to fit the temperature model, got {0}")]
     TooShort(usize),
     /// The samples cannot tell one of the harmonics.
     #[error(transparent)]

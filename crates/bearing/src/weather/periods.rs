@@ -9,7 +9,7 @@ use stickslip_data::numbers::short;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NotTold {
     /// The record is shorter than half of this period.
-    #[error("the record is shorter than half a period of {}, so it does not tell that harmonic", words(*.0))]
+    #[error("the record is shorter than half a period of {}, too short to resolve that harmonic", words(*.0))]
     Short(f64),
     /// A harmonic takes the same values at the samples as the mean or another harmonic.
     #[error("samples are {} apart and cannot tell a harmonic of {}", words(*.interval), words(*.period))]

@@ -394,7 +394,7 @@ pub fn weather(found: &WeatherFit) -> Report {
         ));
         let hours = 1.0 / process.relaxation_rate / 3600.0;
         rows.push(row(
-            "  which it remembers for",
+            "  correlation time",
             hours,
             hours * process.rate_error,
             "h".into(),

@@ -346,7 +346,10 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     for (name, says) in [
         ("t", "must not contain the reserved name `t`"),
         ("xdot", "must not contain the reserved name `xdot`"),
-        ("direction", "must not contain the reserved name `direction`"),
+        (
+            "direction",
+            "must not contain the reserved name `direction`",
+        ),
         ("max", "must not contain the reserved name `max`"),
         ("m", "a parameter and an input are called `m`"),
         ("a-b", "`a-b` cannot be the name of an input"),
