@@ -51,7 +51,7 @@ target/venv/bin/python tests/python/sweep.py "$folder/sweeps/sweep.h5" "$folder/
 
 # A calibration of the shipped synthetic measurements, and files of every kind as xarray writes them.
 mkdir "$folder/calibrations"
-cargo run --release --quiet --bin mc -- calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o "$folder/calibrations/fit.h5" >"$folder/messages" 2>&1
+cargo run --release --quiet --bin mc -- calibrate examples/bridge/bridge.toml examples/bridge/twin.csv --method both -o "$folder/calibrations/fit.h5" >"$folder/messages" 2>&1
 target/venv/bin/python tests/python/calibration.py "$folder/calibrations/fit.h5"
 target/venv/bin/python tests/python/comes_back.py target/release/mc \
     "$folder/recorded.h5" "$folder/trade.h5" "$folder/sweeps/sweep.h5" "$folder/calibrations/fit.h5"

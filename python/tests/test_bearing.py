@@ -51,7 +51,7 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
         ({"method": "magic"}, "slips, err or both"),
         ({"interval": 2}, "0.5 and 0.999"),
         ({"starts": 0}, "1 and 1000"),
-        ({"lag": -1}, "above zero"),
+        ({"lag": -1}, "positive duration"),
     ]:
         with pytest.raises(ss.ArgumentError, match=word):
             ss.calibrate(BRIDGE, TWIN, **arguments)
