@@ -141,12 +141,8 @@ impl BiasPlan {
         match extrapolated {
             _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
             Err(absent) if referenced.is_none() => Err(absent),
-            Ok((found, true)) => Ok(BesideRun {
-                extrapolated: found,
-                referenced,
-            }),
-            Ok((found, false)) if referenced.is_none() => Ok(BesideRun {
-                extrapolated: found,
+            Ok((extrapolated, is_stable)) if is_stable || referenced.is_none() => Ok(BesideRun {
+                extrapolated,
                 referenced,
             }),
             _ => Ok(BesideRun {
