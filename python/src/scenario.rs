@@ -169,6 +169,12 @@ pub fn parse(
     Ok(Scenario { checked, source })
 }
 
+/// The key of a scenario that a word probably stands for, and its meaning.
+#[pyfunction]
+pub fn key_meant(word: &str) -> Option<(String, String)> {
+    config::key_meant(word)
+}
+
 /// The text of the shipped scenario with this name; None if there is no such scenario.
 #[pyfunction]
 pub fn shipped(name: &str) -> Option<&'static str> {

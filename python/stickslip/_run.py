@@ -9,10 +9,10 @@ from . import _native, _own
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
+from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
 from ._time import seconds as _seconds
-from ._types import checked
 from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
 _PART_STATE = {"long_name": "state of a part of a run, used by mc merge"}
 
 
+@public
 def run(
     scenario: ScenarioLike,
     *,
@@ -148,7 +149,6 @@ def run(
         Exception: whatever a function in `own` or `progress` raises.
     """
     given = locals()
-    checked(run, given)
     ready()
     end, goals = _end_and_goals(until)
     seconds = None if max_time is None else _seconds("max_time", max_time)
@@ -193,6 +193,7 @@ def run(
     return ds.merge(_of_own(estimates)) if estimates else ds
 
 
+@public
 def merge(
     parts: Sequence[xr.Dataset],
     *,
@@ -217,7 +218,6 @@ def merge(
         ArgumentError: a part is missing, given twice, damaged, or of another run or program. The
             checks are those of `mc merge`.
     """
-    checked(merge, locals())
     given = []
     for number, ds in enumerate(parts):
         require(
@@ -275,6 +275,7 @@ def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Datas
     )
 
 
+@public
 def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     """Simulate one path of an ensemble again, with its events and its trajectory, like `mc replay`.
 
@@ -290,7 +291,6 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
     """
-    checked(replay, locals())
     return dataset(_native.replay(of_run(run), path))
 
 

@@ -44,9 +44,21 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The key of a scenario that a word probably stands for, such as its symbol.
-pub fn key_meant(word: &str) -> Option<String> {
-    keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))
+/// The key of a scenario that a word probably stands for, such as its symbol, and what it means,
+/// which is empty where the key holds no number.
+///
+/// ```
+/// use stickslip::config::key_meant;
+///
+/// let (key, meaning) = key_meant("rho").expect("a symbol");
+/// assert_eq!((key.as_str(), meaning.as_str()), ("temperature.noise.intensity", "rho, weight of v in T"));
+/// ```
+pub fn key_meant(word: &str) -> Option<(String, String)> {
+    let key = keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))?;
+    let meaning = symbol_and_meaning(&key).map_or_else(String::new, |(symbol, meaning)| {
+        [symbol, meaning].join(if symbol.is_empty() { "" } else { ", " })
+    });
+    Some((key, meaning))
 }
 
 /// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
