@@ -94,7 +94,7 @@ impl Scenario {
     /// The numbers that follow from the scenario, by name.
     fn derived<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dictionary = PyDict::new(py);
-        for (name, quantity) in self.checked.derived().quantities() {
+        for (name, _, quantity) in self.checked.derived().quantities() {
             match quantity {
                 DerivedQuantity::Unknown => dictionary.set_item(name, py.None())?,
                 DerivedQuantity::Real(number) => dictionary.set_item(name, number)?,

@@ -14,7 +14,7 @@ from ._public import public
 from ._scenario import ScenarioLike, Settings, samples, source, written
 from ._time import Time
 from ._time import seconds as _seconds
-from .errors import require
+from .errors import require, within
 
 if TYPE_CHECKING:
     import numpy as np
@@ -131,9 +131,8 @@ def calibrate(
         RunError: the measurement does not determine the parameters.
     """
     ready()
-    _probability(interval)
-    problem = "out of range"
-    require(1 <= starts <= 1000, "starts", starts, problem, "must be between 1 and 1000")
+    within(0.5, 0.999, interval=interval)
+    within(1, 1000, starts=starts)
     made, remarks = _native.calibrate(
         (*source(scenario), written(set)),
         _record(data, displacement, layout or Layout()),
@@ -199,13 +198,10 @@ def forecast(
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
     ready()
-    _probability(interval)
-    problem = "out of range"
-    for name, count in (("draws", draws), ("years", years)):
-        require(2 <= count <= 10_000, name, count, problem, "must be between 2 and 10000")
-    problem = "out of range"
-    require(0 <= share < 1, "share", share, problem, "must be in [0, 1)")
-    _one_or_two(processes)
+    within(0.5, 0.999, interval=interval)
+    within(2, 10_000, draws=draws, years=years)
+    require(0 <= share < 1, "share", share, "out of range", "must be in [0, 1)")
+    within(1, 2, processes=processes)
     made, remarks = _native.forecast(
         (*source(scenario), written(set)),
         _record(data, displacement, layout or Layout()),
@@ -288,7 +284,7 @@ def fit_temperature(
         ArgumentError: an argument, or the data, are invalid.
         RunError: the samples do not determine the fit.
     """
-    _one_or_two(processes)
+    within(1, 2, processes=processes)
     lengths = None
     if periods is not None:
         lengths = [_seconds("periods", period) for period in periods]
@@ -388,11 +384,9 @@ def twin(
         is_right = not isinstance(sd, (str, timedelta)) and 0 <= sd < float("inf")
         problem = "must be a standard deviation"
         require(is_right, "sensor_noise", sd, problem, "give metres, at least 0")
-    require(gaps >= 0, "gaps", gaps, "out of range", "must be at least 0")
+    within(0, 2**32 - 1, gaps=gaps)
     require(abs(drift) < float("inf"), "drift", drift, "must be finite", "give metres per year")
-    problem = "out of range"
-    remedy = "must be at least 1"
-    require(thermometer_every >= 1, "thermometer_every", thermometer_every, problem, remedy)
+    within(1, 2**32, thermometer_every=thermometer_every)
     moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     problem = f"{seconds / step:.0f} samples; must be between 2 and 1e7"
@@ -502,14 +496,3 @@ def _repaired(
     times, values, remarks = _native.repaired(argument, quantity, times, values, outliers)
     warn(remarks, level=6)
     return times, values, first
-
-
-def _probability(interval: float) -> None:
-    problem = "out of range"
-    remedy = "must be between 0.5 and 0.999"
-    require(0.5 <= interval <= 0.999, "interval", interval, problem, remedy)
-
-
-def _one_or_two(processes: int) -> None:
-    problem = "out of range"
-    require(processes in (1, 2), "processes", processes, problem, "must be 1 or 2")

@@ -13,7 +13,7 @@ from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
 from ._time import seconds as _seconds
-from .errors import require, wrong_argument
+from .errors import require, within, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -246,8 +246,7 @@ def _chosen(
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
     problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
     require(not decided, "accuracy", accuracy, problem, "remove one of them")
-    problem = "it is not a relative error that can be reached"
-    require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "must be between 1e-6 and 0.5")
+    within(1e-6, 0.5, accuracy=accuracy)
     named = [statistic] if isinstance(statistic, str) else list(statistic)
     return _native.choose(parsed, accuracy, named, seconds, threads)
 

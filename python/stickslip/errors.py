@@ -106,3 +106,10 @@ def require(is_right: bool, argument: str, value: object, problem: str, remedy: 
     """Raise the exception for an invalid argument unless it is right."""
     if not is_right:
         raise wrong_argument(argument, value, problem, remedy)
+
+
+def within(low: float, high: float, **arguments: float) -> None:
+    """Raise the exception for an argument that is not between these bounds."""
+    for name, value in arguments.items():
+        remedy = f"must be between {low:g} and {high:g}"
+        require(low <= value <= high, name, value, "out of range", remedy)
