@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 from ._wording import in_python
@@ -112,4 +113,5 @@ def within(low: float, high: float, **arguments: float) -> None:
     """Raise the exception for an argument that is not between these bounds."""
     for name, value in arguments.items():
         remedy = f"must be between {low:g} and {high:g}"
-        require(low <= value <= high, name, value, "out of range", remedy)
+        is_right = isinstance(value, Real) and low <= value <= high
+        require(is_right, name, value, "wrong type or out of range", remedy)
