@@ -288,28 +288,15 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn number_at(&self, key: &str) -> Option<f64> {
-        let whole = toml::Value::Table(self.to_toml().parse().ok()?);
-        let at = |key: &str| {
-            let spot =
-                key.split('.')
-                    .map(str::trim)
-                    .try_fold(&whole, |spot, segment| match spot {
-                        toml::Value::Table(table) => table.get(segment),
-                        toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
-                        _ => None,
-                    })?;
-            Some(spot.clone())
-        };
-        let number = |at: toml::Value| {
-            at.as_float()
-                .or_else(|| at.as_integer().map(|whole| whole as f64))
-        };
-        let parameter = |name: &str| number(at(&format!("{}.{name}", tree::PARAMETERS))?);
-        match at(&tree::in_one_scope(key).unwrap_or_else(|| key.to_string())) {
+        let text = self.to_toml();
+        let tree = tree::read(&Sources::new("", &text, &[], MeasuredFrom::Files)).ok()?;
+        let parameter = |name: &str| tree.at(&format!("{}.{name}", tree::PARAMETERS))?.number();
+        let found = tree.at(&tree::in_one_scope(key).unwrap_or_else(|| key.to_string()));
+        match found.map(|node| (&node.value, node.number())) {
             // A parameter is a key by itself, as in an override.
             None => parameter(key),
-            Some(toml::Value::String(name)) => parameter(&name),
-            Some(found) => number(found),
+            Some((tree::Value::Text(name), _)) => parameter(name),
+            Some((_, number)) => number,
         }
     }
 }
