@@ -43,13 +43,15 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
             raise TypeError(f"{problem}\n  fix: {_instead(name, names)}")
         try:
             return function(*given, **named)
-        except TypeError as error:
-            refused = re.match(r"argument '(\w+)': (?:.*?: )?(.+)", str(error))
+        except (TypeError, OverflowError) as error:
+            # The engine says it in the message, or in a note where Python has notes.
+            said = "\n".join([str(error), *getattr(error, "__notes__", [])])
+            refused = re.search(r"(?:argument|while processing) '(\w+)'", said)
             if refused is None or refused[1] not in names:
                 raise
             value = named.get(refused[1], "this value")
             remedy = f"give what help(stickslip.{function.__name__}) says"
-            raise wrong_argument(refused[1], repr(value), refused[2], remedy) from None
+            raise wrong_argument(refused[1], repr(value), str(error), remedy) from None
 
     return call
 
