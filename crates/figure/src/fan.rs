@@ -1,6 +1,7 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
+use super::words::caveats;
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
@@ -50,13 +51,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    let bias = scenario
-        .scheme
-        .step()
-        .map(|h| LegendEntry::words(format!("with the bias of the step {h}")));
     Ok(sheet(
         &format!("Displacement of the paths: {}", scenario.title),
-        Vec::from_iter(bias),
+        caveats(scenario, false),
         panels,
     ))
 }

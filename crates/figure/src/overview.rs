@@ -52,7 +52,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let all = all.keyed([
         curve("median"),
         area(palette.narrow, "25–75 %"),
-        area(palette.wide, "5–95 % of the paths"),
+        area(palette.wide, "5–95 %"),
     ]);
     let panels = [
         one.keyed([
@@ -62,5 +62,5 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         all,
         outlasting.keyed([curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]),
     ];
-    Ok(sheet(&format!("Overview: {}", scenario.title), [], panels))
+    Ok(sheet(&format!("Overview: {}", scenario.title), [], panels).in_a_row())
 }

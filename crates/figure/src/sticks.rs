@@ -3,7 +3,7 @@
 
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
-use super::words::grouped;
+use super::words::{caveats, grouped};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
 use stickslip::stats::{Dimension, Distribution};
 
@@ -59,26 +59,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     curve.draw(palette, &mut outlasting);
 
-    let mut counts = format!(
+    let mut legend = vec![LegendEntry::words(format!(
         "{} ended, {} censored",
         grouped(sticks.completed),
         grouped(sticks.censored)
-    );
+    ))];
     if shorter > 0 {
-        counts += &format!("; {} shorter than shown", grouped(shorter));
+        let words = format!("{} shorter than shown", grouped(shorter));
+        legend.push(LegendEntry::words(words));
     }
+    legend.extend(caveats(scenario, true));
     let interval = LegendEntry::area(palette.narrow, "95 % interval");
-    let curve = if sticks.step.is_some() {
-        "Kaplan–Meier, in steps of the scheme"
-    } else {
-        "Kaplan–Meier"
-    };
-    let legend = [LegendEntry::words(counts)];
     let panels = [
         density
             .above_another()
             .keyed([LegendEntry::line(solid(palette.first), "density")]),
-        outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval]),
+        outlasting.keyed([
+            LegendEntry::line(solid(palette.first), "Kaplan–Meier"),
+            interval,
+        ]),
     ];
     Ok(sheet(
         &format!("Stick durations: {}", scenario.title),
@@ -166,10 +165,8 @@ pub(super) fn survival(sticks: &Distribution) -> SurvivalCurve {
     let mut before = (1.0, [1.0; 2]);
     for (i, share) in sticks.survival.iter().enumerate() {
         let here = (*share, sticks.survival_ends.at(i));
-        // Durations that are multiples of a step leave the share as it is between them.
-        if sticks.step.is_some() {
-            put(edges[i + 1], before.0, before.1);
-        }
+        // The share is known at the edges only, and never rises between them.
+        put(edges[i + 1], before.0, before.1);
         put(edges[i + 1], here.0, here.1);
         before = here;
     }
@@ -190,7 +187,7 @@ mod tests {
     use stickslip::scenario::Scenario;
 
     /// The density integrates to one over the logarithm of the duration, both with a step and
-    /// without one.
+    /// without one, and the survival curve has steps.
     #[test]
     fn the_density_holds_every_stick() {
         for scheme in ["discrete-vi", "event-driven"] {
@@ -206,6 +203,15 @@ mod tests {
                 .simulate()
                 .expect("no sink")
                 .summary;
+            let curve = survival(&summary.stick_durations).shares;
+            assert!(curve.len() > 8);
+            for pair in curve.windows(2) {
+                let [[x, y], [next, below]] = [pair[0], pair[1]];
+                assert!(
+                    x == next || y == below,
+                    "{scheme}: a step is level or upright"
+                );
+            }
             let bins = bins(&summary.stick_durations);
             let total: f64 = bins
                 .iter()
