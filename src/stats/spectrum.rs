@@ -269,7 +269,7 @@ impl SpectrumSums {
     }
 }
 
-/// An autocovariance needs so many batches of paths for an interval.
+/// An autocovariance needs this number of batches of paths for an interval.
 const FEWEST: u64 = 5;
 
 /// The ends of the intervals of a curve, from the curve and the curves without each batch: of a place,

@@ -68,7 +68,7 @@ enum Kind {
     Numbers { unit: Option<InputUnit> },
     /// Dates.
     Stamps,
-    /// Dates as whole numbers of so many digits, such as 2025010123.
+    /// Dates as whole numbers with this number of digits, such as 2025010123.
     Compact(usize),
     /// So many of them in a second, since 1970 in UTC.
     Epoch(f64),

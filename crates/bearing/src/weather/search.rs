@@ -72,7 +72,7 @@ pub struct Peak {
 }
 
 impl<'a> ProcessSearch<'a> {
-    /// A search for so many processes, smoothed or not, and harmonics of these periods, in samples
+    /// A search for this number of processes, smoothed or not, and harmonics of these periods, in samples
     /// that are means over this time.
     pub fn new(
         [times, temperatures]: [&'a [f64]; 2],

@@ -19,7 +19,7 @@ use stickslip::study::trade::Limits;
 pub struct Progress {
     place: ShownAs,
     watched: Option<Watched>,
-    /// How many paths have ended, and since when it is so many.
+    /// How many paths have ended, and since when.
     ended: Arc<Mutex<(u64, Instant)>>,
 }
 
