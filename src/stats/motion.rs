@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
-//! of a force of the user's own  integral g x' dt     of friction with a load  integral f_d L |x'| dt
+//! of a user-defined force  integral g x' dt     of friction with a load  integral f_d L |x'| dt
 //! ```
 //!
 //! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a

@@ -32,7 +32,8 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
-    let durations = || Axis::log([first.edges[0], last.edges[1]], "stick duration *D*", &unit);
+    let end = longest(sticks).map_or(last.edges[1], |edge| edge.max(last.edges[1]));
+    let durations = || Axis::log([first.edges[0], end], "stick duration *D*", &unit);
 
     let (axis, floor) = Axis::of_shares(
         bins.iter().map(|bin| bin.density),
@@ -134,11 +135,21 @@ fn drawn(bins: &[DrawnBin]) -> (&[DrawnBin], u64) {
     (&bins[first..last], below(first))
 }
 
+/// The upper edge of the bin of the longest stick, at which the survival curve falls to its end.
+fn longest(sticks: &Distribution) -> Option<f64> {
+    let filled = |count: &u64| *count > 0;
+    let last = sticks.histogram.counts.iter().rposition(filled)?;
+    Some(sticks.histogram.edges[last + 1])
+}
+
 /// The shortest and the longest duration that is drawn; none if no stick has ended.
 pub(super) fn range(sticks: &Distribution) -> Option<[f64; 2]> {
     let all = bins(sticks);
     let (bins, _) = drawn(&all);
-    Some([bins.first()?.edges[0], bins.last()?.edges[1]])
+    Some([
+        bins.first()?.edges[0],
+        bins.last()?.edges[1].max(longest(sticks)?),
+    ])
 }
 
 /// A survival curve at the edges of the bins: shares, and their intervals, against durations.

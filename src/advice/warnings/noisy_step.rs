@@ -23,7 +23,7 @@ pub(super) struct NoisyStep {
 impl NoisyStep {
     /// None without noise, and none without friction, where there are no sticks.
     pub fn of(model: &Model, derived: &Derived, h: f64) -> Option<Self> {
-        let crossing_time = derived.corridor_time.filter(|time| *time > 0.0)?;
+        let crossing_time = derived.stick_band_time.filter(|time| *time > 0.0)?;
         let friction_ratio = derived.friction_ratio?;
         Some(NoisyStep {
             h,
@@ -46,7 +46,7 @@ impl NoisyStep {
     }
 
     /// The noise crosses a large part of the stick band of a stick within one step.
-    pub fn crosses_corridor(&self) -> bool {
+    pub fn crosses_stick_band(&self) -> bool {
         self.shift > LARGE_OVERSHOOT * self.friction.static_force
     }
 

@@ -54,7 +54,7 @@ pub type Resolved<T> = Result<T, Unresolved>;
 const WORK_LIMIT: u64 = 100_000_000;
 
 /// How many times as long an evaluation takes elsewhere: in scenes without noise, and in those with
-/// noise and a force of the user's own.
+/// noise and a user-defined force.
 pub const WITHOUT_NOISE: u64 = 5;
 pub const OWN_FORCE: u64 = 30;
 
