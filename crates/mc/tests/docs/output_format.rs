@@ -203,7 +203,11 @@ fn generate(page: &Page, files: &[File]) {
             unit.clone(),
             meaning(&held.expect("it is in a file")),
         ];
-        format!("| {} |", cells.join(" | ")).replace("|  |", "| |")
+        let cells = cells.map(|cell| match cell.is_empty() {
+            true => " ".to_string(),
+            false => format!(" {cell} "),
+        });
+        format!("|{}|", cells.join("|"))
     };
     let mut is_table = false;
     let mut lines = Vec::new();
