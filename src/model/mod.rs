@@ -134,7 +134,7 @@ impl Model {
             .map_or([self.friction; 2], Sides::friction)
     }
 
-    /// Whether the force of friction in a slip is no constant.
+    /// Whether the force of friction varies in a slip.
     pub fn has_load(&self) -> bool {
         self.force
             .as_ref()

@@ -78,12 +78,12 @@ pub(super) fn quantiles(bands: &Bands, palette: &Palette, panel: &mut Panel) {
 }
 
 /// The points of a curve.
-fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+pub(super) fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
 /// The area between two curves, as points (x, low, high).
-fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
+pub(super) fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
     x.iter()
         .zip(low.iter().zip(high))
         .map(|(x, (low, high))| [*x, *low, *high])

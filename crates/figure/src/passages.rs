@@ -1,10 +1,12 @@
 //! First passages: the share of paths that have stayed closer to their start than a distance, over
 //! time.
 
+use super::fan::{along, between};
 use super::sweep::numbered;
 use super::words::caveats;
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet};
 use stickslip::stats::Dimension;
+use stickslip::sums::Ends;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
@@ -20,27 +22,17 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let [time_unit, length_unit] =
         [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time = &summary.bands.time;
-    let end = time.last().copied().unwrap_or(scenario.time.end);
-    let shares = || passages.iter().flat_map(|of| of.survival.iter().copied());
+    let shares = passages.iter().flat_map(|of| of.survival.iter().copied());
     let title = "fraction of paths still closer";
-    let (vertical, floor) = Axis::of_shares(shares().chain([1.0]), title, "", style.log);
-    let horizontal = Axis::linear([0.0, end], "time *t*", &time_unit);
+    let (vertical, _) = Axis::of_shares(shares.chain([1.0]), title, "", style.log);
+    let horizontal = Axis::linear([0.0, scenario.time.end], "time *t*", &time_unit);
     let mut panel = Panel::new(horizontal, vertical, 112.0);
-    for of in passages {
-        let ends = |(i, t): (usize, &f64)| {
-            let [low, high] = of.survival_ends.at(i);
-            [*t, low.max(floor), high]
-        };
-        panel.band(time.iter().enumerate().map(ends).collect(), palette.wide);
-    }
     let mut legend = caveats(scenario, false);
     for (i, of) in passages.iter().enumerate() {
+        let Ends { low, high } = &of.survival_ends;
+        panel.band(between(time, low, high), palette.wide);
         let stroke = numbered(i, palette);
-        let curve = time.iter().zip(&of.survival);
-        panel.line(
-            curve.map(|(t, share)| [*t, *share]).collect(),
-            stroke.clone(),
-        );
+        panel.line(along(time, &of.survival), stroke.clone());
         let distance = stickslip_data::numbers::significant(of.level, 4);
         let label = format!("closer than {distance} {length_unit}");
         legend.push(LegendEntry::line(stroke, label.trim_end()));

@@ -211,7 +211,7 @@ pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     }
 }
 
-/// The stroke of the curve with this number, by which it can be told from the others.
+/// The stroke of the curve with this number, which distinguishes it from the others.
 pub(super) fn numbered(i: usize, palette: &Palette) -> Stroke {
     let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
     let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];

@@ -89,7 +89,7 @@ impl DiscreteSimulation {
         }
     }
 
-    /// Tells step n of all paths in motion: where they were before it and which of them were static
+    /// Reports step n of all paths in motion: where they were before it and which of them were static
     /// there, and where they are after it.
     fn tell_step(
         &self,

@@ -250,7 +250,7 @@ pub fn measuring<T>(
 
 /// The time between two updates of the elapsed time.
 const TICK: Duration = Duration::from_millis(250);
-/// The time after which a block of paths that has not ended is told.
+/// The time after which a block of paths that has not ended is reported.
 const LONG: Duration = Duration::from_secs(20);
 /// The CPU time after which a path that has not ended is the one that takes long.
 const LONG_PATH: Duration = Duration::from_secs(1);
