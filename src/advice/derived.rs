@@ -20,10 +20,10 @@ pub struct Derived {
     pub noise_force: Option<f64>,
     /// f_s / (K |beta| rho), in units of the stationary standard deviation of v: how far the noise
     /// must move to end a centred stick.
-    pub stick_band_half_width: Option<f64>,
+    pub corridor_half_width: Option<f64>,
     /// (f_s / (K beta rho sigma))^2: the time that the noise takes to cross that half-width by
     /// diffusion.
-    pub stick_band_time: Option<f64>,
+    pub corridor_time: Option<f64>,
     /// A of [`Model::runaway_amplitude`], if the damping is negative.
     pub runaway_amplitude: Option<f64>,
     /// Limits of the step, if the scheme has a step.
@@ -95,8 +95,8 @@ impl Derived {
             ),
             ("friction_ratio", self.friction_ratio.into()),
             ("noise_force", self.noise_force.into()),
-            ("stick_band_half_width", self.stick_band_half_width.into()),
-            ("stick_band_time", self.stick_band_time.into()),
+            ("corridor_half_width", self.corridor_half_width.into()),
+            ("corridor_time", self.corridor_time.into()),
             ("runaway_amplitude", self.runaway_amplitude.into()),
             ("critical_amplitude", critical_amplitude.into()),
             (
@@ -171,10 +171,10 @@ impl Scenario {
             friction_ratio: (friction.static_force > 0.0)
                 .then(|| friction.dynamic_force / friction.static_force),
             noise_force,
-            stick_band_half_width: noise_force
+            corridor_half_width: noise_force
                 .filter(|c| *c > 0.0)
                 .map(|c| friction.static_force / c),
-            stick_band_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
+            corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
             runaway_amplitude: self.model.runaway_amplitude(0.0),
             stability: self.scheme.stability(&self.model),
             monitoring_shift: match self.scheme.discretisation() {

@@ -216,11 +216,11 @@ fn of_noise(d: &Derived) -> Vec<Line> {
     if d.noise_force.is_some() {
         lines.push((
             "f_s/(K beta rho), half width of the stick band in v",
-            optional(d.stick_band_half_width, "unbounded"),
+            optional(d.corridor_half_width, "unbounded"),
         ));
         lines.push((
             "(f_s/(K beta rho sigma))^2, time to cross it",
-            optional(d.stick_band_time, "unbounded"),
+            optional(d.corridor_time, "unbounded"),
         ));
     }
     lines
@@ -351,7 +351,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
         "scenario": path,
         "resolved": scenario.to_toml(),
         "derived": derived.into_iter().collect::<Map<_, _>>(),
-        // Whether the event-driven scheme is exact in law, or follows a user-defined force.
+        // Whether the event-driven scheme is exact in law, or follows a force of the user's own.
         "class": if scenario.model.force.is_some() { "general" } else { "linear" },
         // CPU seconds of the run on one thread of this machine; null where they could not be
         // estimated.
