@@ -122,7 +122,7 @@ pub struct Layout {
     pub skip: Option<u64>,
     /// Numbers and words that mark a missing value, besides the usual ones.
     pub missing: Vec<String>,
-    /// Values that differ from those around them by more than this number of standard deviations of such
+    /// Values that differ from those around them by more than so many standard deviations of such
     /// differences are left out. Without it, none is.
     pub outliers: Option<u64>,
     /// The decimal mark, a point or a comma; the other one then stands between thousands. Without

@@ -1,4 +1,4 @@
-//! Answers to words that are neither a verb nor an option: what is probably meant.
+//! Answers to words that are no verb and no option: what is probably meant.
 
 use crate::output::failure::Failure;
 use clap::error::{ContextKind, ContextValue, ErrorKind};

@@ -76,7 +76,7 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         .expect("sound")
         .to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
-    // A body on a belt, and a user-defined force with parameters; both with a load on friction.
+    // A body on a belt, and a force of the user's own with parameters; both with a load on friction.
     for (name, parameters) in [
         ("belt", "parameters={c=1, f_d=1}"),
         ("stribeck-belt", "parameters={c=1, d=0.1, f_d=1}"),
