@@ -143,17 +143,16 @@ impl<'a> Subject<'a> {
                     .iter()
                     .map(|axis| of_axis(axis, style).words())
                     .collect();
-                let over = if keys.is_empty() {
-                    "every key".to_string()
-                } else {
-                    keys.join(" and ")
+                let over = match keys.is_empty() {
+                    true => "Elasticities".to_string(),
+                    false => format!("Sweep over {}", keys.join(" and ")),
                 };
                 let line = format!(
                     "{}; otherwise as in \"{}\"",
                     origin_of_sweeps(&all),
                     first.question.scenario.title
                 );
-                (format!("Sweep over {over}: {}", drawn.join(", ")), line)
+                (format!("{over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
         }
