@@ -53,7 +53,7 @@ pub struct Foreseen {
 }
 
 impl Foreseen {
-    /// The forecast of a record, with at most this number of processes in the weather. `None` if `stop` is
+    /// The forecast of a record, with at most so many processes in the weather. `None` if `stop` is
     /// raised before two draws are done.
     ///
     /// # Errors
@@ -116,7 +116,7 @@ impl Foreseen {
 ///
 /// # Errors
 ///
-/// It fails if most of the sampled parameter sets are unphysical, or
+/// It fails if most of the parameters that the calibration leaves open are those of no bearing, or
 /// if the record shows far more or far fewer slips than the same time has in the forecast.
 pub fn forecast(
     calibration: &Calibration,

@@ -59,7 +59,10 @@ impl Arguments {
                 ));
             }
             if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
-                let problem = format!("-o {}: unknown file extension", output.display());
+                let problem = format!(
+                    "-o {}: the ending does not tell what to write",
+                    output.display()
+                );
                 return Err(Failure::usage(
                     problem,
                     "write a name that ends in .csv or .html",
