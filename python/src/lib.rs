@@ -34,7 +34,7 @@ mod _native {
     #[pymodule_export]
     use super::run::{merge, replay, run};
     #[pymodule_export]
-    use super::scenario::{Scenario, parse, shipped};
+    use super::scenario::{Scenario, key_meant, parse, shipped};
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
     #[pymodule_export]

@@ -94,7 +94,7 @@ impl Scenario {
     /// The numbers that follow from the scenario, by name.
     fn derived<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dictionary = PyDict::new(py);
-        for (name, quantity) in self.checked.derived().quantities() {
+        for (name, _, quantity) in self.checked.derived().quantities() {
             match quantity {
                 DerivedQuantity::Unknown => dictionary.set_item(name, py.None())?,
                 DerivedQuantity::Real(number) => dictionary.set_item(name, number)?,
@@ -167,6 +167,12 @@ pub fn parse(
     };
     let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
+}
+
+/// The key of a scenario that a word probably stands for, and its meaning.
+#[pyfunction]
+pub fn key_meant(word: &str) -> Option<(String, String)> {
+    config::key_meant(word)
 }
 
 /// The text of the shipped scenario with this name; None if there is no such scenario.

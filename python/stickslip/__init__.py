@@ -17,7 +17,7 @@ command would write.
 from __future__ import annotations
 
 from . import _native
-from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
+from ._bearing import Layout, Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
 from ._frames import events, summary
@@ -47,6 +47,7 @@ __all__ = [
     "ArgumentError",
     "Check",
     "Events",
+    "Layout",
     "Picture",
     "RunError",
     "ScenarioError",
