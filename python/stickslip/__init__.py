@@ -21,6 +21,7 @@ from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
 from ._frames import events, summary
+from ._motion import Motion
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
@@ -47,6 +48,7 @@ __all__ = [
     "ArgumentError",
     "Check",
     "Events",
+    "Motion",
     "Picture",
     "RunError",
     "ScenarioError",
