@@ -316,13 +316,16 @@ pub fn motion<'py>(
     let states = errors::guarded(py, || {
         py.detach(|| {
             let plan = checked.plan();
-            let motion = plan.motion(path);
-            if motion.is_empty() {
+            let Some(motion) = plan.motion(path) else {
                 return Err(plan.why_lost(path, &AtomicBool::new(false)));
-            }
+            };
+            // Before the first segment and behind each, the body is at rest.
             let state = |time: &f64| {
                 let next = motion.partition_point(|segment| segment.start <= *time);
-                motion[next.saturating_sub(1)].state(*time)
+                match next.checked_sub(1) {
+                    Some(last) => motion[last].state(*time),
+                    None => [plan.model().initial_displacement, 0.0],
+                }
             };
             Ok(times.iter().map(state).collect::<Vec<_>>())
         })

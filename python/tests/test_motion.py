@@ -121,3 +121,8 @@ def test_a_motion_refuses_what_it_cannot_compute():
         motion.at([1.0], {"friction.dynamic": -1.0})
     with pytest.raises(ss.ArgumentError, match="path"):
         ss.Motion("shaw", path=-1)
+
+
+def test_a_body_that_never_moves_is_at_rest():
+    x, v = ss.Motion("never-slips", until=10).at([0, 5, 10])
+    assert (x == x[0]).all() and (v == 0).all()
