@@ -281,6 +281,20 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
             "--temperature Probe_1`",
         ),
         (
+            "2023-03-04,5,12.0,7\n2023-03-04,6,13.5,7\n",
+            PLAIN,
+            Some(1),
+            "not the names of the columns",
+            "--time 1,2` and `--temperature 3",
+        ),
+        (
+            "# STN,YYYYMMDD,HH,T,TD\n 260,20230304,5,120,30\n 260,20230304,6,135,30\n",
+            PLAIN,
+            Some(1),
+            "no column has a name",
+            "--temperature T`",
+        ),
+        (
             "When,Temp 1,Temp 2\n2023-03-04 05:00,12,13\n",
             timed("Wenn", "Temp 1"),
             None,

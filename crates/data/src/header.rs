@@ -108,9 +108,9 @@ pub(super) fn open<'a>(
         ));
     }
     let best = likeliest(file, &lines, layout, wanted)
-        .filter(|best| best.number == first.number || !is_data(&first.names));
+        .filter(|best| best.number == first.number || best.is_comment || !is_data(&first.names));
     let Some(best) = best else {
-        return Err(unnamed(file, layout, wanted).line(first.number));
+        return Err(unnamed(file, &first.names, layout, wanted).line(first.number));
     };
     let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
@@ -138,13 +138,23 @@ fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
     in_text.or_else(in_comment)
 }
 
-/// The error of a file without names of columns.
-fn unnamed(file: &str, layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
+/// The error of a file without names of columns, which proposes its date, an hour behind it, and
+/// the first other number, if possible one with decimals.
+fn unnamed(file: &str, cells: &[String], layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
     let quantity = wanted
         .first()
         .map_or(ColumnQuantity::Temperature, |one| one.quantity);
-    let time = layout.wording.option("time", "1");
-    let value = layout.wording.column(quantity, "2");
+    let date = cells.iter().position(|cell| is_date(cell)).unwrap_or(0);
+    let is_hour = |cell: &String| cell.parse::<u8>().is_ok_and(|hour| hour <= 24);
+    let last = date + usize::from(cells.len() > 2 && cells.get(date + 1).is_some_and(is_hour));
+    let decimal = cells
+        .iter()
+        .skip(last + 1)
+        .position(|cell| cell.contains('.'));
+    let time: Vec<String> = (date..=last).map(|field| (field + 1).to_string()).collect();
+    let time = layout.wording.option("time", &time.join(","));
+    let value = (last + 2 + decimal.unwrap_or(0)).to_string();
+    let value = layout.wording.column(quantity, &value);
     let remedy = format!(
         "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
             {time} and {value}"
@@ -159,10 +169,11 @@ fn is_data(cells: &[String]) -> bool {
 }
 
 fn is_datum(cell: &str) -> bool {
-    cell.replace(',', ".").parse::<f64>().is_ok()
-        || stamp(cell, None).is_some()
-        || needs_order(cell)
-        || is_time_of_day(cell)
+    cell.replace(',', ".").parse::<f64>().is_ok() || is_date(cell) || is_time_of_day(cell)
+}
+
+fn is_date(cell: &str) -> bool {
+    stamp(cell, None).is_some() || needs_order(cell) || compact(cell).is_some()
 }
 
 /// The lines below another one that may hold units, down to the first measurements.
@@ -433,10 +444,7 @@ impl Sought<'_> {
     /// hours behind it.
     fn no_time(&self, name: Name<'_>) -> DataError {
         let first = self.below.last().map_or(&[][..], |line| &line.names);
-        let is_date = |cell: &&String| {
-            stamp(cell, None).is_some() || needs_order(cell) || compact(cell).is_some()
-        };
-        let date = first.iter().position(|cell| is_date(&cell));
+        let date = first.iter().position(|cell| is_date(cell));
         let called = |field: usize| self.names.get(field).map(String::as_str);
         let is_hour = |name: &&str| Parts::is_hour(name);
         let example = match date.map(|date| (called(date), called(date + 1).filter(is_hour))) {
