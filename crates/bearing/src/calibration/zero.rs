@@ -68,8 +68,6 @@ pub struct Middle {
     pub centre: f64,
     /// z - still T.
     pub place: f64,
-    /// Its weight.
-    pub weight: f64,
 }
 
 /// A line through middles: place = offset + slope centre + zero(time).
@@ -78,7 +76,7 @@ pub struct MiddleLine {
     pub offset: f64,
     pub slope: f64,
     pub zero: Zero,
-    /// The weighted sum of the squares of the residuals.
+    /// The sum of the squares of the residuals.
     squares: f64,
 }
 
@@ -212,7 +210,6 @@ impl ZeroColumns {
             time,
             centre,
             place,
-            weight,
         } in middles
         {
             row[0] = 1.0;
@@ -234,8 +231,8 @@ impl ZeroColumns {
                 .iter_mut()
                 .zip(&self.steps)
                 .for_each(|(cell, when)| *cell = stepped(when));
-            normal.add(&row, *place, *weight);
-            squares += weight * place * place;
+            normal.add(&row, *place, 1.0);
+            squares += place * place;
         }
         let found = normal.solve()?;
         let explained: f64 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
@@ -282,7 +279,6 @@ mod tests {
                     time,
                     centre,
                     place: 0.003 + 3e-4 * centre + moved + 1.5e-4 * random.normal(),
-                    weight: 1.0,
                 }
             };
             let still: Vec<Middle> = (0..200).map(|i| middle(i, &mut random, 0.0, 0.0)).collect();

@@ -329,6 +329,10 @@ fn table() {
             },
         ),
     ] {
+        if std::env::var("ONLY").is_ok_and(|only| !name.contains(&only)) {
+            continue;
+        }
+        let began = std::time::Instant::now();
         let all: Vec<(Calibration, Values)> = (950..950 + seeds)
             .map(|seed| calibrated(&logger, seed))
             .collect();
@@ -336,11 +340,17 @@ fn table() {
             let off = crate::bridge::bias(&all, quantity);
             let error = (crate::bridge::rmse(&all, quantity).powi(2) - off * off).sqrt()
                 / (seeds as f64).sqrt();
+            let z = |(fit, truth): &(Calibration, Values)| {
+                ((fit.estimate(quantity).estimate - truth[quantity as usize])
+                    / fit.standard_error(quantity))
+                .powi(2)
+            };
             format!(
-                "{:+.1} +- {:.1} % | {}",
+                "{:+.2} +- {:.2} % | {} ({:.2})",
                 100.0 * off,
                 100.0 * error,
-                crate::bridge::covered(&all, quantity)
+                crate::bridge::covered(&all, quantity),
+                (all.iter().map(z).sum::<f64>() / seeds as f64).sqrt()
             )
         };
         let mut said: Vec<&str> = all
@@ -353,10 +363,13 @@ fn table() {
             .map(|same| format!("{} {}", same.len(), same[0]))
             .collect();
         println!(
-            "| {name} | {} | {} | {} |",
+            "| {name} | {} | {} | K {} | beta {} | {} | {:.1} s",
             of(Quantity::Static),
             of(Quantity::Reach),
-            said.join(", ")
+            of(Quantity::Stiffness),
+            of(Quantity::Dilatation),
+            said.join(", "),
+            began.elapsed().as_secs_f64() / seeds as f64
         );
     }
 }
