@@ -62,7 +62,7 @@ impl BySlips {
         let corrected = Replicates::corrected(
             steel,
             &slips,
-            (fit, &zero),
+            (fit, slips.noise(&fit, &zero)),
             question.shear_stiffness,
             workers,
         );

@@ -127,9 +127,17 @@ impl DetectedSlips {
         Some(all)
     }
 
-    /// The slips of a record like the one of these, whose jumps are about these.
-    pub fn like_these(&self, record: &MeasuredRecord, jumps: Vec<Jump>) -> Option<Self> {
+    /// The slips of a record like the one of these, whose jumps are about these: the time of the
+    /// first reading after each, and its size.
+    pub fn like_these(&self, record: &MeasuredRecord, jumps: &[[f64; 2]]) -> Option<Self> {
         let samples = &record.samples();
+        let jump = |[time, size]: &[f64; 2]| Jump {
+            index: samples.times.partition_point(|t| *t < time - SAME),
+            size: *size,
+        };
+        let mut jumps: Vec<Jump> = jumps.iter().map(jump).collect();
+        jumps.retain(|jump| (1..samples.times.len()).contains(&jump.index));
+        jumps.dedup_by_key(|jump| jump.index);
         let found = Jumps {
             jumps,
             window: 1,

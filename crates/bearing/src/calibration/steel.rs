@@ -1,14 +1,13 @@
 //! The temperature of the steel, and the slips that are seen with it.
 
 use super::bearing::Response;
-use super::detect::Jump;
+use super::fit::SensorNoise;
 use super::lag::{LagProfile, is_small, lag_profile};
 use super::question::Lag;
 use super::roughness::{overlooked, shown_roughness};
 use super::samples::{MeasuredRecord, interval};
 use super::slips::DetectedSlips;
 use super::synthetic::Synthetic;
-use super::zero::Zero;
 use crate::weather::HiddenTemperature;
 
 /// The fewest usual slips that determine anything.
@@ -204,9 +203,22 @@ impl Steel {
         &self,
         slips: &DetectedSlips,
         response: Response,
-        zero: &Zero,
+        noise: SensorNoise,
     ) -> Synthetic<'_> {
         let motion = response.motion;
+        if std::env::var("DEBUG").is_ok() {
+            eprintln!(
+                "Noise {:?} rough {:.3e} white {:?} shown {:.3e}, early {:.3}",
+                noise,
+                self.air.roughness,
+                self.air.hidden.as_ref().map(|h| (h.white, h.times.len())),
+                {
+                    let [t, x] = self.air.record.thermometer();
+                    shown_roughness(&t, &x)
+                },
+                slips.early()
+            );
+        }
         Synthetic {
             record: &self.air.record,
             hidden: self.air.hidden.as_ref(),
@@ -217,7 +229,7 @@ impl Steel {
             },
             lag: self.lag,
             scatter: slips.excess_scatter() * motion.jump / (2.0 * motion.reach),
-            noise: slips.noise(&response, zero),
+            noise,
             response,
         }
     }
@@ -227,11 +239,11 @@ impl Steel {
     pub fn slips_of(
         &self,
         slips: &DetectedSlips,
-        (record, jumps): (MeasuredRecord, Vec<Jump>),
+        (record, jumps): (MeasuredRecord, Vec<[f64; 2]>),
     ) -> Option<(f64, DetectedSlips)> {
         let find = |record: &MeasuredRecord, lag: f64| {
             slips
-                .like_these(&record.lagged(lag), jumps.clone())
+                .like_these(&record.lagged(lag), &jumps)
                 .filter(is_visible)
         };
         let cleaned = self

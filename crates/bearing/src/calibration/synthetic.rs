@@ -5,7 +5,6 @@
 use super::air::Air;
 use super::bearing::Response;
 use super::course::{Course, course};
-use super::detect::Jump;
 use super::fit::SensorNoise;
 use super::samples::MeasuredRecord;
 use crate::weather::HiddenTemperature;
@@ -57,8 +56,9 @@ fn seen([times, values]: [&[f64]; 2], when: &[f64], over: f64) -> Vec<f64> {
 }
 
 impl Synthetic<'_> {
-    /// The record of this number, and its jumps.
-    pub fn draw(&self, number: u64) -> (MeasuredRecord, Vec<Jump>) {
+    /// The record of this number, and its jumps: the time of the first reading after each, and its
+    /// size.
+    pub fn draw(&self, number: u64) -> (MeasuredRecord, Vec<[f64; 2]>) {
         let [mut temperature, mut sensor, friction, between] =
             std::array::from_fn(|i| Stream::new(SEED, 4 * number + i as u64));
         let air = match self.hidden.filter(|_| self.roughness > 0.0) {
@@ -105,10 +105,7 @@ impl Synthetic<'_> {
         self.add_noise(&when, &mut readings, &mut sensor);
         let places = seen([&air.times, &positions], &when, 0.0);
         let is_jump = |i: &usize| (places[*i] - places[i - 1]).abs() > 0.0;
-        let jump = |index: usize| Jump {
-            index,
-            size: places[index] - places[index - 1],
-        };
+        let jump = |i: usize| [when[i], places[i] - places[i - 1]];
         let both = MeasuredRecord::of([&times, &temperatures], [&when, &readings]);
         let averaged = self.record.averaged;
         (

@@ -8,12 +8,12 @@
 //! Introduction to the Bootstrap*, 1993).
 
 use super::bearing::{Response, Sensor};
+use super::fit::SensorNoise;
 use super::friction::SlipStatistics;
 use super::motion::Motion;
 use super::quantity::{Quantity, Values, response_of, values};
 use super::slips::DetectedSlips;
 use super::steel::Steel;
-use super::zero::Zero;
 use crate::moments::{correlation, mean, variance};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -27,8 +27,9 @@ const FIRST: u64 = 10;
 /// The numbers of records from which roughness is judged begin here.
 const JUDGED: u64 = 1000;
 
-/// The share of early slips under straight lines is below this.
-const SURELY_ROUGH: f64 = 0.22;
+/// A share of early slips that is larger than this times that of rough synthetic records is not that
+/// of straight lines.
+const SURELY_ROUGH: f64 = 0.6;
 
 /// Straight lines are used where the share of early slips is nearer than this to that of synthetic
 /// records with straight lines, as a share of its distance to that of rough ones. Temperatures
@@ -56,11 +57,11 @@ impl Replicates {
     /// The estimates of the records with these numbers of a bearing with this response.
     fn new(
         (steel, slips): (&Steel, &DetectedSlips),
-        (response, zero): (Response, &Zero),
+        (response, noise): (Response, SensorNoise),
         numbers: std::ops::Range<u64>,
         workers: Workers,
     ) -> Self {
-        let synthetic = steel.synthetic(slips, response, zero);
+        let synthetic = steel.synthetic(slips, response, noise);
         let make = |piece: u64| {
             let (lag, found) = steel.slips_of(slips, synthetic.draw(numbers.start + piece))?;
             let (fit, _) = found.fit()?;
@@ -87,17 +88,17 @@ impl Replicates {
     pub fn corrected(
         steel: &mut Steel,
         slips: &DetectedSlips,
-        (fit, zero): (Response, &Zero),
+        (fit, noise): (Response, SensorNoise),
         shear_stiffness: Option<f64>,
         workers: Workers,
     ) -> Option<(Response, Self)> {
         let records = |steel: &Steel, from: Response, numbers| {
-            Replicates::new((steel, slips), (from, zero), numbers, workers)
+            Replicates::new((steel, slips), (from, noise), numbers, workers)
         };
         let is_possible = |response: &Response| response.impossible(shear_stiffness).is_none();
         let mut first = records(steel, fit, 0..FIRST);
-        if steel.may_be_straight() && slips.early() < SURELY_ROUGH {
-            let rough = first.mean_of(|shown| shown.early);
+        let rough = first.mean_of(|shown| shown.early);
+        if steel.may_be_straight() && slips.early() < SURELY_ROUGH * rough {
             steel.straighten(true);
             let lines = records(steel, fit, JUDGED..JUDGED + FIRST);
             let straight = lines.mean_of(|shown| shown.early);

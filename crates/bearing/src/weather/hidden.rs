@@ -41,7 +41,7 @@ const SAME: f64 = 1e-3;
 const PARTS: f64 = 12.0;
 
 /// The shape of the temperature of these samples, and its largest relevant rate.
-fn shape([times, temperatures]: [&[f64]; 2], window: f64) -> Option<(Shape, f64)> {
+fn shape([times, temperatures]: [&[f64]; 2], interval: f64, window: f64) -> Option<(Shape, f64)> {
     let every = times.len().div_ceil(MOST);
     let taken = |values: &[f64]| -> Vec<f64> {
         let segments = values.chunks(SEGMENT).step_by(every);
@@ -50,15 +50,22 @@ fn shape([times, temperatures]: [&[f64]; 2], window: f64) -> Option<(Shape, f64)
     let (some, values) = (taken(times), taken(temperatures));
     let periods = usual(&some).0;
     let search = ProcessSearch::new([&some, &values], &periods, 2, false, window);
-    let shape = search.scaled(&search.rough(None)?)?;
+    let mut shape = search.scaled(&search.rough(None)?)?;
+    shape.processes.retain(|(_, variance)| *variance > 1e-6);
     // A process that has forgotten itself from one sample to the next is noise.
-    let rates = shape
-        .processes
-        .iter()
-        .filter(|(_, variance)| *variance > 1e-6)
-        .map(|(rate, _)| *rate);
+    if window == 0.0 && shape.processes.len() > 1 {
+        let forgotten = |(rate, _): &&(f64, f64)| rate * interval > 1.0;
+        shape.white += shape
+            .processes
+            .iter()
+            .filter(forgotten)
+            .map(|(_, v)| v)
+            .sum::<f64>();
+        shape.processes.retain(|process| !forgotten(&process));
+    }
+    let rates = shape.processes.iter().map(|(rate, _)| *rate);
     let fastest = rates.fold(0.0, f64::max);
-    Some((shape, fastest))
+    (fastest > 0.0).then_some((shape, fastest))
 }
 
 impl HiddenTemperature {
@@ -71,7 +78,7 @@ impl HiddenTemperature {
         wanted: &[f64],
         [interval, window, step]: [f64; 3],
     ) -> Option<Self> {
-        let (mut shape, fastest) = shape([times, temperatures], window)?;
+        let (mut shape, fastest) = shape([times, temperatures], interval, window)?;
         let gained = |(rate, variance): &(f64, f64)| 2.0 * rate * variance;
         let roughness: f64 = shape.processes.iter().map(gained).sum();
         let is_noisy = shape.white > NOISY * NOISY * roughness * interval;
