@@ -3,7 +3,7 @@
 use super::bearing::Response;
 use super::friction::SlipStatistics;
 use super::hold::conditioned;
-use super::quantity::{Values, response_of, values};
+use super::quantity::{Quantity, Values, response_of, values};
 use super::question::{CalibrationError, CalibrationQuestion};
 use super::slips::DetectedSlips;
 use super::steel::Steel;
@@ -45,51 +45,78 @@ impl BySlips {
         let Some(slips) = steel.slips.take() else {
             return Ok(None);
         };
-        let Some((fit, zero)) = slips.fit() else {
+        let Some(mut found) = BySlips::fitted(steel, slips, question, workers)? else {
             return Ok(None);
         };
-        let jumps = slips.slips.len();
-        let check = |response: &Response| match response.impossible(question.shear_stiffness) {
-            Some((quantity, value)) => Err(CalibrationError::NotSlips {
-                jumps,
-                quantity,
-                value,
-            }),
-            None => Ok(()),
-        };
-        check(&fit)?;
+        let chance = found.replicates.mean_of(|shown| shown.zero_gain);
+        let columns = &found.slips.zero;
+        if !columns.is_convincing(found.statistics.zero_gain, chance) {
+            let mut slips = found.slips;
+            slips.zero = slips.zero.none();
+            match BySlips::fitted(steel, slips, question, workers)? {
+                Some(without) => found = without,
+                None => return Ok(None),
+            }
+        }
         let shear = question.shear_stiffness.unwrap_or(1.0);
-        let corrected = Replicates::corrected(
-            steel,
-            &slips,
-            (fit, slips.noise(&fit, &zero)),
-            question.shear_stiffness,
-            workers,
-        );
-        let undetermined = |[impossible, all]: [usize; 2]| CalibrationError::Undetermined {
-            jumps,
-            impossible,
-            all,
+        let estimates = values(&found.response, Some(shear));
+        let held = conditioned(estimates, &mut found.replicates, &question.held, shear);
+        found.response = response_of(&held);
+        found.deviations = found.replicates.deviations();
+        found.check(question.shear_stiffness)?;
+        Ok(Some(found))
+    }
+
+    /// The same with all quantities estimated.
+    fn fitted(
+        steel: &mut Steel,
+        slips: DetectedSlips,
+        question: &CalibrationQuestion,
+        workers: Workers,
+    ) -> Result<Option<Self>, CalibrationError> {
+        let Some((response, zero)) = slips.fit() else {
+            return Ok(None);
         };
-        let (response, replicates) = corrected.ok_or(undetermined([1, 1]))?;
-        let mut replicates = replicates.with_shear(shear);
+        let mut found = BySlips {
+            response,
+            statistics: slips.statistics(&response, &zero),
+            zero,
+            replicates: Replicates::default(),
+            deviations: [f64::NAN; Quantity::ALL.len()],
+            slips,
+        };
+        found.check(question.shear_stiffness)?;
+        let shear = question.shear_stiffness;
+        let corrected = Replicates::corrected(steel, &found, shear, workers);
+        let (response, replicates) = corrected.ok_or(found.undetermined([1, 1]))?;
         let [impossible, all] = replicates.impossible();
         if 2 * impossible > all {
-            return Err(undetermined([impossible, all]));
+            return Err(found.undetermined([impossible, all]));
         }
-        check(&response)?;
-        let estimates = values(&response, Some(shear));
-        let held = conditioned(estimates, &mut replicates, &question.held, shear);
-        let response = response_of(&held);
-        check(&response)?;
-        Ok(Some(BySlips {
-            response,
-            zero,
-            deviations: replicates.deviations(),
-            statistics: slips.statistics(&fit),
-            replicates,
-            slips,
-        }))
+        found.response = response;
+        found.replicates = replicates.with_shear(shear.unwrap_or(1.0));
+        found.check(shear)?;
+        Ok(Some(found))
+    }
+
+    /// Check that the jumps are the slips of a bearing.
+    fn check(&self, shear_stiffness: Option<f64>) -> Result<(), CalibrationError> {
+        let jumps = self.slips.slips.len();
+        let not_slips = |(quantity, value)| CalibrationError::NotSlips {
+            jumps,
+            quantity,
+            value,
+        };
+        let impossible = self.response.impossible(shear_stiffness);
+        impossible.map_or(Ok(()), |found| Err(not_slips(found)))
+    }
+
+    fn undetermined(&self, [impossible, all]: [usize; 2]) -> CalibrationError {
+        CalibrationError::Undetermined {
+            jumps: self.slips.slips.len(),
+            impossible,
+            all,
+        }
     }
 
     /// The smallest and the largest A over the record, as shares of its mean, if it changes.

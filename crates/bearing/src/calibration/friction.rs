@@ -5,6 +5,7 @@
 use super::bearing::Response;
 use super::samples::spread;
 use super::slips::{DetectedSlips, Reversal};
+use super::zero::Zero;
 use crate::linear::Normal;
 
 /// What slips show beyond the estimates.
@@ -19,6 +20,10 @@ pub struct SlipStatistics {
     pub scatter: f64,
     /// The share of slips that came although no sample goes beyond the farthest one before.
     pub early: f64,
+    /// The standard deviation of the red noise of the sensor.
+    pub red: f64,
+    /// Twice the logarithm of the likelihood that the movements of the zero gain.
+    pub zero_gain: f64,
     /// The two sizes of jumps, in the unit of displacement, if there are two.
     pub sizes: Option<[f64; 2]>,
 }
@@ -71,7 +76,7 @@ impl Parabola {
 
 impl DetectedSlips {
     /// What these slips show beyond the estimates of this response.
-    pub fn statistics(&self, response: &Response) -> SlipStatistics {
+    pub fn statistics(&self, response: &Response, zero: &Zero) -> SlipStatistics {
         let Response { motion, sensor } = response;
         let [begin, end] =
             [self.slips.first(), self.slips.last()].map(|slip| slip.map_or(0.0, |slip| slip.time));
@@ -90,6 +95,8 @@ impl DetectedSlips {
             .collect();
         let plain = SlipStatistics {
             early: self.early(),
+            red: self.noise(response, zero).red,
+            zero_gain: self.zero.gain(&self.middles()),
             sizes: self.two_sizes(),
             ..SlipStatistics::default()
         };

@@ -4,7 +4,7 @@
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, course};
+use super::course::{Course, STEP, course};
 use super::fit::SensorNoise;
 use super::samples::MeasuredRecord;
 use crate::weather::HiddenTemperature;
@@ -30,6 +30,10 @@ pub struct Synthetic<'a> {
 
 /// Seed of the random numbers.
 const SEED: u64 = 0xCA11;
+
+/// The longest step in which the temperature is followed without a lag, in seconds. The farthest
+/// temperature within a step has its exact law.
+const LONGEST: f64 = 600.0;
 
 /// Times that are closer than this are the same, in seconds.
 const SAME: f64 = 1e-3;
@@ -81,6 +85,7 @@ impl Synthetic<'_> {
             &air,
             self.lag,
             self.scatter,
+            if self.lag > 0.0 { STEP } else { LONGEST },
             [friction, between],
         );
         let [times, mut temperatures] = self.record.thermometer();

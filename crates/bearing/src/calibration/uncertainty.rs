@@ -8,6 +8,7 @@
 //! Introduction to the Bootstrap*, 1993).
 
 use super::bearing::{Response, Sensor};
+use super::by_slips::BySlips;
 use super::fit::SensorNoise;
 use super::friction::SlipStatistics;
 use super::motion::Motion;
@@ -21,8 +22,8 @@ use std::sync::atomic::AtomicBool;
 use stickslip::ensemble::in_order;
 
 /// Number of records, and of those that give a first correction.
-const RECORDS: u64 = 40;
-const FIRST: u64 = 10;
+const RECORDS: u64 = 32;
+const FIRST: u64 = 8;
 
 /// The numbers of records from which roughness is judged begin here.
 const JUDGED: u64 = 1000;
@@ -64,10 +65,10 @@ impl Replicates {
         let synthetic = steel.synthetic(slips, response, noise);
         let make = |piece: u64| {
             let (lag, found) = steel.slips_of(slips, synthetic.draw(numbers.start + piece))?;
-            let (fit, _) = found.fit()?;
+            let (fit, zero) = found.fit()?;
             fit.impossible(None)
                 .is_none()
-                .then(|| (values(&fit, Some(1.0)), lag, found.statistics(&fit)))
+                .then(|| (values(&fit, Some(1.0)), lag, found.statistics(&fit, &zero)))
         };
         let mut all = Replicates::default();
         let deliver = |found: Option<(Values, f64, SlipStatistics)>| {
@@ -87,20 +88,26 @@ impl Replicates {
     /// The corrected response, and the estimates of records drawn from it. `None` if there are none.
     pub fn corrected(
         steel: &mut Steel,
-        slips: &DetectedSlips,
-        (fit, noise): (Response, SensorNoise),
+        found: &BySlips,
         shear_stiffness: Option<f64>,
         workers: Workers,
     ) -> Option<(Response, Self)> {
-        let records = |steel: &Steel, from: Response, numbers| {
+        let BySlips {
+            response: fit,
+            zero,
+            slips,
+            ..
+        } = found;
+        let noise = slips.noise(fit, zero);
+        let records = |steel: &Steel, (from, noise): (Response, SensorNoise), numbers| {
             Replicates::new((steel, slips), (from, noise), numbers, workers)
         };
         let is_possible = |response: &Response| response.impossible(shear_stiffness).is_none();
-        let mut first = records(steel, fit, 0..FIRST);
+        let mut first = records(steel, (*fit, noise), 0..FIRST);
         let rough = first.mean_of(|shown| shown.early);
         if steel.may_be_straight() && slips.early() < SURELY_ROUGH * rough {
             steel.straighten(true);
-            let lines = records(steel, fit, JUDGED..JUDGED + FIRST);
+            let lines = records(steel, (*fit, noise), JUDGED..JUDGED + FIRST);
             let straight = lines.mean_of(|shown| shown.early);
             let is_straight = slips.early() - straight < STRAIGHT * (rough - straight);
             steel.straighten(is_straight);
@@ -108,13 +115,30 @@ impl Replicates {
                 first = lines;
             }
         }
+        let noise = first.corrected_noise(noise);
         let from = first
-            .corrected_from(&fit, &fit)
+            .corrected_from(fit, fit)
             .filter(is_possible)
-            .unwrap_or(fit);
-        let all = records(steel, from, FIRST..FIRST + RECORDS);
-        let response = all.corrected_from(&from, &fit)?;
+            .unwrap_or(*fit);
+        let all = records(steel, (from, noise), FIRST..FIRST + RECORDS);
+        let response = all.corrected_from(&from, fit)?;
         Some((response, all))
+    }
+
+    /// Noise whose red part is corrected by what that of these records seems to be: slips cluster in
+    /// days, in which they see the same noise.
+    fn corrected_noise(&self, noise: SensorNoise) -> SensorNoise {
+        let factor = noise.red / self.mean_of(|shown| shown.red);
+        let factor = if factor.is_finite() {
+            factor.clamp(0.7, 1.5)
+        } else {
+            1.0
+        };
+        SensorNoise {
+            red: factor * noise.red,
+            memory: factor * factor * noise.memory,
+            ..noise
+        }
     }
 
     /// The response `fit` without the bias that these estimates of records of `from` have.
@@ -198,8 +222,10 @@ impl Replicates {
     }
 
     /// The standard deviation of an estimate. The correction is the mean of as many records, which
-    /// has an error of its own.
+    /// has an error of its own, and the variance that few records show makes the distribution
+    /// Student's.
     fn deviation(&self, values: &[f64]) -> f64 {
-        (variance(values) * (1.0 + 1.0 / values.len() as f64)).sqrt()
+        let n = values.len() as f64;
+        (variance(values) * (1.0 + 1.0 / n) * (n - 1.0) / (n - 3.0)).sqrt()
     }
 }
