@@ -105,7 +105,7 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
     axes = [str(axis) for axis in ds.estimate.dims]
     there = [name for name in _NUMBERS if name in ds]
     units = {"unit": ds.statistic_unit, "long_name": ds.statistic_long_name}
-    # Coordinates that are no axis would be columns of their own.
+    # Coordinates that are not axes would be columns of their own.
     of_numbers = ds[there].reset_coords(drop=True).assign(
         {name: texts.reset_coords(drop=True).astype(str) for name, texts in units.items()}
     )
