@@ -129,7 +129,7 @@ impl Derived {
             ),
             (
                 "corridor_half_width",
-                "f_s/(K beta rho), half width of the stick band in v",
+                "f_s/(K beta rho), half stick band in v",
                 self.corridor_half_width.into(),
             ),
             (
@@ -139,7 +139,7 @@ impl Derived {
             ),
             (
                 "runaway_amplitude",
-                "amplitude beyond which the motion grows without bound",
+                "amplitude beyond which the motion grows",
                 self.runaway_amplitude.into(),
             ),
             ("critical_amplitude", meaning, critical.into()),
@@ -231,8 +231,7 @@ impl Scenario {
                 * temperature
                     .harmonics
                     .iter()
-                    .map(|harmonic| harmonic.amplitude.abs())
-                    .sum::<f64>(),
+                    .fold(0.0, |sum, harmonic| sum + harmonic.amplitude.abs()),
             friction_ratio: (friction.static_force > 0.0)
                 .then(|| friction.dynamic_force / friction.static_force),
             noise_force,
