@@ -78,121 +78,89 @@ impl From<Option<f64>> for DerivedQuantity {
     }
 }
 
+/// The name of each quantity for programs, and its meaning for people.
+const QUANTITIES: [(&str, &str); 23] = [
+    ("natural_frequency", "w0 = sqrt(K/m), natural frequency"),
+    ("frequency_ratios", "w/w0, forcing"),
+    ("damping_ratio", "alpha/(m w0), damping ratio"),
+    ("harmonic_force", "K beta sum |a|, force of the harmonics"),
+    ("friction_ratio", "f_d/f_s, friction ratio"),
+    ("noise_force", "K beta rho sigma/sqrt(2 theta), noise in b"),
+    (
+        "corridor_half_width",
+        "f_s/(K beta rho), half stick band in v",
+    ),
+    (
+        "corridor_time",
+        "(f_s/(K beta rho sigma))^2, time to cross it",
+    ),
+    (
+        "runaway_amplitude",
+        "amplitude beyond which the motion grows",
+    ),
+    ("critical_amplitude", "A_c, critical amplitude of the step"),
+    ("largest_step", "stability limit of the step"),
+    (
+        "monitoring_shift",
+        "0.5826 K beta rho sigma sqrt(h), shift of f_s",
+    ),
+    ("tolerance", "tolerance, relative"),
+    ("resolution_static_force", "resolution: f_s as simulated"),
+    (
+        "resolution_shortest_slip",
+        "resolution: shortest slip resolved, about",
+    ),
+    ("expected_amplitude", "largest |x| expected, roughly"),
+    ("period", "P, period at which displacements are compared"),
+    ("whole_periods", "whole periods P"),
+    ("counted_periods", "whole periods P that are counted"),
+    ("steps", "steps of a path"),
+    ("path_steps", "path-steps in all"),
+    ("rows", "rows of the output grid"),
+    ("output_bytes", "output file, about"),
+];
+
 impl Derived {
     /// All quantities, each with its name for programs and its meaning for people.
-    pub fn quantities(&self) -> [(&'static str, &'static str, DerivedQuantity); 23] {
+    pub fn quantities(
+        &self,
+    ) -> impl Iterator<Item = (&'static str, &'static str, DerivedQuantity)> + use<> {
         use DerivedQuantity::{Count, Real, Reals, Unknown};
         let resolution = |of: fn(Resolution) -> f64| self.resolution.map(of).into();
-        let undamped = "A_c = 4 f_d/(pi w0 h K), critical amplitude";
-        let (critical, meaning) = match self.stability {
-            Some(Stability::Undamped { critical_amplitude }) => {
-                (Some(critical_amplitude), undamped)
-            }
-            Some(Stability::Growing { critical_amplitude }) => (
-                Some(critical_amplitude),
-                "the same, including the error of the step",
-            ),
-            _ => (None, undamped),
+        let critical_amplitude = match self.stability {
+            Some(
+                Stability::Undamped { critical_amplitude }
+                | Stability::Growing { critical_amplitude },
+            ) => Some(critical_amplitude),
+            _ => None,
         };
-        let largest_step = self.stability.and_then(Stability::largest_step);
-        let period = self.period.map(|period| period.length);
-        [
-            (
-                "natural_frequency",
-                "w0 = sqrt(K/m), natural frequency",
-                Real(self.natural_frequency),
-            ),
-            (
-                "frequency_ratios",
-                "w/w0, forcing",
-                Reals(self.frequency_ratios.clone()),
-            ),
-            (
-                "damping_ratio",
-                "alpha/(m w0), damping ratio",
-                self.damping_ratio.into(),
-            ),
-            (
-                "harmonic_force",
-                "K beta sum |a|, force of the harmonics",
-                Real(self.harmonic_force),
-            ),
-            (
-                "friction_ratio",
-                "f_d/f_s, friction ratio",
-                self.friction_ratio.into(),
-            ),
-            (
-                "noise_force",
-                "K beta rho sigma/sqrt(2 theta), noise in b",
-                self.noise_force.into(),
-            ),
-            (
-                "corridor_half_width",
-                "f_s/(K beta rho), half stick band in v",
-                self.corridor_half_width.into(),
-            ),
-            (
-                "corridor_time",
-                "(f_s/(K beta rho sigma))^2, time to cross it",
-                self.corridor_time.into(),
-            ),
-            (
-                "runaway_amplitude",
-                "amplitude beyond which the motion grows",
-                self.runaway_amplitude.into(),
-            ),
-            ("critical_amplitude", meaning, critical.into()),
-            (
-                "largest_step",
-                "stability limit of the step",
-                largest_step.into(),
-            ),
-            (
-                "monitoring_shift",
-                "0.5826 K beta rho sigma sqrt(h), shift of f_s",
-                self.monitoring_shift.into(),
-            ),
-            ("tolerance", "tolerance, relative", self.tolerance.into()),
-            (
-                "resolution_static_force",
-                "resolution: f_s as simulated",
-                resolution(|resolution| resolution.static_force),
-            ),
-            (
-                "resolution_shortest_slip",
-                "resolution: shortest slip resolved, about",
-                resolution(|resolution| resolution.shortest_slip),
-            ),
-            (
-                "expected_amplitude",
-                "largest |x| expected, roughly",
-                Real(self.expected_amplitude),
-            ),
-            (
-                "period",
-                "P, period at which displacements are compared",
-                period.into(),
-            ),
-            ("whole_periods", "whole periods P", Real(self.whole_periods)),
-            (
-                "counted_periods",
-                "whole periods P that are counted",
-                Count(self.counted_periods as u64),
-            ),
-            (
-                "steps",
-                "steps of a path",
-                self.steps.map_or(Unknown, Count),
-            ),
-            ("path_steps", "path-steps in all", self.path_steps.into()),
-            ("rows", "rows of the output grid", Count(self.rows as u64)),
-            (
-                "output_bytes",
-                "output file, about",
-                Real(self.output_bytes),
-            ),
-        ]
+        let values = [
+            Real(self.natural_frequency),
+            Reals(self.frequency_ratios.clone()),
+            self.damping_ratio.into(),
+            Real(self.harmonic_force),
+            self.friction_ratio.into(),
+            self.noise_force.into(),
+            self.corridor_half_width.into(),
+            self.corridor_time.into(),
+            self.runaway_amplitude.into(),
+            critical_amplitude.into(),
+            self.stability.and_then(Stability::largest_step).into(),
+            self.monitoring_shift.into(),
+            self.tolerance.into(),
+            resolution(|resolution| resolution.static_force),
+            resolution(|resolution| resolution.shortest_slip),
+            Real(self.expected_amplitude),
+            self.period.map(|period| period.length).into(),
+            Real(self.whole_periods),
+            Count(self.counted_periods as u64),
+            self.steps.map_or(Unknown, Count),
+            self.path_steps.into(),
+            Count(self.rows as u64),
+            Real(self.output_bytes),
+        ];
+        let named = QUANTITIES.into_iter().zip(values);
+        named.map(|((name, meaning), value)| (name, meaning, value))
     }
 }
 

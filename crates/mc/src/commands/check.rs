@@ -158,12 +158,7 @@ fn derived(scenario: &Scenario) -> Vec<(String, String)> {
         };
         Some((meaning.to_string(), shown))
     };
-    let mut lines: Vec<_> = scenario
-        .derived()
-        .quantities()
-        .into_iter()
-        .filter_map(shown)
-        .collect();
+    let mut lines: Vec<_> = scenario.derived().quantities().filter_map(shown).collect();
     if let Some(WrittenForce { without, .. }) = &scenario.written_force {
         let Oscillator {
             stiffness, damping, ..
@@ -195,7 +190,6 @@ fn json(path: &str, scenario: &Scenario) -> String {
     let derived = scenario
         .derived()
         .quantities()
-        .into_iter()
         .map(|(name, _, quantity)| (name.to_string(), number(quantity)));
     let check = json!({
         "scenario": path,

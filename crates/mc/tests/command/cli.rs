@@ -473,7 +473,7 @@ fn check_derives_and_warns() {
     let out = Desk::new().mc(&["check", "scene.toml"]);
     for part in [
         "w/w0, forcing                                 0.25\n",
-        "critical amplitude   127.324",
+        "critical amplitude of the step           127.324",
         "half stick band in v        1.13137",
         "6e7",
         "roughly",
