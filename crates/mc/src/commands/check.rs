@@ -187,8 +187,8 @@ fn json(path: &str, scenario: &Scenario) -> String {
         DerivedQuantity::Count(number) => json!(number),
         DerivedQuantity::Reals(numbers) => json!(numbers),
     };
-    let derived = scenario
-        .derived()
+    let derived = scenario.derived();
+    let derived = derived
         .quantities()
         .map(|(name, _, quantity)| (name.to_string(), number(quantity)));
     let check = json!({
