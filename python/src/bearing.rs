@@ -4,7 +4,7 @@ use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
 use crate::studies::Threads;
-use crate::watched::watched;
+use crate::watched::{abandoned_on_interrupt, watched};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -331,14 +331,11 @@ pub fn calibrate<'py>(
     let question = question
         .fitting(&fitted, &scene)
         .map_err(|error| not_held(py, error))?;
-    let (calibration, is_interrupted) = watched(py, None, |watch| {
-        calibrated(&record, &question, threads.0, &watch.stop)
+    let calibration = abandoned_on_interrupt(py, move |stop| {
+        calibrated(&record, &question, threads.0, stop)
     })?;
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
-    if is_interrupted {
-        remarks.push("interrupted: fewer least-squares starts than requested".into());
-    }
     let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
     Ok((to_python(py, Dataset::of_calibration(&stored))?, remarks))
 }
@@ -372,23 +369,16 @@ pub fn forecast<'py>(
         level: interval,
         share,
     };
-    let (ended, is_interrupted) = watched(py, None, |watch| {
-        Foreseen::of(&scene, &record, &asked, processes, threads.0, &watch.stop)
+    let (title, text) = (scene.title.clone(), scene.text.clone());
+    let ended = abandoned_on_interrupt(py, move |stop| {
+        Foreseen::of(&scene, &record, &asked, processes, threads.0, stop, &|_| {})
     })?;
     let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
-    let stopped =
-        || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
-    let foreseen = foreseen.ok_or_else(stopped)?;
+    let foreseen = foreseen.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
     let found = &foreseen.forecast;
     remarks.extend(foreseen.warnings().into_iter().map(|(_, text)| text));
-    if is_interrupted {
-        remarks.push(format!(
-            "interrupted: {} of {draws} parameter draws are included",
-            found.years.len()
-        ));
-    }
     Ok((
-        to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?,
+        to_python(py, Dataset::of_forecast(&title, &text, found))?,
         remarks,
     ))
 }
@@ -517,8 +507,7 @@ pub fn fit_temperature<'py>(
         remarks.extend(said);
         told
     });
-    // The fit cannot be interrupted, but it takes only seconds.
-    let (found, _) = watched(py, None, |_| {
+    let found = abandoned_on_interrupt(py, move |_| {
         fit(&times, &temperatures, &periods, processes, averaged)
     })?;
     let fit = found.map_err(|error| errors::of_run(py, error, error.remedy()))?;

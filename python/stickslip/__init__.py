@@ -21,6 +21,7 @@ from ._bearing import Layout, Weather, calibrate, fit_temperature, forecast, twi
 from ._check import Check, check
 from ._data import load
 from ._frames import events, summary
+from ._motion import Motion
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
@@ -48,6 +49,7 @@ __all__ = [
     "Check",
     "Events",
     "Layout",
+    "Motion",
     "Picture",
     "RunError",
     "ScenarioError",

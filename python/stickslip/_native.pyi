@@ -70,6 +70,12 @@ def merge(
     progress: Callable[[int, int], object] | None,
 ) -> tuple[Variables, list[str]]: ...
 def replay(scenario: Scenario, path: int) -> Variables: ...
+def motion(
+    scenario: Scenario,
+    overrides: Sequence[tuple[str, str, str]],
+    times: npt.NDArray[np.float64],
+    path: int,
+) -> npt.NDArray[np.float64]: ...
 def choose(
     scenario: Scenario,
     accuracy: float,

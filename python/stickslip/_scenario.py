@@ -45,7 +45,7 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
     arguments: dict[str, Any] = {**given, **replaced}
     name, text = source(arguments["scenario"])
     # Messages quote the first of the three with the value behind it.
-    laid = [(f"set {key} =", key, value) for key, value in written(arguments.get("set"))]
+    laid = overrides(arguments.get("set"))
     for argument, key in KEYS.items():
         value = arguments.get(argument)
         if value is not None:
@@ -77,6 +77,11 @@ def _measurements(arguments: Mapping[str, Any]) -> Iterator[tuple[str, str, str,
         yield "temperature", "temperature.series", "temperature", temperature
     for name, given in (inputs or {}).items():
         yield f"inputs.{name}", f"input.{name}", "input", given
+
+
+def overrides(settings: Settings | None) -> list[tuple[str, str, str]]:
+    """What messages call each setting, its dotted key, and its value as TOML."""
+    return [(f"set {key} =", key, value) for key, value in written(settings)]
 
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:

@@ -160,6 +160,7 @@ keys! {
         DATES = other("dates", "order of year, month and day");
         SKIP = other("skip", "lines before the header");
         MISSING = other("missing", "markers of missing values");
+        SKIP_BAD = other("skip_bad", "leave out lines that cannot be read");
         DECIMAL = other("decimal", "decimal separator");
         AVERAGED = number("averaged", "", "averaging time of each value, ending at its stamp", Allowed::NonNegative);
         OUTLIERS = other("outliers", "leave out values beyond this many standard deviations");
@@ -179,6 +180,7 @@ keys! {
         DATES;
         SKIP;
         MISSING;
+        SKIP_BAD;
         OUTLIERS;
         DECIMAL;
         AVERAGED;

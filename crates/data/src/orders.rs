@@ -72,6 +72,12 @@ impl Orders {
         self.differ |= possible.any(|date| Some(date) != first);
     }
 
+    /// Whether all dates are dates in this order.
+    pub fn is_possible(&self, order: DateOrder) -> bool {
+        let mut possible = self.readings.iter().filter(|reading| reading.is_possible);
+        possible.any(|reading| reading.order == order)
+    }
+
     /// The order, and why it is this one; `None` if several are as likely. Of several that are
     /// possible it is the one in which the fewest rows are out of order. Where dates have years of
     /// two digits in front or at the end, one of the two ways from row to row is far longer, too.

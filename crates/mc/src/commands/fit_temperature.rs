@@ -3,6 +3,7 @@
 use crate::arguments::measurements::MeasuredFlags;
 use crate::output::document::document;
 use crate::report::{bearing, text};
+use crate::session::progress::waiting;
 use crate::{Failure, note, print, warn, writable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -67,13 +68,16 @@ impl Arguments {
         } else {
             periods
         };
-        let found = fit(
-            &column.times,
-            &column.values,
-            &periods,
-            usize::from(self.processes),
-            column.averaged,
-        )
+        let found = waiting(|begins| {
+            begins("fitting the temperature model");
+            fit(
+                &column.times,
+                &column.values,
+                &periods,
+                usize::from(self.processes),
+                column.averaged,
+            )
+        })
         .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
