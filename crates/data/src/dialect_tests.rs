@@ -102,6 +102,11 @@ fn dialects_of_loggers_and_services_are_read() {
         ),
         ("Davis, names in two lines", davis, PLAIN),
         ("year, month, day, hour", parts, PLAIN),
+        (
+            "the same, named",
+            parts,
+            timed("year,month,day,hour", "temperature"),
+        ),
         ("a buoy with minutes below mm", &buoy, PLAIN),
         (
             "date and hour without names",
@@ -205,11 +210,11 @@ fn what_was_left_out_is_counted() {
     for (rest, says) in [
         (
             "End\nMaximum\n",
-            "left out 2 lines that cannot be read, the first is line 6",
+            "left out 2 lines that cannot be read, the first in line 6",
         ),
         (
             "2023-03-04 09:00,warm\n",
-            "left out 1 line that cannot be read, line 6",
+            "left out 1 line that cannot be read, the first in line 6",
         ),
         (
             "2023-03-04 09:00,-999\n",

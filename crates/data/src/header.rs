@@ -4,7 +4,7 @@ use super::error::DataError;
 use super::parts::Parts;
 use super::query::{Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
-use super::stamp::{compact, is_time_of_day, needs_order, stamp};
+use super::stamp::{is_time_of_day, needs_order, stamp};
 use super::unit::{self, ColumnQuantity};
 use std::cmp::Reverse;
 
@@ -173,7 +173,7 @@ fn is_datum(cell: &str) -> bool {
 }
 
 fn is_date(cell: &str) -> bool {
-    stamp(cell, None).is_some() || needs_order(cell) || compact(cell).is_some()
+    stamp(cell, None).is_some() || needs_order(cell)
 }
 
 /// The lines below another one that may hold units, down to the first measurements.
@@ -374,7 +374,7 @@ impl Sought<'_> {
             .split(',')
             .map(|part| (part.trim(), self.called(part.trim())))
             .collect();
-        let is_list = matches!(parts.len(), 2 | 3);
+        let is_list = matches!(parts.len(), 2..=6);
         match whole[..] {
             [field] => Ok(vec![field]),
             [] => match parts.iter().find(|(_, found)| !is_list || found.len() != 1) {
@@ -394,7 +394,7 @@ impl Sought<'_> {
 
     /// The columns of times that a file has under a usual name.
     fn usual_times(&self) -> Result<Vec<usize>, DataError> {
-        let (names, wording) = (self.names, self.layout.wording);
+        let names = self.names;
         if let [field] = self.called("time")[..]
             && names[field] == "time"
         {
@@ -411,31 +411,24 @@ impl Sought<'_> {
                     .any(|word| name.to_lowercase().starts_with(word))
             })
         };
-        let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
         let (time, date) = (one_of(&TIME), one_of(&DATE));
         let hour = self.fields(Parts::is_hour);
-        match (&both[..], &time[..], &date[..], &beginning[..]) {
-            ([field], ..) => Ok(vec![*field]),
-            ([], [time], [date], _) => Ok(vec![*date, *time]),
-            ([], [], [date], []) if !hour.is_empty() => Ok(vec![*date, hour[0]]),
-            ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
-            ([], [], [], []) => Err(self.no_time(Name::Exactly("time"))),
+        let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
+        let all = [&both, &time, &beginning, &date];
+        let found = all
+            .into_iter()
+            .find(|found| !found.is_empty())
+            .unwrap_or(&both);
+        match (&found[..], &date[..], &hour[..]) {
+            ([], ..) => Err(self.no_time(Name::Exactly("time"))),
+            ([one], [date], _) if time == [*one] => Ok(vec![*date, *one]),
+            ([one], [date], [hour, ..]) if date == one => Ok(vec![*one, *hour]),
+            ([one], ..) => Ok(vec![*one]),
             _ => {
-                let first = both
-                    .iter()
-                    .chain(&time)
-                    .chain(&beginning)
-                    .chain(&date)
-                    .next()
-                    .copied()
-                    .unwrap_or(0);
-                let example = wording.option("time", &names[first]);
-                let remedy = format!(
-                    "name one, e.g. {example}; the columns are {}",
-                    listed(names)
-                );
-                let count = both.len() + time.len().max(beginning.len()).max(date.len());
-                Err(self.several(Name::Beginning("time"), count, remedy))
+                let example = self.layout.wording.option("time", &names[found[0]]);
+                let listed = listed(names);
+                let remedy = format!("name one, e.g. {example}; the columns are {listed}");
+                Err(self.several(Name::Beginning("time"), found.len(), remedy))
             }
         }
     }
@@ -445,18 +438,16 @@ impl Sought<'_> {
     fn no_time(&self, name: Name<'_>) -> DataError {
         let first = self.below.last().map_or(&[][..], |line| &line.names);
         let date = first.iter().position(|cell| is_date(cell));
-        let called = |field: usize| self.names.get(field).map(String::as_str);
-        let is_hour = |name: &&str| Parts::is_hour(name);
-        let example = match date.map(|date| (called(date), called(date + 1).filter(is_hour))) {
-            Some((Some(date), Some(hour))) => format!("{date},{hour}"),
-            Some((Some(date), None)) => date.to_string(),
-            _ => self
-                .names
-                .iter()
-                .find(|name| !name.is_empty())
-                .map_or("NAME", |name| name)
-                .into(),
-        };
+        let called = |field: usize| self.names.get(field).filter(|name| !name.is_empty());
+        let hour = date
+            .and_then(|date| called(date + 1))
+            .filter(|name| Parts::is_hour(name));
+        let date = (0..)
+            .skip(date.unwrap_or(0))
+            .take(self.names.len())
+            .find_map(called);
+        let example = date.into_iter().chain(hour).map(String::as_str);
+        let example = example.collect::<Vec<_>>().join(",");
         let example = self.layout.wording.option("time", &example);
         self.none(name, &format!("name the right one, e.g. {example}"))
     }
