@@ -312,13 +312,9 @@ impl Clock {
             (Some(offset), _) => (offset.to_timestamp(stamp.local).map_err(beyond)?, false),
             (None, Some(zone)) => in_zone(stamp.local, zone, self.previous, self.wording)?,
             (None, None) => {
-                let [utc, paris] =
-                    ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
                 return wrong(
                     format!("is the date {} without a zone", stamp.local),
-                    format!(
-                        "give the time zone of the clock: {utc}, {paris} or an offset such as +01:00"
-                    ),
+                    zone_remedy(self.wording),
                 );
             }
         };
@@ -396,9 +392,15 @@ fn without_unit(column: &str) -> &str {
         .unwrap_or("time")
 }
 
+/// What to do about dates without a zone.
+pub(super) fn zone_remedy(wording: Wording) -> String {
+    let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| wording.option("zone", zone));
+    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00")
+}
+
 /// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
 /// (UTC)`, `time_utc`.
-fn zone_in(column: &str) -> Option<TimeZone> {
+pub(super) fn zone_in(column: &str) -> Option<TimeZone> {
     let upper = column.to_uppercase();
     let at = ["UTC", "GMT"]
         .iter()

@@ -385,6 +385,20 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
         );
         assert!(error.remedy.contains(remedy), "{error}");
     }
+    // A column and the zone are asked for at once.
+    let asked = Asked {
+        no_zone: true,
+        ..PLAIN
+    };
+    let error = read_as(asked, b"time,T\n2023-03-04 05:00,12\n")
+        .unwrap_err()
+        .to_string();
+    let both = [
+        "no column has a name",
+        "its dates have no time zone",
+        "--zone UTC",
+    ];
+    assert!(both.iter().all(|part| error.contains(part)), "{error}");
     let huge = format!("{head}2023-03-04 06:00,{}\n", "9".repeat(1_000_000));
     let error = read_as(PLAIN, huge.as_bytes()).unwrap_err().to_string();
     assert!(error.len() < 300 && error.contains("not finite"), "{error}");

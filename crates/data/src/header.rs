@@ -1,8 +1,9 @@
 //! The line of a CSV file that names its columns, and which of them are wanted.
 
+use super::clock::{zone_in, zone_remedy};
 use super::error::DataError;
 use super::parts::Parts;
-use super::query::{Layout, Name, Wanted};
+use super::query::{DateOrder, Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
 use super::stamp::{is_time_of_day, needs_order, stamp};
 use super::unit::{self, ColumnQuantity};
@@ -114,6 +115,17 @@ pub(super) fn open<'a>(
     };
     let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
+    let error = match (Sought {
+        file,
+        names: &best.names,
+        below: below(&lines, best),
+        layout,
+    })
+    .no_zone()
+    {
+        Some(zone) => error.and(zone),
+        None => error,
+    };
     Err(if best.number == first.number {
         error
     } else {
@@ -450,6 +462,20 @@ impl Sought<'_> {
         let example = example.collect::<Vec<_>>().join(",");
         let example = self.layout.wording.option("time", &example);
         self.none(name, &format!("name the right one, e.g. {example}"))
+    }
+
+    /// The error of dates without a zone, which is said together with that of a missing column.
+    fn no_zone(&self) -> Option<DataError> {
+        let time = *self.times().ok()?.first()?;
+        let cell = self.below.last()?.names.get(time)?;
+        let dates = DateOrder::WORDS
+            .iter()
+            .filter_map(|(_, order)| stamp(cell, Some(*order)));
+        let is_local = dates.map(|date| date.offset.is_none()).next()?;
+        let is_known = self.layout.zone.is_some() || zone_in(&self.names[time]).is_some();
+        let remedy = zone_remedy(self.layout.wording);
+        let error = || DataError::file(self.file, "its dates have no time zone", remedy);
+        (is_local && !is_known).then(error)
     }
 
     /// The place of a wanted column; if there is not exactly one, the error lists the names.
