@@ -29,7 +29,7 @@ impl Unsound {
     /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            Unsound::Absurd { .. } => "mend the sample, or remove it",
+            Unsound::Absurd { .. } => "correct the sample, or remove it",
             Unsound::Constant(_) => SEE_SENSOR,
         }
     }

@@ -26,7 +26,7 @@ pub(super) struct Orders {
     differ: bool,
 }
 
-/// An order that makes the way from date to date so many times as long as another one is wrong.
+/// An order that makes the way from date to date this many times as long as another one is wrong.
 const DETOUR: f64 = 10.0;
 
 impl Orders {

@@ -80,13 +80,13 @@ impl<'a> CsvRows<'a> {
         self
     }
 
-    /// From here on every row has so many cells, and there is no row of names.
+    /// From here on every row has this number of cells, and there is no row of names.
     pub fn numbered(mut self, width: usize) -> Self {
         (self.width, self.named, self.wanted) = (width, width, width);
         self
     }
 
-    /// The error of a row that has not as many cells as the header.
+    /// The error of a row whose number of cells differs from that of the header.
     fn uneven(&self) -> DataError {
         let (found, named) = (self.fields, self.named);
         let problem = format!(

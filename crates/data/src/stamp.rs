@@ -225,7 +225,7 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     if hour == 24 && minute == 0 && second == 0 && nanos == 0 {
         (hour, later) = (0, SignedDuration::from_hours(24));
     } else if second == 60 && minute == 59 {
-        // A leap second is no time of the calendar. It is put between its neighbours.
+        // A leap second is not a time of the calendar. It is put between its neighbours.
         (second, later) = (59, SignedDuration::from_millis(500));
     }
     Some((Time::new(hour, minute, second, nanos).ok()?, later, rest))

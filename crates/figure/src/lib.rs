@@ -29,6 +29,7 @@ mod only;
 mod overview;
 mod page;
 mod panel;
+mod passages;
 mod path;
 mod residuals;
 mod section;
@@ -86,6 +87,10 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "laws",
         draws: laws::draw,
+    },
+    Figure {
+        name: "passages",
+        draws: passages::draw,
     },
     Figure {
         name: "density",

@@ -1,6 +1,6 @@
 //! The temperature that a synthetic record is made from.
 
-use super::thermometer::shown_roughness;
+use super::roughness::shown_roughness;
 use stickslip::model::Temperature;
 use stickslip::noise::{Stream, Transition};
 

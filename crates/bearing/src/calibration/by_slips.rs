@@ -1,78 +1,128 @@
 //! The estimates from slips, and their errors.
 
 use super::bearing::Response;
+use super::friction::SlipStatistics;
 use super::hold::conditioned;
-use super::quantity::{Values, response_of, values};
+use super::quantity::{Quantity, Values, response_of, values};
 use super::question::{CalibrationError, CalibrationQuestion};
-use super::slips::Evidence;
-use super::uncertainty::{AroundLag, Replicates};
+use super::slips::DetectedSlips;
+use super::steel::Steel;
+use super::uncertainty::{Replicates, Workers};
 use super::zero::Zero;
 
-/// What the slips of a record tell.
-pub struct BySlips<'a> {
-    /// The response; `None` if the slips do not determine it.
-    pub response: Option<Response>,
+/// The estimates from the slips of a record.
+pub struct BySlips {
+    pub response: Response,
     /// How the zero of the sensor moves.
     pub zero: Zero,
     pub replicates: Replicates,
     /// The standard deviation of each quantity.
     pub deviations: Values,
-    evidence: &'a Evidence,
+    pub slips: DetectedSlips,
+    /// What the slips show beyond the estimates.
+    pub statistics: SlipStatistics,
 }
 
-impl<'a> BySlips<'a> {
-    /// Estimate all quantities from the evidence, with some of them held.
-    pub fn of(around: &'a AroundLag, question: &CalibrationQuestion) -> Self {
+/// Twice the logarithm of the likelihood that a change of friction over time has to gain. Neighbouring
+/// values have errors in common, so chance gains more than it would if they were independent.
+const CONVINCING: f64 = 25.0;
+
+/// A smaller change of A than this share of it does no harm.
+const HARMLESS: f64 = 0.05;
+
+impl BySlips {
+    /// Estimate all quantities from the slips, with some of them held. `None` if no slips determine
+    /// them.
+    ///
+    /// # Errors
+    ///
+    /// If the jumps are not those of a bearing, or do not determine one.
+    pub fn new(
+        steel: &mut Steel,
+        question: &CalibrationQuestion,
+        workers: Workers,
+    ) -> Result<Option<Self>, CalibrationError> {
+        let Some(slips) = steel.slips.take() else {
+            return Ok(None);
+        };
+        let Some(mut found) = BySlips::fitted(steel, slips, question, workers)? else {
+            return Ok(None);
+        };
+        let chance = found.replicates.mean_of(|shown| shown.zero_gain);
+        let columns = &found.slips.zero;
+        if !columns.is_convincing(found.statistics.zero_gain, chance) {
+            let mut slips = found.slips;
+            slips.zero = slips.zero.none();
+            match BySlips::fitted(steel, slips, question, workers)? {
+                Some(without) => found = without,
+                None => return Ok(None),
+            }
+        }
         let shear = question.shear_stiffness.unwrap_or(1.0);
-        let evidence = &around.here;
-        let mut replicates = Replicates::new(around, question);
-        let fitted = evidence.fit(&evidence.unweighted());
-        let response = fitted.as_ref().map(|(fit, _)| {
-            response_of(&conditioned(
-                values(fit, Some(shear)),
-                &mut replicates,
-                &question.held,
-                shear,
-            ))
-        });
-        let deviations = replicates.deviations();
-        let zero = fitted.map_or_else(Zero::default, |(_, zero)| zero);
-        BySlips {
+        let estimates = values(&found.response, Some(shear));
+        let held = conditioned(estimates, &mut found.replicates, &question.held, shear);
+        found.response = response_of(&held);
+        found.deviations = found.replicates.deviations();
+        found.check(question.shear_stiffness)?;
+        Ok(Some(found))
+    }
+
+    /// The same with all quantities estimated.
+    fn fitted(
+        steel: &mut Steel,
+        slips: DetectedSlips,
+        question: &CalibrationQuestion,
+        workers: Workers,
+    ) -> Result<Option<Self>, CalibrationError> {
+        let Some((response, zero)) = slips.fit() else {
+            return Ok(None);
+        };
+        let mut found = BySlips {
             response,
+            statistics: slips.statistics(&response, &zero),
             zero,
-            replicates,
-            deviations,
-            evidence,
-        }
-    }
-
-    /// Check that the jumps are the slips of a bearing, and that they tell which: more than half of
-    /// the random weights have to give a possible bearing.
-    pub fn check(&self, shear_stiffness: Option<f64>) -> Result<(), CalibrationError> {
-        let jumps = self.evidence.slips.len();
-        let found = self
-            .response
-            .and_then(|response| response.impossible(shear_stiffness));
-        if let Some((quantity, value)) = found {
-            return Err(CalibrationError::NotSlips {
-                jumps,
-                quantity,
-                value,
-            });
-        }
-        let [impossible, all] = self.replicates.impossible();
+            replicates: Replicates::default(),
+            deviations: [f64::NAN; Quantity::ALL.len()],
+            slips,
+        };
+        found.check(question.shear_stiffness)?;
+        let shear = question.shear_stiffness;
+        let corrected = Replicates::corrected(steel, &found, shear, workers);
+        let (response, replicates) = corrected.ok_or(found.undetermined([1, 1]))?;
+        let [impossible, all] = replicates.impossible();
         if 2 * impossible > all {
-            return Err(CalibrationError::Undetermined {
-                jumps,
-                impossible,
-                all,
-            });
+            return Err(found.undetermined([impossible, all]));
         }
-        Ok(())
+        found.response = response;
+        found.replicates = replicates.with_shear(shear.unwrap_or(1.0));
+        found.check(shear)?;
+        Ok(Some(found))
     }
 
-    /// The slips, if they determine the response.
-    pub fn evidence(&self) -> Option<&'a Evidence> {
-        Some(self.evidence).filter(|_| self.response.is_some())
+    /// Check that the jumps are the slips of a bearing.
+    fn check(&self, shear_stiffness: Option<f64>) -> Result<(), CalibrationError> {
+        let jumps = self.slips.slips.len();
+        let not_slips = |(quantity, value)| CalibrationError::NotSlips {
+            jumps,
+            quantity,
+            value,
+        };
+        let impossible = self.response.impossible(shear_stiffness);
+        impossible.map_or(Ok(()), |found| Err(not_slips(found)))
+    }
+
+    fn undetermined(&self, [impossible, all]: [usize; 2]) -> CalibrationError {
+        CalibrationError::Undetermined {
+            jumps: self.slips.slips.len(),
+            impossible,
+            all,
+        }
+    }
+
+    /// The smallest and the largest A over the record, as shares of its mean, if it changes.
+    pub fn friction_range(&self) -> Option<[f64; 2]> {
+        let SlipStatistics { gain, range, .. } = self.statistics;
+        let is_convincing = gain > CONVINCING && range[1] - range[0] > HARMLESS;
+        (is_convincing && range[0] > 0.0 && range[1].is_finite()).then_some(range)
     }
 }

@@ -1,7 +1,6 @@
 //! The steps from a record to a calibration.
 
 use super::by_slips::BySlips;
-use super::friction::Assumed;
 use super::misfit::FitObjective;
 use super::prepared::{check, upright};
 use super::quantity::Quantity;
@@ -10,6 +9,7 @@ use super::report::Calibration;
 use super::samples::MeasuredRecord;
 use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
+use super::uncertainty::Workers;
 use super::warnings::warnings;
 use super::zero::Zero;
 use std::sync::atomic::AtomicBool;
@@ -59,25 +59,19 @@ fn fit(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let steel = Steel::of(&record, record.resolution(), question.lag);
-    let by_slips = steel
-        .around
-        .as_ref()
-        .map(|around| BySlips::of(around, question));
-    if let Some(by_slips) = &by_slips {
-        by_slips.check(question.shear_stiffness)?;
+    let mut steel = Steel::new(&record, question.lag);
+    let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
+    let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
+    if let Some(slips) = slips {
+        slips.check_resolution(resolution(&record.samples().readings))?;
     }
-    let evidence = by_slips.as_ref().and_then(BySlips::evidence);
-    if let Some(evidence) = evidence {
-        evidence.check_resolution(resolution(&record.samples().readings))?;
-    }
-    if evidence.is_none() && question.method == CalibrationMethod::Slips {
+    if slips.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
     let zero = by_slips
         .as_ref()
         .map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
-    let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked);
+    let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked());
     let starts = match question.method {
         CalibrationMethod::Slips => Vec::new(),
         CalibrationMethod::Err | CalibrationMethod::Both => starts(
@@ -94,20 +88,21 @@ fn fit(
         return Err(CalibrationError::NoBearing { quantity, value });
     }
     calibration.is_mirrored = is_mirrored;
-    let assumed = evidence.map_or_else(Assumed::default, |evidence| {
-        evidence.assumed(&calibration.response, calibration.resolution)
-    });
-    calibration.friction_range = assumed.range;
-    calibration.warnings = warnings(&calibration, evidence, &assumed);
+    let slips = by_slips.as_ref();
+    calibration.friction_range = slips.and_then(BySlips::friction_range);
+    calibration.warnings = warnings(&calibration, slips);
     Ok(calibration)
 }
 
 /// The box of the least squares: around the response by slips, or around a guess if there is none.
 fn search(by_slips: Option<&BySlips>, question: &CalibrationQuestion) -> Search {
-    let fitted = by_slips.and_then(|by_slips| Some((by_slips.response?, by_slips.deviations)));
-    match fitted {
-        Some((fit, sd)) => around(
-            &fit.motion,
+    match by_slips {
+        Some(BySlips {
+            response,
+            deviations: sd,
+            ..
+        }) => around(
+            &response.motion,
             [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]],
         ),
         None => around_guess(&question.guess),

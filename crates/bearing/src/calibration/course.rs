@@ -5,8 +5,9 @@ use super::bearing::Response;
 use super::samples::{interval, starts};
 use stickslip::noise::Stream;
 
-/// The longest step in which a rough temperature is followed, in seconds.
-const STEP: f64 = 60.0;
+/// The longest step in which a rough temperature is followed, in seconds, if nothing else is asked
+/// for.
+pub const STEP: f64 = 60.0;
 
 /// The most steps between two temperatures that are known.
 const MOST_STEPS: f64 = 10_000.0;
@@ -56,7 +57,7 @@ impl Body<'_> {
 
 /// Follow a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
 /// standard deviation `scatter` from slip to slip. `friction` draws f_s, and `between` the
-/// temperature between the times of the air.
+/// temperature between the times of the air, in steps of at most `longest` seconds.
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
 /// farthest temperature within a step has its exact law. Across a gap it is a straight line.
@@ -65,6 +66,7 @@ pub fn course(
     air: &Air,
     lag: f64,
     scatter: f64,
+    longest: f64,
     [friction, mut between]: [Stream; 2],
 ) -> Course {
     let Air {
@@ -96,7 +98,7 @@ pub fn course(
                 *roughness
             };
             let steps = if rough > 0.0 {
-                (h / STEP).ceil().clamp(1.0, MOST_STEPS)
+                (h / longest).ceil().clamp(1.0, MOST_STEPS)
             } else {
                 1.0
             };

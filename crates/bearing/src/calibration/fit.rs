@@ -3,12 +3,24 @@
 use super::bearing::{Response, Sensor};
 use super::motion::Motion;
 use super::samples::{median, spread};
-use super::slips::{Evidence, Slip};
+use super::slips::{DetectedSlips, Slip};
 use super::zero::{MiddleLine, Zero};
+use crate::moments::mean;
 
-impl Evidence {
-    /// A, G, xi(0), z0, the two slopes and the movement of the zero, with these weights of the
-    /// blocks of time. `None` if too few slips were seen.
+/// The errors of a displacement sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensorNoise {
+    /// Standard deviation of the white noise.
+    pub white: f64,
+    /// Standard deviation of the red noise, an Ornstein-Uhlenbeck process.
+    pub red: f64,
+    /// Correlation time of the red noise, in seconds.
+    pub memory: f64,
+}
+
+impl DetectedSlips {
+    /// A, G, xi(0), z0, the two slopes and the movement of the zero. `None` if too few slips were
+    /// seen.
     ///
     /// Each number is computed from a different part of the data, and none of them depends on how
     /// many slips were missed in between.
@@ -23,21 +35,17 @@ impl Evidence {
     ///   xi(0) follows from the level before it.
     ///
     /// f_s may vary from slip to slip; the results are then right for its mean.
-    pub fn fit(&self, weights: &[f64]) -> Option<(Response, Zero)> {
-        let still = self.still(weights);
-        let kinetic = self.kinetic_reach(weights);
+    pub fn fit(&self) -> Option<(Response, Zero)> {
+        let still = self.still();
         let MiddleLine {
             offset,
             slope: moving,
             zero,
             ..
-        } = self.zero.line(&self.middles(weights))?;
-        let usual = self.slips.iter().filter(|slip| slip.is_usual);
-        let jump = self.mean(
-            weights,
-            usual.map(|slip| (slip.size(still), self.block(slip.time))),
-        ) / moving;
-        let reach = kinetic + 0.5 * jump;
+        } = self.zero.line(&self.middles())?;
+        let sizes: Vec<f64> = self.usual().map(|slip| slip.size(still)).collect();
+        let jump = mean(&sizes) / moving;
+        let reach = self.kinetic_reach() + 0.5 * jump;
         let first = self.slips.first()?;
         let start = match &self.beginning {
             None => first.temperature - first.sign * reach,
@@ -53,61 +61,45 @@ impl Evidence {
         };
         (reach.is_finite() && jump.is_finite()).then_some((fit, zero))
     }
-}
 
-impl Evidence {
-    /// The standard error of xi(0) when everything else is known, in kelvin. If xi(0) comes from
-    /// the temperature of one slip, this follows from the scatter of the reversals, each of which
-    /// contains two such temperatures. If it comes from a level, it follows from the distances of
-    /// the middles of jumps from their line.
-    pub fn scatter(&self) -> f64 {
-        if self.beginning.is_some() {
-            let Some((Response { motion, sensor }, zero)) = self.fit(&self.unweighted()) else {
-                return 0.0;
-            };
-            let kinetic = motion.kinetic_reach();
-            let off = |slip: &Slip| {
-                let line = sensor.offset
-                    + zero.at(slip.time)
-                    + sensor.moving * (slip.temperature - slip.sign * kinetic);
-                (slip.middle(sensor.still) - line) / sensor.moving
-            };
-            return spread(
-                &self
-                    .slips
-                    .iter()
-                    .filter(|slip| slip.is_usual)
-                    .map(off)
-                    .collect::<Vec<_>>(),
-            );
-        }
+    /// The noise of the sensor: white from reading to reading, and red as its growth during sticks
+    /// and the distances of the middles of jumps from their line show it.
+    pub fn noise(&self, response: &Response, zero: &Zero) -> SensorNoise {
+        let Response { motion, sensor } = response;
+        let kinetic = motion.kinetic_reach();
+        let off = |slip: &Slip| {
+            let line = sensor.offset
+                + zero.at(slip.time)
+                + sensor.moving * (slip.temperature - slip.sign * kinetic);
+            slip.middle(sensor.still) - line
+        };
+        let all = spread(&self.usual().map(off).collect::<Vec<_>>());
+        // A part of these distances is the error of the temperatures of slips, of which a reversal
+        // has two.
         let changes: Vec<f64> = self
             .reversals
             .iter()
             .map(|reversal| reversal.change)
             .collect();
-        if changes.len() < 2 {
-            0.0
-        } else {
-            spread(&changes) / std::f64::consts::SQRT_2
+        let of_temperature = sensor.moving * spread(&changes) / std::f64::consts::SQRT_2;
+        let variance = (all * all - of_temperature * of_temperature).max(0.0);
+        let growth = self.walks[1] * self.white * self.white;
+        SensorNoise {
+            white: self.white,
+            red: variance.sqrt(),
+            memory: 2.0 * variance / growth,
         }
     }
-}
 
-impl Evidence {
     /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
     /// their mean.
     pub fn excess_scatter(&self) -> f64 {
-        let still = self.still(&self.unweighted());
-        let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+        let mut sizes = self.sizes();
         let middle = median(&mut sizes.clone());
         // Two slips between two samples look like one of twice the size, and are left out.
-        let single: Vec<f64> = sizes
-            .into_iter()
-            .filter(|size| *size < 1.5 * middle)
-            .collect();
+        sizes.retain(|size| *size < 1.5 * middle);
         let noise = self.contrast.recip();
-        ((spread(&single) / middle).powi(2) - noise * noise)
+        ((spread(&sizes) / middle).powi(2) - noise * noise)
             .max(0.0)
             .sqrt()
     }
@@ -116,16 +108,12 @@ impl Evidence {
     /// direction. It is 1 if all slips are seen, because the next one comes after T has changed by
     /// G. If the body slides without jumps, only part of its motion appears as slips.
     pub fn explained(&self, response: &Response) -> f64 {
-        let onwards = self
-            .slips
-            .windows(2)
-            .filter(|pair| pair[0].sign == pair[1].sign);
+        let pairs = self.slips.windows(2);
+        let onwards = pairs.filter(|pair| pair[0].sign == pair[1].sign);
         let [seen, gone] = onwards.fold([0.0; 2], |[seen, gone], pair| {
             let change = (pair[1].temperature - pair[0].temperature) * pair[1].sign;
-            [
-                seen + pair[0].size(response.sensor.still) / response.sensor.moving,
-                gone + change,
-            ]
+            let size = pair[0].size(response.sensor.still) / response.sensor.moving;
+            [seen + size, gone + change]
         });
         if gone > 0.0 { seen / gone } else { f64::NAN }
     }

@@ -4,19 +4,26 @@
 
 use super::bearing::Response;
 use super::samples::spread;
-use super::slips::{Evidence, Reversal};
+use super::slips::{DetectedSlips, Reversal};
+use super::zero::Zero;
 use crate::linear::Normal;
 
-/// How far friction and the temperatures of slips are from what the estimates assume.
+/// What slips show beyond the estimates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Assumed {
-    /// The smallest and the largest A over the record, as shares of its mean, if it changes.
-    pub range: Option<[f64; 2]>,
-    /// The standard deviation of the temperatures at which slips begin, in kelvin, beyond the noise of the
-    /// thermometer and what it does between samples.
+pub struct SlipStatistics {
+    /// Twice the logarithm of the likelihood that a change of friction over time gains.
+    pub gain: f64,
+    /// The smallest and the largest A over the record, as shares of its mean, if it changes so.
+    pub range: [f64; 2],
+    /// The standard deviation of half of the changes of temperature between slips to either side, in
+    /// kelvin.
     pub scatter: f64,
-    /// The same as it is to be expected.
-    pub expected: f64,
+    /// The share of slips that came although no sample goes beyond the farthest one before.
+    pub early: f64,
+    /// The standard deviation of the red noise of the sensor.
+    pub red: f64,
+    /// Twice the logarithm of the likelihood that the movements of the zero gain.
+    pub zero_gain: f64,
     /// The two sizes of jumps, in the unit of displacement, if there are two.
     pub sizes: Option<[f64; 2]>,
 }
@@ -29,13 +36,6 @@ struct Parabola {
     /// The root mean square of the residuals.
     rest: f64,
 }
-
-/// Twice the logarithm of the likelihood that a change of friction over time has to gain. Neighbouring
-/// values have errors in common, so chance gains more than it would if they were independent.
-const CONVINCING: f64 = 25.0;
-
-/// A smaller change of A than this share of it does no harm.
-const HARMLESS: f64 = 0.05;
 
 /// The fewest values from which a change is told.
 const FEWEST: usize = 10;
@@ -74,68 +74,57 @@ impl Parabola {
     }
 }
 
-impl Evidence {
-    /// How far friction and the temperatures of slips are from what this response assumes, if the
-    /// thermometer has this resolution.
-    pub fn assumed(&self, response: &Response, resolution: f64) -> Assumed {
-        let still = response.sensor.still;
+impl DetectedSlips {
+    /// What these slips show beyond the estimates of this response.
+    pub fn statistics(&self, response: &Response, zero: &Zero) -> SlipStatistics {
+        let Response { motion, sensor } = response;
         let [begin, end] =
             [self.slips.first(), self.slips.last()].map(|slip| slip.map_or(0.0, |slip| slip.time));
         let place = |time: f64| 2.0 * (time - begin) / (end - begin) - 1.0;
-        let usual = self.slips.iter().filter(|slip| slip.is_usual);
-        let jumps: Vec<(f64, f64)> = usual
-            .map(|slip| (place(slip.time), slip.size(still) / response.sensor.moving))
+        let jumps: Vec<(f64, f64)> = self
+            .usual()
+            .map(|slip| (place(slip.time), slip.size(sensor.still) / sensor.moving))
             .collect();
         // A slip with a larger f_s than the one before it comes later, and is larger.
-        let kinetic = |reversal: &Reversal| {
-            0.5 * reversal.change - 0.25 * reversal.growth / response.sensor.moving
-        };
+        let kinetic =
+            |reversal: &Reversal| 0.5 * reversal.change - 0.25 * reversal.growth / sensor.moving;
         let changes: Vec<(f64, f64)> = self
             .reversals
             .iter()
             .map(|reversal| (place(reversal.time), kinetic(reversal)))
             .collect();
-        let expected: f64 = self
-            .reversals
-            .iter()
-            .map(|reversal| 0.25 * reversal.variance)
-            .sum();
-        let expected = (expected / changes.len() as f64 + resolution * resolution / 24.0).sqrt();
-        let sizes = self.sizes(still);
+        let plain = SlipStatistics {
+            early: self.early(),
+            red: self.noise(response, zero).red,
+            zero_gain: self.zero.gain(&self.middles()),
+            sizes: self.two_sizes(),
+            ..SlipStatistics::default()
+        };
         let Some((kinetic, jump)) = Parabola::of(&changes).zip(Parabola::of(&jumps)) else {
-            return Assumed {
-                sizes,
-                expected,
-                ..Assumed::default()
-            };
+            return plain;
         };
         let reaches = || {
             changes
                 .iter()
                 .map(|(u, _)| kinetic.at(*u) + 0.5 * jump.at(*u))
         };
-        let reach = response.motion.reach;
         let range = [
             reaches().fold(f64::INFINITY, f64::min),
             reaches().fold(0.0, f64::max),
-        ]
-        .map(|at| at / reach);
-        let is_convincing =
-            kinetic.gain.max(jump.gain) > CONVINCING && range[1] - range[0] > HARMLESS;
-        let is_sound = range[0] > 0.0 && range[1].is_finite();
-        Assumed {
-            range: (is_convincing && is_sound).then_some(range),
+        ];
+        SlipStatistics {
+            gain: kinetic.gain.max(jump.gain),
+            range: range.map(|reach| reach / motion.reach),
             scatter: kinetic.rest,
-            expected,
-            sizes,
+            ..plain
         }
     }
 
     /// The two sizes of jumps, if there are two: the split that leaves the least squares has two groups
     /// that are far apart against their widths with little between them, and the larger jumps are no two at
     /// once.
-    fn sizes(&self, still: f64) -> Option<[f64; 2]> {
-        let mut sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+    fn two_sizes(&self) -> Option<[f64; 2]> {
+        let mut sizes = self.sizes();
         sizes.sort_by(f64::total_cmp);
         let least = FEWEST.max(sizes.len() / 8);
         let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;

@@ -3,7 +3,7 @@
 use super::level;
 use super::lowest::golden_section_minimum;
 use super::samples::{HOUR, MeasuredRecord};
-use super::slips::Evidence;
+use super::slips::DetectedSlips;
 use super::sticks::{bins, sticks};
 
 /// A lag is accepted if twice the logarithm of the likelihood gains more than this.
@@ -48,21 +48,21 @@ pub struct LagProfile {
 /// many seconds of its sticks.
 fn deviances(
     record: &MeasuredRecord,
-    evidence: &Evidence,
+    slips: &DetectedSlips,
     seconds: f64,
 ) -> impl Fn(&MeasuredRecord) -> f64 {
     let samples = record.samples();
-    let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
+    let sticks = sticks(&samples, slips.slips.iter().map(|slip| slip.index));
     let walk = level::fitted_walk(&bins(&samples, &sticks, seconds, 2));
     move |other| {
         let bins = bins(&other.samples(), &sticks, seconds, 2);
-        level::sums(&bins, walk, 1, |_| 0)[0].deviance()
+        level::sums(&bins, walk).deviance()
     }
 }
 
 /// Compute the profile of the lag, given the slips that were found.
-pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
-    let of = deviances(record, evidence, evidence.bin);
+pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips) -> LagProfile {
+    let of = deviances(record, slips, slips.bin);
     let deviance = |lag: f64| of(&record.lagged(lag));
     let mut profile: Vec<(f64, f64)> = MINUTES
         .map(|minutes| 60.0 * minutes)
@@ -91,15 +91,15 @@ pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     LagProfile {
         likeliest,
         gain: without - lowest,
-        clock: clock(record, evidence, likeliest),
+        clock: clock(record, slips, likeliest),
         profile,
     }
 }
 
 /// The difference of the clocks, if it is likelier than this lag and than none. A lag smooths the
 /// temperature from sample to sample, and a clock does not, so each sample counts alone here.
-fn clock(record: &MeasuredRecord, evidence: &Evidence, lag: f64) -> Option<f64> {
-    let deviance = deviances(record, evidence, 1.0);
+fn clock(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Option<f64> {
+    let deviance = deviances(record, slips, 1.0);
     let best_of = |clocks: &[f64]| {
         let shifts = clocks
             .iter()

@@ -25,7 +25,7 @@ pub struct Bin {
     pub is_first: bool,
 }
 
-/// Sums over the rows of one block of time, each row weighted with its inverse variance.
+/// Sums over the rows of the regression, each row weighted with its inverse variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LevelSums {
     /// Number of rows.
@@ -41,19 +41,6 @@ pub struct LevelSums {
 }
 
 impl LevelSums {
-    /// The sum over blocks with these weights.
-    pub fn weighted(blocks: &[LevelSums], weights: &[f64]) -> LevelSums {
-        let mut sum = LevelSums::default();
-        for (block, weight) in blocks.iter().zip(weights) {
-            sum.rows += weight * block.rows;
-            sum.tt += weight * block.tt;
-            sum.tz += weight * block.tz;
-            sum.zz += weight * block.zz;
-            sum.log_variance += weight * block.log_variance;
-        }
-        sum
-    }
-
     /// The slope of z against T, `still`.
     pub fn slope(&self) -> f64 {
         if self.tt > 0.0 {
@@ -135,26 +122,17 @@ pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
     filtered(bins, walk).map(|(level, _)| level).collect()
 }
 
-/// The sums of each block; `block` gives the index of the block of a time.
-pub fn sums(
-    bins: &[Bin],
-    walk: f64,
-    blocks: usize,
-    block: impl Fn(f64) -> usize,
-) -> Vec<LevelSums> {
-    let mut out = vec![LevelSums::default(); blocks];
-    for (bin, (_, row)) in bins.iter().zip(filtered(bins, walk)) {
-        let Some([t, z, variance]) = row else {
-            continue;
-        };
-        let sums = &mut out[block(bin.time)];
+/// The sums over the rows of these bins.
+pub fn sums(bins: &[Bin], walk: f64) -> LevelSums {
+    let mut sums = LevelSums::default();
+    for [t, z, variance] in filtered(bins, walk).filter_map(|(_, row)| row) {
         sums.rows += 1.0;
         sums.tt += t * t / variance;
         sums.tz += t * z / variance;
         sums.zz += z * z / variance;
         sums.log_variance += variance.ln();
     }
-    out
+    sums
 }
 
 /// Bounds of the variance that the walk gains in an hour, in units of the white noise.
@@ -162,7 +140,7 @@ const WALKS: [f64; 2] = [1e-4, 1e5];
 
 /// The variance of the walk per second, in units of the white noise, of largest likelihood.
 pub fn fitted_walk(bins: &[Bin]) -> f64 {
-    let deviance = |log: f64| sums(bins, log.exp() / 3600.0, 1, |_| 0)[0].deviance();
+    let deviance = |log: f64| sums(bins, log.exp() / 3600.0).deviance();
     let [low, high] = WALKS.map(f64::ln);
     golden_section_minimum(low, high, 24, deviance).exp() / 3600.0
 }

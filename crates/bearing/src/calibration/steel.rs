@@ -1,12 +1,14 @@
 //! The temperature of the steel, and the slips that are seen with it.
 
+use super::bearing::Response;
+use super::fit::SensorNoise;
 use super::lag::{LagProfile, is_small, lag_profile};
 use super::question::Lag;
+use super::roughness::{overlooked, shown_roughness};
 use super::samples::{MeasuredRecord, interval};
-use super::slips::Evidence;
-use super::thermometer::Thermometer;
-use super::uncertainty::AroundLag;
-use crate::weather::{Imagined, imagined};
+use super::slips::DetectedSlips;
+use super::synthetic::Synthetic;
+use crate::weather::HiddenTemperature;
 
 /// The fewest usual slips that determine anything.
 const FEWEST_SLIPS: usize = 6;
@@ -16,133 +18,259 @@ const FEWEST_SLIPS: usize = 6;
 const LAG_ROUNDS: u32 = 4;
 const SAME_LAG: f64 = 0.02;
 
+/// The longest step in which a mean over some time is followed, as a share of that time.
+const SHARE: f64 = 1.0 / 6.0;
+
+/// A record whose clocks agree, and what is known of its temperature.
+pub struct MeasuredAir {
+    record: MeasuredRecord,
+    hidden: Option<HiddenTemperature>,
+    /// The variance that the temperature gains between samples, in K^2/s.
+    roughness: f64,
+    /// Whether it moves in straight lines instead.
+    is_straight: bool,
+    resolution: f64,
+}
+
+impl MeasuredAir {
+    /// The air of a record in which the clock of the sensor is behind by `shift` seconds.
+    fn new(record: &MeasuredRecord, shift: f64) -> Self {
+        let [mut times, temperatures] = record.thermometer();
+        times.iter_mut().for_each(|time| *time += shift);
+        let record = match shift {
+            0.0 => record.clone(),
+            _ => {
+                let seen = record.samples();
+                let both =
+                    MeasuredRecord::of([&times, &temperatures], [&seen.times, &seen.readings]);
+                MeasuredRecord {
+                    averaged: record.averaged,
+                    ..both
+                }
+            }
+        };
+        let averaged = record.averaged;
+        let means = averaged.iter().filter(|over| **over > 0.0);
+        let step = means.fold(f64::INFINITY, |step, over| step.min(SHARE * over));
+        let steps = [interval(&times), averaged[0], step];
+        let hidden = HiddenTemperature::new([&times, &temperatures], &record.times, steps);
+        let roughness = match &hidden {
+            Some(hidden) => hidden.roughness,
+            None => shown_roughness(&times, &temperatures),
+        };
+        MeasuredAir {
+            resolution: record.resolution(),
+            record,
+            hidden,
+            roughness,
+            is_straight: false,
+        }
+    }
+
+    /// A record of this air with the temperature behind its samples, where they have noise or are
+    /// means beside readings of an instant: the slope of z against T would be too small otherwise.
+    fn smoothed(&self, record: &MeasuredRecord) -> MeasuredRecord {
+        let averaged = record.averaged;
+        match &self.hidden {
+            Some(hidden) if hidden.white > 0.0 || averaged[0] != averaged[1] => {
+                let [_, temperatures] = record.thermometer();
+                record.with_temperatures(&hidden.times, &hidden.mean(&temperatures))
+            }
+            _ => record.clone(),
+        }
+    }
+
+    /// A record like this one without readings that are means over a slip.
+    fn cleaned(
+        &self,
+        record: MeasuredRecord,
+        find: impl Fn(&MeasuredRecord) -> Option<DetectedSlips>,
+    ) -> MeasuredRecord {
+        match record.averaged[1] > 0.0 {
+            true => find(&record).map_or_else(
+                || record.clone(),
+                |slips| record.without_readings(&slips.mixed(&record)),
+            ),
+            false => record,
+        }
+    }
+
+    /// The slips with steel of this lag; `None` if they do not determine the parameters.
+    fn slips(&self, record: &MeasuredRecord, lag: f64) -> Option<DetectedSlips> {
+        DetectedSlips::find(&record.lagged(lag), self.resolution).filter(is_visible)
+    }
+}
+
 /// A record with the temperature of the steel in place of that of the air.
 pub struct Steel {
     pub record: MeasuredRecord,
     /// The lag that was used, in seconds.
     pub lag: f64,
+    /// Whether it was estimated.
+    pub is_estimated: bool,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub profile: Option<LagProfile>,
-    /// The variance that its temperature gains between samples, in K^2/s.
-    pub roughness: f64,
-    /// By how many kelvin the friction seems to hold less, because temperatures between samples are
-    /// overlooked.
-    pub overlooked: f64,
     /// The slips; `None` if too few are seen.
-    pub around: Option<AroundLag>,
+    pub slips: Option<DetectedSlips>,
+    air: MeasuredAir,
 }
 
 impl Steel {
     /// Use the lag that is known, or estimate it from the slips. An estimate is used only if the
     /// data clearly show a lag.
-    pub fn of(air: &MeasuredRecord, resolution: f64, lag: Lag) -> Self {
+    pub fn new(record: &MeasuredRecord, lag: Lag) -> Self {
         let given = match lag {
             Lag::Known(lag) => lag,
             Lag::Auto => 0.0,
         };
-        let [times, temperatures] = air.thermometer();
-        let interval = interval(&times);
-        let imagined_at = |shift: f64| {
-            let times: Vec<f64> = times.iter().map(|time| time + shift).collect();
-            imagined(
-                [&times, &temperatures],
-                &air.times,
-                interval,
-                air.averaged[0],
-            )
+        let mut air = MeasuredAir::new(record, 0.0);
+        let clean = |air: &MeasuredAir| {
+            let record = air.smoothed(&air.record);
+            air.cleaned(record, |record| air.slips(record, given))
         };
-        let imagined = imagined_at(0.0);
-        // Temperatures with noise would make the slope of z against T too small, and so would means
-        // beside readings of an instant.
-        let is_better = |of: &&Imagined| of.white > 0.0 || air.averaged[0] != air.averaged[1];
-        let better = imagined
-            .as_ref()
-            .filter(is_better)
-            .map(|of| air.with_temperatures(&of.times, &of.mean));
-        let air = better.as_ref().unwrap_or(air);
-        let evidence_of = |air: &MeasuredRecord, lag: f64, imagined: &Option<Imagined>| {
-            let steel = air.lagged(lag);
-            let rough = match imagined {
-                Some(of) if lag == 0.0 => Thermometer::imagined(of.clone()),
-                _ => Thermometer::of(&steel),
-            };
-            Evidence::find(&steel, &rough, resolution).filter(is_visible)
-        };
-        let clean = match air.averaged[1] > 0.0 {
-            true => evidence_of(air, given, &imagined)
-                .map(|evidence| air.without_readings(&evidence.mixed(air))),
-            false => None,
-        };
-        let clean = clean.unwrap_or_else(|| air.clone());
-        let first = evidence_of(&clean, given, &imagined);
-        let first_profile = first.as_ref().map(|evidence| lag_profile(&clean, evidence));
-        let clock = first_profile
-            .as_ref()
-            .and_then(|profile| profile.clock)
-            .filter(|seconds| is_small(*seconds));
-        let shift = clock.unwrap_or(0.0);
-        let (air, imagined) = match shift {
-            0.0 => (&clean, imagined),
-            _ => (&clean.shifted(shift), imagined_at(shift)),
-        };
-        let evidence_at = |lag: f64| evidence_of(air, lag, &imagined);
-        let (mut evidence, mut profile) = match shift {
-            0.0 => (first, first_profile),
-            _ => {
-                let evidence = evidence_at(given);
-                let profile = evidence.as_ref().map(|evidence| LagProfile {
-                    clock,
-                    ..lag_profile(air, evidence)
-                });
-                (evidence, profile)
-            }
-        };
+        let mut cleaned = clean(&air);
+        let mut slips = air.slips(&cleaned, given);
+        let mut profile = slips.as_ref().map(|slips| lag_profile(&cleaned, slips));
+        let clock = profile.as_ref().and_then(|profile| profile.clock);
+        let shift = clock.filter(|seconds| is_small(*seconds)).unwrap_or(0.0);
+        if shift != 0.0 {
+            air = MeasuredAir::new(record, shift);
+            cleaned = clean(&air);
+            slips = air.slips(&cleaned, given);
+            profile = slips.as_ref().map(|slips| lag_profile(&cleaned, slips));
+        }
         let mut used = given;
         for _ in 0..if lag == Lag::Auto { LAG_ROUNDS } else { 0 } {
             let Some(found) = profile.as_ref().and_then(LagProfile::found) else {
                 break;
             };
-            let Some(next) = evidence_at(found) else {
+            let Some(next) = air.slips(&cleaned, found) else {
                 break;
             };
-            let again = lag_profile(air, &next);
+            let again = lag_profile(&cleaned, &next);
             let is_same = (again.likeliest - found).abs() <= SAME_LAG * found;
             used = again.found().unwrap_or(0.0);
-            evidence = evidence_at(used);
-            profile = Some(LagProfile {
-                clock: clock.or(again.clock),
-                ..again
-            });
+            slips = air.slips(&cleaned, used);
+            profile = Some(again);
             if is_same {
                 break;
             }
         }
-        let around = evidence.map(|evidence| match lag {
-            Lag::Auto if used > 0.0 => AroundLag::lag(evidence, air, used),
-            _ => AroundLag {
-                here: evidence,
-                beside: None,
-            },
-        });
-        let record = air.lagged(used);
-        let thermometer = around.as_ref().map_or_else(
-            || Thermometer::of(&record),
-            |around| around.here.thermometer.clone(),
-        );
-        let (roughness, overlooked) = (thermometer.roughness, thermometer.overlooked(interval));
-        Steel {
-            record,
-            lag: used,
-            profile,
-            roughness,
-            overlooked,
-            around,
+        if let Some(profile) = &mut profile {
+            profile.clock = clock.or(profile.clock);
         }
+        Steel {
+            record: air.smoothed(record).shifted(shift).lagged(used),
+            lag: used,
+            is_estimated: lag == Lag::Auto && used > 0.0,
+            profile,
+            slips,
+            air,
+        }
+    }
+
+    /// The variance that the temperature of the steel gains between samples, in K^2/s.
+    pub fn roughness(&self) -> f64 {
+        match self.lag > 0.0 {
+            true => shown_roughness(&self.record.times, &self.record.temperatures),
+            false if self.air.is_straight => 0.0,
+            false => self.air.roughness,
+        }
+    }
+
+    /// By how many kelvin friction seems to hold less, because temperatures between samples are
+    /// overlooked.
+    pub fn overlooked(&self) -> f64 {
+        overlooked(
+            self.roughness(),
+            interval(&self.air.record.thermometer()[0]),
+        )
+    }
+
+    /// Whether samples alone do not show how the temperature moves between them.
+    pub fn may_be_straight(&self) -> bool {
+        let white = self.air.hidden.as_ref().map_or(0.0, |hidden| hidden.white);
+        white == 0.0 && self.air.record.averaged == [0.0; 2] && self.lag == 0.0
+    }
+
+    /// Let the temperature move in straight lines between samples, or as rough as it is.
+    pub fn straighten(&mut self, is_straight: bool) {
+        self.air.is_straight = is_straight;
+    }
+
+    /// Synthetic records like this one, with a bearing of this response.
+    pub fn synthetic(
+        &self,
+        slips: &DetectedSlips,
+        response: Response,
+        noise: SensorNoise,
+    ) -> Synthetic<'_> {
+        let motion = response.motion;
+        if std::env::var("DEBUG").is_ok() {
+            eprintln!(
+                "Noise {:?} rough {:.3e} white {:?} shown {:.3e}, early {:.3}",
+                noise,
+                self.air.roughness,
+                self.air.hidden.as_ref().map(|h| (h.white, h.times.len())),
+                {
+                    let [t, x] = self.air.record.thermometer();
+                    shown_roughness(&t, &x)
+                },
+                slips.early()
+            );
+        }
+        Synthetic {
+            record: &self.air.record,
+            hidden: self.air.hidden.as_ref(),
+            roughness: if self.air.is_straight {
+                0.0
+            } else {
+                self.air.roughness
+            },
+            lag: self.lag,
+            scatter: slips.excess_scatter() * motion.jump / (2.0 * motion.reach),
+            noise,
+            response,
+        }
+    }
+
+    /// The slips of a synthetic record whose jumps are these, at its most likely lag near the one that
+    /// was estimated, and that lag.
+    pub fn slips_of(
+        &self,
+        slips: &DetectedSlips,
+        (record, jumps): (MeasuredRecord, Vec<[f64; 2]>),
+    ) -> Option<(f64, DetectedSlips)> {
+        let find = |record: &MeasuredRecord, lag: f64| {
+            slips
+                .like_these(&record.lagged(lag), &jumps)
+                .filter(is_visible)
+        };
+        let cleaned = self
+            .air
+            .cleaned(self.air.smoothed(&record), |record| find(record, self.lag));
+        let here = find(&cleaned, self.lag)?;
+        if !self.is_estimated {
+            return Some((self.lag, here));
+        }
+        let step = (0.2 * self.lag).max(60.0).min(self.lag);
+        let beside = |lag: f64| here.with_temperatures(&cleaned.lagged(lag));
+        let [less, more] = [beside(self.lag - step)?, beside(self.lag + step)?];
+        // The vertex of the parabola through the three deviances, limited to the range in which a
+        // parabola is a good approximation.
+        let [low, middle, high] = [&less, &here, &more].map(|slips| slips.sums.deviance());
+        let bend = low - 2.0 * middle + high;
+        let vertex = if bend > 0.0 {
+            (0.5 * (low - high) / bend).clamp(-3.0, 3.0)
+        } else {
+            0.0
+        };
+        let lag = (self.lag + vertex * step).max(0.0);
+        Some((lag, here.with_temperatures(&cleaned.lagged(lag))?))
     }
 }
 
 /// Whether enough slips are seen to determine the parameters.
-fn is_visible(evidence: &Evidence) -> bool {
-    let usual = evidence.slips.iter().filter(|slip| slip.is_usual).count();
-    usual >= FEWEST_SLIPS && evidence.reversals.len() >= 2
+fn is_visible(slips: &DetectedSlips) -> bool {
+    slips.usual().count() >= FEWEST_SLIPS && slips.reversals.len() >= 2
 }

@@ -3,33 +3,25 @@
 
 use super::detect::{Jump, Jumps};
 use super::level::{self, Bin, Level, LevelSums};
-use super::samples::{HOUR, Samples, median};
+use super::samples::{Samples, median};
 use super::sticks::{bin, bins, sticks};
 use std::ops::Range;
 
-/// Length of a block of time with one weight, in seconds. It is longer than the memory of a
-/// sensor's noise.
-const BLOCK: f64 = 3.0 * 24.0 * HOUR;
-
-/// The index of the block of a time, in seconds.
-pub fn block(start: f64, time: f64) -> usize {
-    ((time - start) / BLOCK) as usize
-}
-
 /// The results from the sticks between jumps.
 pub struct StickAnalysis {
-    /// Sums for the regression of z on T during sticks, for each block.
-    pub sums: Vec<LevelSums>,
+    /// Sums for the regression of z on T during sticks.
+    pub sums: LevelSums,
     /// Length of the bins of that regression, in seconds.
     pub bin: f64,
     /// The level at each sample, from the samples of its stick up to it.
     pub before: Vec<Level>,
     /// The level at each sample, from it and the later samples of its stick.
     pub after: Vec<Level>,
-    /// The variance that the level gains per second, in units of the white noise of a sample.
-    walk: f64,
-    /// The standard deviation of the white noise.
-    noise: f64,
+    /// The variance that the level gains per second, in units of the white noise of a bin and of a
+    /// sample.
+    pub walks: [f64; 2],
+    /// The standard deviation of the white noise of a sample.
+    pub noise: f64,
 }
 
 /// A new jump must exceed this many standard deviations.
@@ -46,15 +38,16 @@ const APART: usize = 3;
 
 impl StickAnalysis {
     /// Analyse the sticks between these jumps, with bins of this many seconds for the regression of
-    /// z on T.
-    pub fn new(samples: &Samples, found: &Jumps, seconds: f64) -> Option<StickAnalysis> {
-        let [start, end] = [*samples.times.first()?, *samples.times.last()?];
+    /// z on T, and with these variances of the walk, if they are known.
+    pub fn new(
+        samples: &Samples,
+        found: &Jumps,
+        seconds: f64,
+        walks: Option<[f64; 2]>,
+    ) -> StickAnalysis {
         let sticks = sticks(samples, found.indices());
         let binned = bins(samples, &sticks, seconds, found.window / 2 + 1);
-        let walk = level::fitted_walk(&binned);
-        let sums = level::sums(&binned, walk, block(start, end) + 1, |time| {
-            block(start, time)
-        });
+        let of_bins = walks.map_or_else(|| level::fitted_walk(&binned), |walks| walks[0]);
         let single = |i: usize, first: usize| bin(samples, i..i + 1, i == first);
         let forward: Vec<Bin> = sticks
             .iter()
@@ -68,24 +61,24 @@ impl StickAnalysis {
                 .collect::<Vec<_>>()
         };
         let backward: Vec<Bin> = sticks.iter().rev().flat_map(reverse).collect();
-        let walk = level::fitted_walk(&forward);
-        let noise = level::sums(&forward, walk, 1, |_| 0)[0].variance().sqrt();
+        let walk = walks.map_or_else(|| level::fitted_walk(&forward), |walks| walks[1]);
+        let noise = level::sums(&forward, walk).variance().sqrt();
         let before = level::levels(&forward, walk);
         let mut after = level::levels(&backward, walk);
         after.reverse();
-        Some(StickAnalysis {
-            sums,
+        StickAnalysis {
+            sums: level::sums(&binned, of_bins),
             bin: seconds,
             before,
             after,
-            walk,
+            walks: [of_bins, walk],
             noise,
-        })
+        }
     }
 
     /// The slope of z against T.
     pub fn still(&self) -> f64 {
-        LevelSums::weighted(&self.sums, &vec![1.0; self.sums.len()]).slope()
+        self.sums.slope()
     }
 
     /// For each sample, the jump of the level before it, and that jump divided by its standard
@@ -102,7 +95,7 @@ impl StickAnalysis {
             {
                 let (before, after) = (&self.before[i - 1], &self.after[i]);
                 let size = after.minus_slope(still) - before.minus_slope(still);
-                let walked = self.walk * (samples.times[i] - samples.times[i - 1]);
+                let walked = self.walks[1] * (samples.times[i] - samples.times[i - 1]);
                 let variance = before.variance + after.variance + walked;
                 *step = [size, size / (self.noise * variance.sqrt())];
             }

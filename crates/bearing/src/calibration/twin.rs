@@ -2,7 +2,7 @@
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, course};
+use super::course::{Course, STEP, course};
 use super::zero::Zero;
 use stickslip::noise::{Stream, Transition};
 
@@ -77,7 +77,14 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
         steel,
         positions,
         slips,
-    } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
+    } = course(
+        response,
+        air,
+        flaws.lag,
+        flaws.scatter,
+        STEP,
+        [friction, between],
+    );
     let [mut times, temperatures] = air.samples();
     let mut positions = positions;
     let zero = Zero::moving(

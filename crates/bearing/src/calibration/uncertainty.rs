@@ -1,121 +1,193 @@
-//! The uncertainty of the estimates.
+//! The errors of the estimates, from synthetic records like the measured one.
 //!
-//! Blocks of time get random weights, exponentially distributed, and everything is estimated again:
-//! the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No block is cut out,
-//! so the history of the temperature, on which a body with friction depends, stays complete.
+//! Each record is drawn from the estimates given the samples of the thermometer (`synthetic.rs`), and
+//! its slips are found and fitted in the same way. What the estimates of these records are off by on
+//! average is the bias of the method, for this sampling and this noise; it is taken out of the
+//! estimates (indirect inference: Gourieroux, Monfort and Renault, *Journal of Applied Econometrics*
+//! 8, 1993). Their scatter gives the intervals (the parametric bootstrap: Efron and Tibshirani, *An
+//! Introduction to the Bootstrap*, 1993).
 
-use super::level::LevelSums;
+use super::bearing::{Response, Sensor};
+use super::by_slips::BySlips;
+use super::fit::SensorNoise;
+use super::friction::SlipStatistics;
+use super::motion::Motion;
 use super::quantity::{Quantity, Values, response_of, values};
-use super::question::CalibrationQuestion;
-use super::samples::MeasuredRecord;
-use super::slips::Evidence;
-use crate::moments::{correlation, variance};
-use stickslip::noise::Stream;
+use super::slips::DetectedSlips;
+use super::steel::Steel;
+use crate::moments::{correlation, mean, variance};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+use stickslip::ensemble::in_order;
 
-/// Number of times that everything is estimated again.
-const REPLICATES: u64 = 600;
+/// Number of records, and of those that give a first correction.
+const RECORDS: u64 = 32;
+const FIRST: u64 = 8;
 
-/// Seed of the random numbers.
-const SEED: u64 = 0xCA11;
+/// The numbers of records from which roughness is judged begin here.
+const JUDGED: u64 = 1000;
 
-/// The evidence at a lag and, if the lag was estimated, at two neighbouring lags.
-#[derive(Clone, Debug)]
-pub struct AroundLag {
-    /// The evidence at the lag itself.
-    pub here: Evidence,
-    /// The evidence at a shorter and at a longer lag, and their distance in seconds.
-    pub beside: Option<([Evidence; 2], f64)>,
-}
+/// A share of early slips that is larger than this times that of rough synthetic records is not that
+/// of straight lines.
+const SURELY_ROUGH: f64 = 0.6;
 
-impl AroundLag {
-    /// Compute the evidence around a lag that was estimated.
-    pub fn lag(here: Evidence, record: &MeasuredRecord, lag: f64) -> AroundLag {
-        let step = (0.2 * lag).max(60.0).min(lag);
-        let at = |lag: f64| here.with_temperatures(&record.lagged(lag));
-        let beside = at(lag - step)
-            .zip(at(lag + step))
-            .map(|(less, more)| ([less, more], step));
-        AroundLag { here, beside }
-    }
+/// Straight lines are used where the share of early slips is nearer than this to that of synthetic
+/// records with straight lines, as a share of its distance to that of rough ones. Temperatures
+/// outdoors are rough.
+const STRAIGHT: f64 = 0.35;
 
-    /// The most likely lag, relative to the one that was estimated, and all quantities, with these
-    /// weights.
-    fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
-        let at =
-            |evidence: &Evidence| Some(values(&evidence.fit(weights)?.0, Some(shear_stiffness)));
-        let here = at(&self.here)?;
-        let Some(([less, more], step)) = &self.beside else {
-            return Some((0.0, here));
-        };
-        let deviance =
-            |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();
-        let [low, middle, high] = [deviance(less), deviance(&self.here), deviance(more)];
-        // The vertex of the parabola through the three deviances, limited to the range in which a
-        // parabola is a good approximation.
-        let bend = low - 2.0 * middle + high;
-        let vertex = if bend > 0.0 {
-            (0.5 * (low - high) / bend).clamp(-3.0, 3.0)
-        } else {
-            0.0
-        };
-        let (low, high) = (at(less)?, at(more)?);
-        let moved = std::array::from_fn(|i| here[i] + 0.5 * vertex * (high[i] - low[i]));
-        Some((vertex * step, moved))
-    }
-}
-
-/// The quantities and the lag for each set of random weights that gives those of a possible
-/// bearing.
-#[derive(Clone, Debug, PartialEq)]
+/// The estimates of synthetic records.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replicates {
     values: Vec<Values>,
     lags: Vec<f64>,
+    /// What their slips show beyond the estimates.
+    pub statistics: Vec<SlipStatistics>,
+    tried: usize,
+}
+
+/// Threads, and a flag that stops the work.
+#[derive(Clone, Copy)]
+pub struct Workers<'a> {
+    pub threads: usize,
+    pub stop: &'a AtomicBool,
 }
 
 impl Replicates {
-    /// Estimate everything again with random weights of the blocks.
-    pub fn new(around: &AroundLag, question: &CalibrationQuestion) -> Replicates {
-        let evidence = &around.here;
-        let scatter = evidence.scatter();
-        let shear_stiffness = question.shear_stiffness.unwrap_or(1.0);
-        let replicate = |number: u64| {
-            let mut random = Stream::new(SEED, number);
-            let weights: Vec<f64> = evidence
-                .sums
-                .iter()
-                .map(|_| -libm::log(random.uniform()))
-                .collect();
-            let (lag, mut values) = around.replicate(&weights, shear_stiffness)?;
-            if response_of(&values)
-                .impossible(question.shear_stiffness)
-                .is_some()
-            {
-                return None;
-            }
-            // The temperature of the first slip is a single number that weights do not change, so
-            // its error is added here.
-            let beta = values[Quantity::Dilatation as usize];
-            values[Quantity::Displacement as usize] += beta * scatter * random.normal();
-            Some((lag, values))
+    /// The estimates of the records with these numbers of a bearing with this response.
+    fn new(
+        (steel, slips): (&Steel, &DetectedSlips),
+        (response, noise): (Response, SensorNoise),
+        numbers: std::ops::Range<u64>,
+        workers: Workers,
+    ) -> Self {
+        let synthetic = steel.synthetic(slips, response, noise);
+        let make = |piece: u64| {
+            let (lag, found) = steel.slips_of(slips, synthetic.draw(numbers.start + piece))?;
+            let (fit, zero) = found.fit()?;
+            fit.impossible(None)
+                .is_none()
+                .then(|| (values(&fit, Some(1.0)), lag, found.statistics(&fit, &zero)))
         };
-        let (lags, values) = (0..REPLICATES).filter_map(replicate).unzip();
-        Replicates { values, lags }
+        let mut all = Replicates::default();
+        let deliver = |found: Option<(Values, f64, SlipStatistics)>| {
+            all.tried += 1;
+            if let Some((values, lag, statistics)) = found {
+                all.values.push(values);
+                all.lags.push(lag);
+                all.statistics.push(statistics);
+            }
+            Ok::<_, Infallible>(ControlFlow::Continue(()))
+        };
+        let count = numbers.end - numbers.start;
+        let Ok(_) = in_order(count, workers.threads, workers.stop, make, deliver);
+        all
     }
 
-    /// Number of random weights that gave no possible bearing, and the number that was tried.
+    /// The corrected response, and the estimates of records drawn from it. `None` if there are none.
+    pub fn corrected(
+        steel: &mut Steel,
+        found: &BySlips,
+        shear_stiffness: Option<f64>,
+        workers: Workers,
+    ) -> Option<(Response, Self)> {
+        let BySlips {
+            response: fit,
+            zero,
+            slips,
+            ..
+        } = found;
+        let noise = slips.noise(fit, zero);
+        let records = |steel: &Steel, (from, noise): (Response, SensorNoise), numbers| {
+            Replicates::new((steel, slips), (from, noise), numbers, workers)
+        };
+        let is_possible = |response: &Response| response.impossible(shear_stiffness).is_none();
+        let mut first = records(steel, (*fit, noise), 0..FIRST);
+        let rough = first.mean_of(|shown| shown.early);
+        if steel.may_be_straight() && slips.early() < SURELY_ROUGH * rough {
+            steel.straighten(true);
+            let lines = records(steel, (*fit, noise), JUDGED..JUDGED + FIRST);
+            let straight = lines.mean_of(|shown| shown.early);
+            let is_straight = slips.early() - straight < STRAIGHT * (rough - straight);
+            steel.straighten(is_straight);
+            if is_straight {
+                first = lines;
+            }
+        }
+        let noise = first.corrected_noise(noise);
+        let from = first
+            .corrected_from(fit, fit)
+            .filter(is_possible)
+            .unwrap_or(*fit);
+        let all = records(steel, (from, noise), FIRST..FIRST + RECORDS);
+        let response = all.corrected_from(&from, fit)?;
+        Some((response, all))
+    }
+
+    /// Noise whose red part is corrected by what that of these records seems to be: slips cluster in
+    /// days, in which they see the same noise.
+    fn corrected_noise(&self, noise: SensorNoise) -> SensorNoise {
+        let factor = noise.red / self.mean_of(|shown| shown.red);
+        let factor = if factor.is_finite() {
+            factor.clamp(0.7, 1.5)
+        } else {
+            1.0
+        };
+        SensorNoise {
+            red: factor * noise.red,
+            memory: factor * factor * noise.memory,
+            ..noise
+        }
+    }
+
+    /// The response `fit` without the bias that these estimates of records of `from` have.
+    fn corrected_from(&self, from: &Response, fit: &Response) -> Option<Response> {
+        let responses: Vec<Response> = self.values.iter().map(response_of).collect();
+        let off = |of: fn(&Response) -> f64| {
+            let all: Vec<f64> = responses.iter().map(of).collect();
+            of(fit) - (mean(&all) - of(from))
+        };
+        (responses.len() > 1).then(|| Response {
+            motion: Motion {
+                reach: off(|it| it.motion.reach),
+                jump: off(|it| it.motion.jump),
+                start: off(|it| it.motion.start),
+            },
+            sensor: Sensor {
+                offset: off(|it| it.sensor.offset),
+                moving: off(|it| it.sensor.moving),
+                still: off(|it| it.sensor.still),
+            },
+        })
+    }
+
+    /// The mean of a statistic of their slips.
+    pub fn mean_of(&self, statistic: impl Fn(&SlipStatistics) -> f64) -> f64 {
+        mean(&self.statistics.iter().map(statistic).collect::<Vec<_>>())
+    }
+
+    /// Number of records whose estimates were those of no possible bearing, and of all.
     pub fn impossible(&self) -> [usize; 2] {
-        let all = REPLICATES as usize;
-        [all - self.values.len(), all]
+        [self.tried - self.values.len(), self.tried]
+    }
+
+    /// The estimates and lags scaled by K_BP, which they were made without.
+    pub fn with_shear(mut self, shear_stiffness: f64) -> Self {
+        for all in &mut self.values {
+            *all = values(&response_of(all), Some(shear_stiffness));
+        }
+        self
     }
 
     /// The standard deviation of each quantity.
     pub fn deviations(&self) -> Values {
-        std::array::from_fn(|i| deviation(&self.column(i)))
+        std::array::from_fn(|i| self.deviation(&self.column(i)))
     }
 
     /// The standard deviation of the lag, in seconds.
     pub fn lag_deviation(&self) -> f64 {
-        deviation(&self.lags)
+        self.deviation(&self.lags)
     }
 
     /// The correlations of the quantities, one row for each.
@@ -130,10 +202,10 @@ impl Replicates {
     /// The regression coefficient of each quantity on this one.
     pub fn gains(&self, with: Quantity) -> Values {
         let other = self.column(with as usize);
-        let spread = deviation(&other);
+        let spread = variance(&other).sqrt();
         std::array::from_fn(|i| {
-            let own = self.column(i);
-            let gain = correlation(&own, &other) * deviation(&own) / spread;
+            let values = self.column(i);
+            let gain = correlation(&values, &other) * variance(&values).sqrt() / spread;
             if gain.is_finite() { gain } else { 0.0 }
         })
     }
@@ -148,9 +220,12 @@ impl Replicates {
     fn column(&self, i: usize) -> Vec<f64> {
         self.values.iter().map(|values| values[i]).collect()
     }
-}
 
-/// The standard deviation of a sample.
-pub fn deviation(values: &[f64]) -> f64 {
-    variance(values).sqrt()
+    /// The standard deviation of an estimate. The correction is the mean of as many records, which
+    /// has an error of its own, and the variance that few records show makes the distribution
+    /// Student's.
+    fn deviation(&self, values: &[f64]) -> f64 {
+        let n = values.len() as f64;
+        (variance(values) * (1.0 + 1.0 / n) * (n - 1.0) / (n - 3.0)).sqrt()
+    }
 }

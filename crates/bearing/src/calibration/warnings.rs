@@ -2,20 +2,19 @@
 //!
 //! A warning is one row of the list below: its name, and the function that says it where it is due.
 
-use super::friction::Assumed;
+use super::by_slips::BySlips;
+use super::friction::SlipStatistics;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
 use super::samples::{HOUR, interval};
-use super::slips::Evidence;
 use super::warning::CalibrationWarning;
 
 /// A calibration, and the slips from which it was computed, if any were seen.
 struct Case<'a> {
     calibration: &'a Calibration,
-    evidence: Option<&'a Evidence>,
-    assumed: &'a Assumed,
+    by_slips: Option<&'a BySlips>,
 }
 
 /// Says a warning in a sentence or two, if it is due.
@@ -46,16 +45,14 @@ const ALL: &[(&str, Says)] = &[
     ("mirrored", mirrored),
 ];
 
-/// The warnings of a calibration. `evidence` is given if slips were seen.
+/// The warnings of a calibration. `by_slips` is given if slips were seen.
 pub(super) fn warnings(
     calibration: &Calibration,
-    evidence: Option<&Evidence>,
-    assumed: &Assumed,
+    by_slips: Option<&BySlips>,
 ) -> Vec<CalibrationWarning> {
     let case = Case {
         calibration,
-        evidence,
-        assumed,
+        by_slips,
     };
     ALL.iter()
         .filter_map(|(name, says)| {
@@ -94,7 +91,7 @@ fn no_shear_stiffness(case: &Case) -> Option<String> {
 fn no_slips(case: &Case) -> Option<String> {
     let text = "no slips are visible, so the parameters are those of the least squares alone, searched from the \
                 scenario's values, and have no intervals";
-    case.evidence.is_none().then(|| text.into())
+    case.by_slips.is_none().then(|| text.into())
 }
 
 /// The rest, as a share of the jump of z in a slip, above which the model is often a slip away from
@@ -110,7 +107,7 @@ fn misfit(case: &Case) -> Option<String> {
         ..
     } = case.calibration;
     let jump = (response.sensor.moving * response.motion.jump).abs();
-    case.evidence
+    case.by_slips
         .filter(|_| residuals.rms > A_SLIP_AWAY * jump)?;
     Some(format!(
         "no single bearing of this kind moves so: measurement and model differ by {:.2} mm (root mean square), where a slip \
@@ -149,8 +146,8 @@ const EXPLAINED: f64 = 0.9;
 fn gap_not_identified(case: &Case) -> Option<String> {
     let jump = case.estimate(Quantity::Jump).estimate;
     let is_identified = case.calibration.standard_error(Quantity::Jump) < IDENTIFIED * jump;
-    let explained = case.evidence.map_or(1.0, |evidence| {
-        evidence.explained(&case.calibration.response)
+    let explained = case.by_slips.map_or(1.0, |by_slips| {
+        by_slips.slips.explained(&case.calibration.response)
     });
     let text = "f_s - f_d is not identified: slips are too few, or do not explain all of the way, because they are \
                 hardly larger than the noise, the body slides without them, or the sensor sees several bearings";
@@ -164,7 +161,7 @@ const FEW: usize = 18;
 /// Slips are so few that intervals promise too much.
 fn few_slips(case: &Case) -> Option<String> {
     let slips = case
-        .evidence
+        .by_slips
         .map(|_| case.calibration.slips.len())
         .filter(|slips| *slips < FEW)?;
     Some(format!(
@@ -180,7 +177,7 @@ const SPARSE: f64 = 0.75;
 /// The temperature moves far between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
     let jump = case
-        .evidence
+        .by_slips
         .map(|_| case.estimate(Quantity::Jump).estimate)?;
     let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
@@ -197,8 +194,8 @@ const SCATTER: f64 = 0.2;
 /// The sizes of slips differ more than noise explains.
 fn scatter(case: &Case) -> Option<String> {
     let share = case
-        .evidence
-        .map(Evidence::excess_scatter)
+        .by_slips
+        .map(|by_slips| by_slips.slips.excess_scatter())
         .filter(|scatter| *scatter > SCATTER)?;
     Some(format!(
         "slips differ in size by {:.0} % more than noise explains: f_s changes from slip to slip, or the body slides \
@@ -210,7 +207,7 @@ fn scatter(case: &Case) -> Option<String> {
 
 /// A changes over the record.
 fn friction_changes(case: &Case) -> Option<String> {
-    let range = case.assumed.range?;
+    let range = case.calibration.friction_range?;
     let (quantity, factor, unit) = match case.calibration.question.shear_stiffness {
         Some(_) => (Quantity::Static, 1e-3, "kN"),
         None => (Quantity::StaticWay, 1e3, "mm"),
@@ -229,15 +226,12 @@ const ELSEWHERE: f64 = 1.8;
 
 /// The temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
-    let Assumed {
-        scatter,
-        expected,
-        range: None,
-        sizes: None,
-    } = *case.assumed
-    else {
+    let by_slips = case.by_slips?;
+    let SlipStatistics { scatter, sizes, .. } = by_slips.statistics;
+    if sizes.is_some() || case.calibration.friction_range.is_some() {
         return None;
-    };
+    }
+    let expected = by_slips.replicates.mean_of(|shown| shown.scatter);
     (scatter > ELSEWHERE * expected).then(|| {
         format!(
             "half of the change of temperature between slips to either side scatters by {scatter:.2} K, and noise explains \
@@ -257,8 +251,8 @@ fn two_sizes(case: &Case) -> Option<String> {
     let jump = case.estimate(Quantity::Jump).estimate;
     let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
     let [small, large] = case
-        .assumed
-        .sizes
+        .by_slips
+        .and_then(|by_slips| by_slips.statistics.sizes)
         .filter(|_| is_clear)?
         .map(|size| 1e3 * size);
     Some(format!(
@@ -402,7 +396,7 @@ fn zero_drift(case: &Case) -> Option<String> {
 /// The intervals by slips and by least squares do not overlap for some parameters.
 fn methods_apart(case: &Case) -> Option<String> {
     let others = case.calibration.least_squares.as_ref()?;
-    case.evidence
+    case.by_slips
         .filter(|_| case.calibration.question.method == CalibrationMethod::Both)?;
     let is_apart = |quantity: &&Quantity| {
         let [a, b] = [case.estimate(**quantity), others[**quantity as usize]];
@@ -506,7 +500,7 @@ mod tests {
                     low,
                     high,
                 };
-                warnings(&calibration, None, &Assumed::default())
+                warnings(&calibration, None)
                     .iter()
                     .all(|warning| warning.name() != "gap_not_identified")
             };

@@ -68,8 +68,6 @@ pub struct Middle {
     pub centre: f64,
     /// z - still T.
     pub place: f64,
-    /// Its weight.
-    pub weight: f64,
 }
 
 /// A line through middles: place = offset + slope centre + zero(time).
@@ -78,7 +76,7 @@ pub struct MiddleLine {
     pub offset: f64,
     pub slope: f64,
     pub zero: Zero,
-    /// The weighted sum of the squares of the residuals.
+    /// The sum of the squares of the residuals.
     squares: f64,
 }
 
@@ -89,6 +87,11 @@ const STEP: f64 = 40.0;
 
 /// The same for a drift, which has one place.
 const DRIFT: f64 = 20.0;
+
+/// The same as multiples of what chance gains: those of one column exceed 15 once in ten thousand
+/// records, and of some hundred places of a step the best is chosen.
+const CLEAR_STEP: f64 = 25.0;
+const CLEAR_DRIFT: f64 = 15.0;
 
 /// Middles of one day count as one, because noise of the sensor that lasts is the same in them, in
 /// seconds.
@@ -185,21 +188,48 @@ impl ZeroColumns {
     /// Twice the logarithm of the likelihood that these columns gain over fewer of them, less what
     /// they have to gain.
     fn gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
-        let squares = |columns: &Self| columns.line(middles).map_or(f64::NAN, |line| line.squares);
-        let days = middles
-            .chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY))
-            .count();
-        let gain = days as f64 * libm::log(squares(fewer) / squares(self));
         let price = if self.drifts == fewer.drifts {
             STEP
         } else {
             DRIFT
         };
+        let gain = self.plain_gain_over(fewer, middles) - price;
         if gain.is_nan() {
             f64::NEG_INFINITY
         } else {
-            gain - price
+            gain
         }
+    }
+
+    fn plain_gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
+        let squares = |columns: &Self| columns.line(middles).map_or(f64::NAN, |line| line.squares);
+        let days = middles
+            .chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY))
+            .count();
+        days as f64 * libm::log(squares(fewer) / squares(self))
+    }
+
+    /// Twice the logarithm of the likelihood that these columns gain over none.
+    pub fn gain(&self, middles: &[Middle]) -> f64 {
+        self.plain_gain_over(&self.none(), middles)
+    }
+
+    /// The same zero without movements.
+    pub fn none(&self) -> Self {
+        ZeroColumns {
+            start: self.start,
+            ..ZeroColumns::default()
+        }
+    }
+
+    /// Whether columns that gain so much are convincing, if they gain `chance` on average in records
+    /// whose zero does not move. Chance gains more than 1 for each column where the noise of the sensor
+    /// is the same in slips of several days.
+    pub fn is_convincing(&self, gain: f64, chance: f64) -> bool {
+        let columns = self.steps.len() + usize::from(self.drifts);
+        let least =
+            CLEAR_STEP * self.steps.len() as f64 + f64::from(u8::from(self.drifts)) * CLEAR_DRIFT;
+        columns == 0 || gain * columns as f64 > least * chance.max(columns as f64)
     }
 
     /// The line of least squares; `None` if the middles do not determine it.
@@ -212,7 +242,6 @@ impl ZeroColumns {
             time,
             centre,
             place,
-            weight,
         } in middles
         {
             row[0] = 1.0;
@@ -234,8 +263,8 @@ impl ZeroColumns {
                 .iter_mut()
                 .zip(&self.steps)
                 .for_each(|(cell, when)| *cell = stepped(when));
-            normal.add(&row, *place, *weight);
-            squares += weight * place * place;
+            normal.add(&row, *place, 1.0);
+            squares += place * place;
         }
         let found = normal.solve()?;
         let explained: f64 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
@@ -282,7 +311,6 @@ mod tests {
                     time,
                     centre,
                     place: 0.003 + 3e-4 * centre + moved + 1.5e-4 * random.normal(),
-                    weight: 1.0,
                 }
             };
             let still: Vec<Middle> = (0..200).map(|i| middle(i, &mut random, 0.0, 0.0)).collect();

@@ -23,7 +23,7 @@
 //! are the default.
 
 mod fit;
-mod imagined;
+mod hidden;
 mod kalman;
 mod periods;
 mod result;
@@ -36,7 +36,7 @@ mod system;
 pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{WeatherError, fit};
-pub(super) use imagined::{Imagined, imagined};
+pub(super) use hidden::HiddenTemperature;
 pub use periods::{NotTold, usual};
 pub use result::{Cycle, Process, Weather, WeatherFit};
 pub(super) use system::{Passage, Square, States, System, dot, root, times};

@@ -110,13 +110,12 @@ impl WeatherFit {
     /// What is to be known of the fit, in sentences.
     pub fn warnings(&self) -> Vec<String> {
         let one = self.is_one_of_two.then(|| {
-            "one process was fitted, because the samples do not tell a second one from it"
-                .to_string()
+            "one process was fitted, because the samples do not support a second one".to_string()
         });
         let held = self.held_memory.map(|memory| {
             format!(
                 "the slow weather has a memory that is not short against the record, so it is held at {:.3} h, a tenth of the record, \
-                 within a factor of 2; a longer record of the temperature tells more",
+                 within a factor of 2; a longer record of the temperature determines it better",
                 memory / 3600.0
             )
         });

@@ -99,11 +99,6 @@ impl Smoother {
         }
     }
 
-    /// The mean of the temperature at each node, given the samples.
-    pub fn mean(&self, nodes: &[WeatherNode]) -> Vec<f64> {
-        self.smoothed(nodes.iter().map(|node| node.sample.unwrap_or(0.0)))
-    }
-
     /// A temperature at each node, drawn from its law given the samples.
     pub fn drawn(&self, nodes: &[WeatherNode], random: &mut Stream) -> Vec<f64> {
         let mut state = [0.0; STATES];
@@ -128,7 +123,9 @@ impl Smoother {
             .collect()
     }
 
-    fn smoothed(&self, samples: impl Iterator<Item = f64>) -> Vec<f64> {
+    /// The mean of the temperature at each node, given these samples; a node without one takes any
+    /// number.
+    pub fn smoothed(&self, samples: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut state = [0.0; STATES];
         let mut tracks = Vec::with_capacity(self.steps.len());
         for (step, sample) in self.steps.iter().zip(samples) {

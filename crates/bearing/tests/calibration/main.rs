@@ -10,3 +10,4 @@ mod flaws;
 mod forecast;
 mod limits;
 mod loggers;
+mod table;

@@ -23,7 +23,7 @@ pub struct Arguments {
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and
-    /// a day, as far as the samples tell them]
+    /// a day, as far as the samples resolve them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<f64>,
     #[command(flatten)]

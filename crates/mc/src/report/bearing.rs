@@ -245,8 +245,8 @@ fn starts(calibration: &Calibration) -> Table {
     for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
         rows.push(Row::of(name, all.iter().map(|moments| cell(moments[k]))));
     }
-    let below = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
-                 how far the minimum is from the truth.";
+    let below = "The scatter of the starts shows how well the search finds the minimum, but not how far the \
+                 minimum is from the truth.";
     let heading = "Starts of the least squares (err in m2):".into();
     Table {
         heading,
@@ -266,7 +266,7 @@ pub fn seen(calibration: &Calibration) -> String {
     let slips = calibration.slips.len();
     let a_year = |number: f64| significant(number * YEAR / length, 3);
     format!(
-        "{} slips were seen in {}, as many as {} in a year. Together they are {} mm of sliding path, as much as {} mm in a year.",
+        "{} slips were detected in {}, a rate of {} in a year. Together they make a sliding path of {} mm, or {} mm in a year.",
         grouped(slips as u64),
         time(length),
         a_year(slips as f64),

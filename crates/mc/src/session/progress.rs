@@ -19,7 +19,7 @@ use stickslip::study::trade::Limits;
 pub struct Progress {
     place: ShownAs,
     watched: Option<Watched>,
-    /// How many paths have ended, and since when it is so many.
+    /// How many paths have ended, and since when.
     ended: Arc<Mutex<(u64, Instant)>>,
 }
 
@@ -262,7 +262,7 @@ fn working<T>(template: &str, quiet: bool, work: impl FnOnce(Begins<'_>) -> T) -
 
 /// The time between two updates of the elapsed time.
 const TICK: Duration = Duration::from_millis(250);
-/// The time after which a block of paths that has not ended is told.
+/// The time after which a block of paths that has not ended is reported.
 const LONG: Duration = Duration::from_secs(20);
 /// The CPU time after which a path that has not ended is the one that takes long.
 const LONG_PATH: Duration = Duration::from_secs(1);

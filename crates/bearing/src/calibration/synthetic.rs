@@ -1,0 +1,136 @@
+//! Synthetic records like a measured one, drawn given its samples: the temperature between and
+//! behind the samples from its posterior distribution, the bearing with known parameters, and the
+//! errors of the sensor.
+
+use super::air::Air;
+use super::bearing::Response;
+use super::course::{Course, STEP, course};
+use super::fit::SensorNoise;
+use super::samples::MeasuredRecord;
+use crate::weather::HiddenTemperature;
+use stickslip::noise::{Stream, Transition};
+
+/// What synthetic records are made of.
+pub struct Synthetic<'a> {
+    /// The record, whose samples they share.
+    pub record: &'a MeasuredRecord,
+    /// The temperature, if its samples do not show it directly.
+    pub hidden: Option<&'a HiddenTemperature>,
+    /// The variance that the temperature gains between samples, in K^2/s; 0 for straight lines.
+    pub roughness: f64,
+    /// The lag of the steel, in seconds.
+    pub lag: f64,
+    /// The bearing.
+    pub response: Response,
+    /// Relative standard deviation of f_s from slip to slip.
+    pub scatter: f64,
+    /// The errors of the displacement sensor.
+    pub noise: SensorNoise,
+}
+
+/// Seed of the random numbers.
+const SEED: u64 = 0xCA11;
+
+/// The longest step in which the temperature is followed without a lag, in seconds. The farthest
+/// temperature within a step has its exact law.
+const LONGEST: f64 = 600.0;
+
+/// Times that are closer than this are the same, in seconds.
+const SAME: f64 = 1e-3;
+
+/// Values at ascending times as a sensor sees them at these instants, or as means over so many
+/// seconds around them.
+fn seen([times, values]: [&[f64]; 2], when: &[f64], over: f64) -> Vec<f64> {
+    let before = |time: f64| times.partition_point(|t| *t <= time + SAME).max(1) - 1;
+    if over == 0.0 {
+        return when.iter().map(|time| values[before(*time)]).collect();
+    }
+    let mut sums = vec![0.0];
+    for i in 1..times.len() {
+        sums.push(sums[i - 1] + 0.5 * (times[i] - times[i - 1]) * (values[i] + values[i - 1]));
+    }
+    let until = |time: f64| {
+        let i = before(time).min(times.len().saturating_sub(2));
+        let share = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+        sums[i] + share * (sums[i + 1] - sums[i])
+    };
+    when.iter()
+        .map(|time| (until(time + 0.5 * over) - until(time - 0.5 * over)) / over)
+        .collect()
+}
+
+impl Synthetic<'_> {
+    /// The record of this number, and its jumps: the time of the first reading after each, and its
+    /// size.
+    pub fn draw(&self, number: u64) -> (MeasuredRecord, Vec<[f64; 2]>) {
+        let [mut temperature, mut sensor, friction, between] =
+            std::array::from_fn(|i| Stream::new(SEED, 4 * number + i as u64));
+        let air = match self.hidden.filter(|_| self.roughness > 0.0) {
+            Some(hidden) => Air {
+                roughness: self.roughness,
+                ..Air::straight(
+                    hidden.times.clone(),
+                    hidden.posterior_sample(&mut temperature),
+                )
+            },
+            None => Air {
+                roughness: self.roughness,
+                ..Air::straight(self.record.times.clone(), self.record.temperatures.clone())
+            },
+        };
+        let Course {
+            steel, positions, ..
+        } = course(
+            &self.response,
+            &air,
+            self.lag,
+            self.scatter,
+            if self.lag > 0.0 { STEP } else { LONGEST },
+            [friction, between],
+        );
+        let [times, mut temperatures] = self.record.thermometer();
+        let white = self.hidden.map_or(0.0, |hidden| hidden.white);
+        if white > 0.0 {
+            temperatures = seen(
+                [&air.times, &air.temperatures],
+                &times,
+                self.record.averaged[0],
+            );
+            temperatures
+                .iter_mut()
+                .for_each(|t| *t += white * temperature.normal());
+        }
+        let when = self.record.samples().times;
+        let z: Vec<f64> = positions
+            .iter()
+            .zip(&steel)
+            .map(|(xi, steel)| self.response.sensor.reading(*xi, *steel))
+            .collect();
+        let mut readings = seen([&air.times, &z], &when, self.record.averaged[1]);
+        self.add_noise(&when, &mut readings, &mut sensor);
+        let places = seen([&air.times, &positions], &when, 0.0);
+        let is_jump = |i: &usize| (places[*i] - places[i - 1]).abs() > 0.0;
+        let jump = |i: usize| [when[i], places[i] - places[i - 1]];
+        let both = MeasuredRecord::of([&times, &temperatures], [&when, &readings]);
+        let averaged = self.record.averaged;
+        (
+            MeasuredRecord { averaged, ..both },
+            (1..when.len()).filter(is_jump).map(jump).collect(),
+        )
+    }
+
+    /// Add the errors of the sensor to readings at these times.
+    fn add_noise(&self, times: &[f64], readings: &mut [f64], random: &mut Stream) {
+        let SensorNoise { white, red, memory } = self.noise;
+        let has_red = red > 0.0 && memory.is_finite();
+        let mut drift = red * random.normal();
+        for i in 0..times.len() {
+            if i > 0 && has_red {
+                let h = times[i] - times[i - 1];
+                drift = Transition::new(1.0 / memory, red * (2.0 / memory).sqrt(), h)
+                    .next(drift, random.normal());
+            }
+            readings[i] += white * random.normal() + if has_red { drift } else { 0.0 };
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! The table of docs/calibration.md: how accurate estimates are, how often their intervals hold the
+//! truth, and which warnings appear, in records of known bearings that loggers keep in many ways.
+
+use crate::bridge::{BRIDGE, Bearing, DAY, bias, covered, question, rmse};
+use crate::loggers::{Logger, PLAIN, kept_of};
+use std::f64::consts::TAU;
+use stickslip::noise::{Stream, Transition};
+use stickslip_bearing::calibration::{
+    Calibration, CalibrationMethod, MeasuredRecord, Quantity, Values, calibrate,
+};
+
+/// A way in which records are made.
+struct Situation {
+    name: &'static str,
+    logger: Logger,
+    bearing: Bearing,
+    /// The factor of friction at a time.
+    share: fn(f64) -> f64,
+    /// What is wrong with the record beyond that.
+    change: fn(MeasuredRecord, u64) -> MeasuredRecord,
+}
+
+const SOUND: Situation = Situation {
+    name: "every 10 minutes",
+    logger: PLAIN,
+    bearing: BRIDGE,
+    share: |_| 1.0,
+    change: |record, _| record,
+};
+
+const HOURLY: Logger = Logger {
+    every: [60; 2],
+    ..PLAIN
+};
+
+/// A bearing that slips some 900 times in 300 days.
+const FREQUENT: Bearing = Bearing {
+    f_s: 2.3e5,
+    f_d: 2.1e5,
+    ..BRIDGE
+};
+
+/// A logger under the name of what is special about it.
+const fn kept(name: &'static str, logger: Logger) -> Situation {
+    Situation {
+        name,
+        logger,
+        ..SOUND
+    }
+}
+
+/// A record that something is wrong with.
+const fn wrong(name: &'static str, change: fn(MeasuredRecord, u64) -> MeasuredRecord) -> Situation {
+    Situation {
+        name,
+        change,
+        ..SOUND
+    }
+}
+
+/// The temperature of another place, which differs by `sd` kelvin for some hours.
+fn elsewhere(record: MeasuredRecord, seed: u64, sd: f64, hours: f64) -> MeasuredRecord {
+    let mut random = Stream::new(seed, 71);
+    let memory = 3600.0 * hours;
+    let passing = Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), 600.0);
+    let mut off = sd * random.normal();
+    let mut shown = |t: &f64| {
+        off = passing.next(off, random.normal());
+        t + off
+    };
+    let temperatures = record.temperatures.iter().map(&mut shown).collect();
+    MeasuredRecord {
+        temperatures,
+        ..record
+    }
+}
+
+/// A thermometer that follows the air with this time constant, in minutes.
+fn slow(record: MeasuredRecord, minutes: f64) -> MeasuredRecord {
+    record
+        .clone()
+        .with_temperatures(&record.times, &record.lagged(60.0 * minutes).temperatures)
+}
+
+/// The sensor sees the mean of this bearing and another one.
+fn two_bearings(record: MeasuredRecord, seed: u64) -> MeasuredRecord {
+    let weak = Bearing {
+        f_s: 3.0e5,
+        f_d: 2.4e5,
+        ..BRIDGE
+    };
+    let (other, _) = kept_of(&PLAIN, &weak, |_| 1.0, seed);
+    let readings = record.readings.iter().zip(&other.readings);
+    MeasuredRecord {
+        readings: readings.map(|(a, b)| 0.5 * (a + b)).collect(),
+        ..record
+    }
+}
+
+/// A sensor that shows nothing above what 95 % of its readings are below.
+fn saturated(record: MeasuredRecord, _: u64) -> MeasuredRecord {
+    let mut sorted: Vec<f64> = record
+        .readings
+        .iter()
+        .copied()
+        .filter(|z| z.is_finite())
+        .collect();
+    sorted.sort_by(f64::total_cmp);
+    let end = sorted[95 * sorted.len() / 100];
+    let shown = |z: &f64| if *z > end { end } else { *z };
+    MeasuredRecord {
+        readings: record.readings.iter().map(shown).collect(),
+        ..record
+    }
+}
+
+/// The situations whose records are those of the model and of its loggers.
+const KNOWN: [Situation; 21] = [
+    SOUND,
+    kept(
+        "thermometer noise of 0.1 K",
+        Logger {
+            noise: 0.1,
+            ..PLAIN
+        },
+    ),
+    kept(
+        "thermometer noise of 0.3 K",
+        Logger {
+            noise: 0.3,
+            ..PLAIN
+        },
+    ),
+    kept("30 um of white noise alone", Logger { red: 0.0, ..PLAIN }),
+    kept(
+        "thermometer every hour",
+        Logger {
+            every: [60, 10],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "thermometer every hour, no red noise",
+        Logger {
+            every: [60, 10],
+            red: 0.0,
+            ..PLAIN
+        },
+    ),
+    kept(
+        "thermometer a minute after the sensor",
+        Logger { after: 1, ..PLAIN },
+    ),
+    kept(
+        "thermometer a minute before the sensor",
+        Logger { after: 9, ..PLAIN },
+    ),
+    kept("every hour", HOURLY),
+    kept(
+        "every hour, weather of 2 h",
+        Logger {
+            memory: 2.0,
+            ..HOURLY
+        },
+    ),
+    kept(
+        "means of 10 minutes",
+        Logger {
+            means: [true; 2],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "means of the temperature alone",
+        Logger {
+            means: [true, false],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "means of the displacement alone",
+        Logger {
+            means: [false, true],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "means of an hour",
+        Logger {
+            means: [true; 2],
+            ..HOURLY
+        },
+    ),
+    kept("steel 30 minutes behind", Logger { lag: 30.0, ..PLAIN }),
+    Situation {
+        bearing: FREQUENT,
+        ..kept(
+            "steel 6 hours behind, f_s of 230 kN",
+            Logger {
+                lag: 360.0,
+                ..PLAIN
+            },
+        )
+    },
+    kept(
+        "thermometer on steel 2 hours behind",
+        Logger {
+            lag: 120.0,
+            is_on_steel: true,
+            ..PLAIN
+        },
+    ),
+    kept("clocks 5 minutes apart", Logger { behind: 5, ..PLAIN }),
+    kept(
+        "clocks 30 minutes apart",
+        Logger {
+            behind: 30,
+            ..PLAIN
+        },
+    ),
+    Situation {
+        name: "f_s of 230 kN, many slips",
+        bearing: FREQUENT,
+        ..SOUND
+    },
+    wrong("displacement in steps of 0.05 mm", |record, _| {
+        MeasuredRecord {
+            readings: record
+                .readings
+                .iter()
+                .map(|z| (z / 5e-5).round() * 5e-5)
+                .collect(),
+            ..record
+        }
+    }),
+];
+
+/// The situations that the model does not describe, of which a warning is wanted.
+const UNKNOWN: [Situation; 8] = [
+    Situation {
+        name: "f_s varies by 10 % over the year",
+        share: |time| 1.0 + 0.1 * (TAU * time / (365.25 * DAY)).sin(),
+        ..SOUND
+    },
+    Situation {
+        name: "f_s falls by 30 %",
+        share: |time| 1.0 - 0.3 * time / (300.0 * DAY),
+        ..SOUND
+    },
+    wrong("temperature differs by 1 K of 3 h", |record, seed| {
+        elsewhere(record, seed, 1.0, 3.0)
+    }),
+    wrong("temperature differs by 2 K of 12 h", |record, seed| {
+        elsewhere(record, seed, 2.0, 12.0)
+    }),
+    wrong(
+        "thermometer 15 minutes slower than the steel",
+        |record, _| slow(record, 15.0),
+    ),
+    wrong("thermometer an hour slower than the steel", |record, _| {
+        slow(record, 60.0)
+    }),
+    wrong("two bearings as one", two_bearings),
+    wrong("sensor at the end of its range", saturated),
+];
+
+/// One row of the table.
+fn row(situation: &Situation, seeds: u64) -> String {
+    let Situation {
+        name,
+        logger,
+        bearing,
+        share,
+        change,
+    } = situation;
+    let mut refused = 0;
+    let mut all: Vec<(Calibration, Values)> = Vec::new();
+    for seed in 950..950 + seeds {
+        let (record, truth) = kept_of(logger, bearing, share, seed);
+        let asked = question(CalibrationMethod::Slips);
+        match calibrate(&change(record, seed), &asked, 2, &Default::default()) {
+            Ok(fit) => all.push((fit, truth)),
+            Err(_) => refused += 1,
+        }
+    }
+    let n = all.len() as f64;
+    let errors = |quantity| {
+        let [off, rms] = [bias(&all, quantity), rmse(&all, quantity)];
+        let error = ((rms * rms - off * off) / n).sqrt();
+        let [off, error, rms] = [off, error, rms].map(|x| 100.0 * x);
+        format!(
+            "{off:+.2} +- {error:.2} % | {rms:.2} % | {}",
+            covered(&all, quantity)
+        )
+    };
+    let mut names: Vec<&str> = all
+        .iter()
+        .flat_map(|(fit, _)| fit.warnings.iter().map(|w| w.name()))
+        .collect();
+    names.sort_unstable();
+    let named = names
+        .chunk_by(|a, b| a == b)
+        .map(|same| format!("{} {}", same.len(), same[0]));
+    let mut named: Vec<String> = named.collect();
+    if refused > 0 {
+        named.push(format!("{refused} refused"));
+    }
+    let [k, beta] = [Quantity::Stiffness, Quantity::Dilatation].map(|one| covered(&all, one));
+    format!(
+        "| {name} | {} | {} | {k} | {beta} | {} |",
+        errors(Quantity::Static),
+        errors(Quantity::Reach),
+        named.join(", ")
+    )
+}
+
+/// Prints the table. `SEEDS` is the number of records of each situation, 20 by default, and `ONLY` a
+/// part of the names of the situations.
+#[test]
+#[ignore = "twenty minutes or more; prints a table"]
+fn table() {
+    let seeds: u64 = std::env::var("SEEDS").map_or(20, |seeds| seeds.parse().expect("a number"));
+    let only = std::env::var("ONLY").unwrap_or_default();
+    for situation in KNOWN
+        .iter()
+        .chain(&UNKNOWN)
+        .filter(|one| one.name.contains(&only))
+    {
+        println!("{}", row(situation, seeds));
+    }
+}
