@@ -60,11 +60,11 @@ fn fit(
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     let mut steel = Steel::new(&record, question.lag);
-    let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
-    let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
-    if let Some(slips) = slips {
+    if let Some(slips) = &steel.slips {
         slips.check_resolution(resolution(&record.samples().readings))?;
     }
+    let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
+    let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
     if slips.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }

@@ -82,7 +82,7 @@ impl CalibrationQuestion {
         CalibrationQuestion {
             method: CalibrationMethod::Slips,
             shear_stiffness: scene.shear_stiffness,
-            starts: 10,
+            starts: STARTS,
             lag: Lag::Auto,
             level: 0.9,
             held: Vec::new(),
@@ -92,9 +92,18 @@ impl CalibrationQuestion {
     }
 
     /// The same with only some quantities fitted, if any are named. The others are held at the
-    /// values of the scenario. Fails if the scenario has no number for one of them, or if K_BP is
-    /// needed and missing.
+    /// values of the scenario. Fails if the scenario has no number for one of them, if K_BP is needed
+    /// and missing, or if bounds or another number of starts are given and the method does not use them.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
+        if self.method == CalibrationMethod::Slips {
+            let unused = [
+                ("bounds", !self.bounds.is_empty()),
+                ("starts", self.starts != STARTS),
+            ];
+            if let Some((name, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
+                return Err(NotHeld::NeedsLeastSquares(name));
+            }
+        }
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
         let held = Quantity::FITTED
             .into_iter()
@@ -133,6 +142,9 @@ pub enum NotHeld {
     /// It can be known only together with K_BP.
     #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
     TakesShearStiffness(Quantity),
+    /// It is for the least squares, which were not asked for.
+    #[error("{0} are for the least squares, and method = slips does not use them")]
+    NeedsLeastSquares(&'static str),
 }
 
 /// Why a record cannot be calibrated.
@@ -226,6 +238,9 @@ impl CalibrationError {
         }
     }
 }
+
+/// Number of starts of the least squares, if no other is asked for.
+const STARTS: u32 = 10;
 
 /// Fewest samples of a record.
 pub(super) const LEAST: usize = 200;

@@ -10,9 +10,9 @@ use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Slip;
 use super::starts::SearchStart;
 use super::steel::Steel;
-use super::warning::CalibrationWarning;
 use super::zero::Zero;
 use crate::moments::mean;
+use crate::warning::CalibrationWarning;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.

@@ -159,7 +159,7 @@ fn two_bearings_as_one_are_not_taken_for_one() {
             2,
             &Default::default(),
         ) {
-            let told = ["misfit", "gap_not_identified", "two_sizes"]
+            let told = ["poor_fit", "gap_not_identified", "two_sizes"]
                 .into_iter()
                 .filter(|name| warns(&found, name));
             assert!(told.count() > 0, "{:?}", found.warnings);
