@@ -137,10 +137,10 @@ impl CalibrationQuestion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotHeld {
     /// The scenario has no value at which to hold it.
-    #[error("{} is left out of what is fitted, and is not a number in the scenario", .0.key())]
+    #[error("{} is not fitted, and is not a number in the scenario", .0.key())]
     NoNumber(Quantity),
     /// It can be known only together with K_BP.
-    #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
+    #[error("{} cannot be held or bounded without K_BP", .0.key())]
     TakesShearStiffness(Quantity),
     /// It is for the least squares, which were not asked for.
     #[error("{0} are for the least squares, and method = slips does not use them")]
@@ -151,9 +151,7 @@ pub enum NotHeld {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The record has too few samples.
-    #[error(
-        "{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}"
-    )]
+    #[error("need at least {LEAST} samples with a displacement and a temperature, got {0}")]
     TooShort(usize),
     /// The temperature or the displacement cannot be used.
     #[error(transparent)]
@@ -174,20 +172,20 @@ pub enum CalibrationError {
     },
     /// The jumps that were found are too few, or too different, to determine a bearing.
     #[error(
-        "the {jumps} jumps that were found tell no bearing: {impossible} of {all} times, other weights of the same days \
-             give numbers that no bearing can have, which has {CONDITION}"
+        "the {jumps} jumps that were found do not constrain the bearing: {impossible} of {all} synthetic records like this one \
+             give impossible values, and a bearing has {CONDITION}"
     )]
     Undetermined {
         /// Number of jumps.
         jumps: usize,
-        /// Number of random weights with which no bearing was found.
+        /// Number of synthetic records from which no bearing was found.
         impossible: usize,
-        /// Number of random weights that were tried.
+        /// Number of synthetic records.
         all: usize,
     },
     /// The sensor shows steps that may be as large as jumps.
     #[error(
-        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be told \
+        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be distinguished \
              from steps of the sensor", 1e3 * resolution, 1e3 * jump
     )]
     Coarse {
@@ -222,18 +220,17 @@ impl CalibrationError {
             }
             CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
-                "measure for longer, until tens of slips are in the record; the method `criterion` needs none, but beware of its \
-                 estimates"
+                "measure for longer, until the record has tens of slips; the method `criterion` needs none, but is less accurate"
             }
             CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
-                "measure for longer, until tens of slips are in the record"
+                "measure for longer, until the record has tens of slips"
             }
             CalibrationError::Coarse { .. } => {
                 "store the displacement with more digits, or take a sensor whose resolution is a fifth of a slip or better"
             }
             CalibrationError::NotSlips { .. } => {
-                "see that columns, units and K_BP are right; then the jumps have another cause, such as a crack that \
-                 opens or a sensor that was moved"
+                "check columns, units and K_BP; if they are right, the jumps have another cause, such as a crack that opens or a \
+                 sensor that was moved"
             }
         }
     }
