@@ -49,7 +49,6 @@ pub const WARNINGS: &[WarningKind] = &[
     WarningKind("scatter", "the sizes of slips differ by 20 % more than noise explains", "use the estimates as means; the interval of f_s - f_d is too narrow", "FALSE_SCATTER"),
     WarningKind("friction_changes", "A changes by more than 5 % over the record; a forecast draws friction from this range", "measure for years", "FALSE_FRICTION"),
     WarningKind("temperature_elsewhere", "the temperatures of slips scatter more than those of synthetic records", "put the thermometer on the steel", "FALSE_ELSEWHERE"),
-    WarningKind("two_sizes", "jumps have two sizes", "measure each bearing with its own sensor", "FALSE_SIZES"),
     WarningKind("saturated", "readings stay at the largest or the smallest value", "remove these readings, and move the sensor", "FALSE_SATURATED"),
     WarningKind("lag", "a lag of the steel was estimated and used", "give `--lag` if it is known", "FALSE_LAG"),
     WarningKind("lag_beyond", "a lag of two days or more fits best, and was not used", "measure the temperature of the steel", "FALSE_LAG"),

@@ -3,7 +3,6 @@
 //! A warning is one row of the list below: its name, and the function that says it where it is due.
 
 use super::by_slips::BySlips;
-use super::friction::SlipStatistics;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
@@ -32,7 +31,6 @@ const ALL: &[(&str, Says)] = &[
     ("scatter", scatter),
     ("friction_changes", friction_changes),
     ("temperature_elsewhere", temperature_elsewhere),
-    ("two_sizes", two_sizes),
     ("saturated", saturated),
     ("lag", lag),
     ("lag_beyond", lag_beyond),
@@ -224,8 +222,8 @@ const ELSEWHERE: f64 = 1.8;
 /// The temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
     let by_slips = case.by_slips?;
-    let SlipStatistics { scatter, sizes, .. } = by_slips.statistics;
-    if sizes.is_some() || case.calibration.friction_range.is_some() {
+    let scatter = by_slips.statistics.scatter;
+    if case.calibration.friction_range.is_some() {
         return None;
     }
     let expected = by_slips.replicates.mean_of(|shown| shown.scatter);
@@ -236,25 +234,6 @@ fn temperature_elsewhere(case: &Case) -> Option<String> {
              thermometer on the steel"
         )
     })
-}
-
-/// What the temperature may move between two samples, as a share of the jump G, so that two slips at once
-/// are rare.
-const ONE_AT_ONCE: f64 = 0.3;
-
-/// Jumps have two sizes.
-fn two_sizes(case: &Case) -> Option<String> {
-    let jump = case.estimate(Quantity::Jump).estimate;
-    let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
-    let [small, large] = case
-        .by_slips
-        .and_then(|by_slips| by_slips.statistics.sizes)
-        .filter(|_| is_clear)?
-        .map(|size| 1e3 * size);
-    Some(format!(
-        "jumps have two sizes, {small:.2} and {large:.2} mm: the sensor may see two bearings, and K, f_s and f_d are those of \
-         neither; measure each bearing with its own sensor"
-    ))
 }
 
 /// A sensor at the end of its range stays there for as many samples.
