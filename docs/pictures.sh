@@ -17,8 +17,8 @@ mc plot scenarios/belt.toml --until 40 -o path-belt.png
 mc plot scenarios/stribeck-belt.toml --until 40 -o path-stribeck-belt.png
 mc plot scenarios/duffing.toml --until 60 -o path-duffing.png
 mc plot scenarios/self-excited.toml --until 60 -o path-self-excited.png
-mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set oscillator.damping=0.1 --set temperature.trend=0 --set temperature.offset=1.5 --until 60 -o path-incline.png
-mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=0.5 --until 25 -o path-free.png
+mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set oscillator.damping=0.1 --set temperature.trend=0 --set temperature.offset=1.5 --until 60 --title Incline -o path-incline.png
+mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=0.5 --until 25 --title Free -o path-free.png
 mc run scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=1 --set temperature.noise.relaxation_rate=100 --set temperature.noise.diffusion=100 --until 40 --set statistics.after=20 --set time.output_step=0.4 --paths 400 --set record.density=true --quiet -o white.h5
 mc plot white.h5 --only density -o free-density.png
 mc sweep scenarios/shaw.toml --scheme event-driven --set friction.static=1 --set friction.dynamic=1 --set initial.displacement=0 --set oscillator.damping=0.1 --vary w=temperature.harmonics.0.angular_frequency=1.1:3:20 --until 800 --set statistics.after=600 --quiet -o den-hartog-w.h5
@@ -34,6 +34,8 @@ mc run scenarios/rho025.toml --scheme event-driven --paths 4000 --until 150 --se
 mc plot asked.h5 --only laws -o laws.png
 mc plot asked.h5 --only density -o density.png
 mc plot asked.h5 --only spectrum -o spectrum.png
+mc run scenarios/rho025.toml --scheme event-driven --paths 4000 --set statistics.levels=[6.5,8,10,12] --quiet -o levels.h5
+mc plot levels.h5 --only passages -o passages.png
 mc sweep scenarios/shaw.toml --scheme event-driven --until 4000 --set statistics.after=3000 --set oscillator.damping=0.02 --vary w=temperature.harmonics.0.angular_frequency=0.15:0.45:241 --quiet -o shaw-w.h5
 mc plot shaw-w.h5 --only section -o section.png
 mc sweep scenarios/belt.toml --vary V=temperature.trend=0.05:1.25:25 --vary rho=temperature.noise.intensity=0,0.05,0.2 --set record.laws=true --until 400 --set statistics.after=100 --paths 400 --quiet -o belt-v.h5

@@ -1,4 +1,4 @@
-//! A force of one's own in Rust: a spring that hardens, beside that of the scenario.
+//! A user-defined force in Rust: a spring that hardens, beside that of the scenario.
 //!
 //! `cargo run --release -p stickslip --example own_force`
 

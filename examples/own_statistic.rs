@@ -1,4 +1,4 @@
-//! A statistic of one's own: the share of sticks that last longer than 1.
+//! A user-defined statistic: the share of sticks that last longer than 1.
 //!
 //! `cargo run --release -p stickslip --example own_statistic`
 

@@ -62,9 +62,9 @@
 //!
 //! # What you can add
 //!
-//! - A statistic of your own over the events and states of paths: [`stats::Tally`], computed in
+//! - A user-defined statistic over the events and states of paths: [`stats::Tally`], computed in
 //!   parallel by [`engine::Run::tallied`].
-//! - A force of your own, beside the spring: [`model::ForceLaw`], in [`model::Model::force`].
+//! - A user-defined force, beside the spring: [`model::ForceLaw`], in [`model::Model::force`].
 //! - A place for rows and results: [`engine::Sink`].
 //! - A display of how far a run is: [`engine::Progress`].
 //! - An observer of single paths: [`scheme::Observer`].

@@ -4,12 +4,12 @@ use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
 use crate::studies::Threads;
-use crate::watched::watched;
+use crate::watched::{abandoned_on_interrupt, watched};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use stickslip::config::{self, Override, ScenarioError};
 use stickslip::scenario::{BridgeScene, Scenario as Checked};
 use stickslip_bearing::calibration::{
@@ -50,29 +50,24 @@ fn read(
 }
 
 /// A measurement from Python. It is a file with this name, or a text that has this name in
-/// messages, where temperatures may be in a file of their own. Or it is arrays of times and
-/// temperatures, then of times and displacements, in seconds, degrees and metres, which are
-/// repaired already. The other fields are the columns, their units, and how the file is laid out,
-/// and the file of temperatures if it is laid out otherwise.
+/// messages. Or it is arrays of times and temperatures, then of times and displacements, in seconds,
+/// degrees and metres, which are repaired already. The column of displacements may have a name.
 #[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub struct Measured<'py> {
     name: String,
     text: Option<String>,
     arrays: Option<Vec<PyReadonlyArray1<'py, f64>>>,
-    temperature_file: Option<String>,
-    temperature: Option<String>,
     displacement: Option<String>,
-    temperature_unit: Option<String>,
-    displacement_unit: Option<String>,
     layout: LaidOut,
-    temperature_layout: LaidOut,
 }
 
-/// How a file is laid out.
+/// A `stickslip.Layout`.
 #[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub struct LaidOut {
+    temperature: Option<String>,
+    temperature_file: Option<PathBuf>,
+    temperature_unit: Option<String>,
+    displacement_unit: Option<String>,
     time: Option<String>,
     zone: Option<String>,
     dates: Option<String>,
@@ -81,9 +76,18 @@ pub struct LaidOut {
     outliers: Option<u64>,
     decimal: Option<String>,
     averaged: Option<f64>,
+    of_temperatures: Option<Py<PyAny>>,
 }
 
 impl LaidOut {
+    /// The layout of the temperatures, if it is another one.
+    fn of_temperatures(&self, py: Python<'_>) -> PyResult<Option<LaidOut>> {
+        self.of_temperatures
+            .as_ref()
+            .map(|other| other.extract(py))
+            .transpose()
+    }
+
     fn over(&self, py: Python<'_>, other: &Layout) -> PyResult<Layout> {
         let order = |word: &String| {
             let unknown = || {
@@ -149,8 +153,13 @@ impl Measured<'_> {
     /// The column of temperatures, as far as the arguments or a scenario name it.
     fn temperature_column(&self, scenario: &ColumnSource) -> ColumnSource {
         ColumnSource {
-            column: self.temperature.clone().or_else(|| scenario.column.clone()),
+            column: self
+                .layout
+                .temperature
+                .clone()
+                .or_else(|| scenario.column.clone()),
             unit: self
+                .layout
                 .temperature_unit
                 .clone()
                 .or_else(|| scenario.unit.clone()),
@@ -164,10 +173,11 @@ impl Measured<'_> {
         py: Python<'_>,
         scene: &BridgeScene,
     ) -> PyResult<(MeasuredRecord, Vec<String>)> {
+        let of_temperatures = self.layout.of_temperatures(py)?;
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
             let all = self.layout.averaged;
-            let averaged =
-                [self.temperature_layout.averaged.or(all), all].map(Option::unwrap_or_default);
+            let of_air = of_temperatures.and_then(|layout| layout.averaged);
+            let averaged = [of_air.or(all), all].map(Option::unwrap_or_default);
             let record =
                 MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
             return Ok((record, Vec::new()));
@@ -177,21 +187,21 @@ impl Measured<'_> {
             file: None,
             column: self.displacement.clone().or_else(|| sensor.column.clone()),
             unit: self
+                .layout
                 .displacement_unit
                 .clone()
                 .or_else(|| sensor.unit.clone()),
             layout: self.layout.over(py, &sensor.layout)?,
         };
+        let layout = self.layout.over(py, &air.layout)?;
         let temperature = ColumnSource {
-            layout: self
-                .temperature_layout
-                .over(py, &self.layout.over(py, &air.layout)?)?,
+            layout: match of_temperatures {
+                Some(other) => other.over(py, &layout)?,
+                None => layout,
+            },
             ..self.temperature_column(air)
         };
-        let temperatures = self
-            .temperature_file
-            .as_deref()
-            .map(|file| Origin::File(Path::new(file)));
+        let temperatures = self.layout.temperature_file.as_deref().map(Origin::File);
         let pair = BearingData::read(self.origin(), temperatures, &temperature, &displacement);
         let measured = pair.map_err(|error| self.wrong(py, &error))?;
         Ok((MeasuredRecord::from(&measured), measured.repairs))
@@ -280,7 +290,7 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and
 /// displacement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, workers))]
+#[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, threads))]
 #[expect(
     clippy::too_many_arguments,
     reason = "they are keywords of one Python function"
@@ -295,7 +305,7 @@ pub fn calibrate<'py>(
     starts: u32,
     lag: Option<f64>,
     interval: f64,
-    workers: Threads,
+    threads: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
@@ -324,14 +334,11 @@ pub fn calibrate<'py>(
     let question = question
         .fitting(&fitted, &scene)
         .map_err(|error| not_held(py, error))?;
-    let (calibration, is_interrupted) = watched(py, None, |watch| {
-        calibrated(&record, &question, workers.0, &watch.stop)
+    let calibration = abandoned_on_interrupt(py, move |stop| {
+        calibrated(&record, &question, threads.0, stop)
     })?;
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
-    if is_interrupted {
-        remarks.push("interrupted: fewer least-squares starts than requested".into());
-    }
     let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
     Ok((to_python(py, Dataset::of_calibration(&stored))?, remarks))
 }
@@ -339,7 +346,7 @@ pub fn calibrate<'py>(
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
 /// same measurement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, workers))]
+#[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, threads))]
 #[expect(
     clippy::too_many_arguments,
     reason = "they are keywords of one Python function"
@@ -354,7 +361,7 @@ pub fn forecast<'py>(
     interval: f64,
     share: f64,
     processes: usize,
-    workers: Threads,
+    threads: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
@@ -365,23 +372,16 @@ pub fn forecast<'py>(
         level: interval,
         share,
     };
-    let (ended, is_interrupted) = watched(py, None, |watch| {
-        Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop)
+    let (title, text) = (scene.title.clone(), scene.text.clone());
+    let ended = abandoned_on_interrupt(py, move |stop| {
+        Foreseen::of(&scene, &record, &asked, processes, threads.0, stop, &|_| {})
     })?;
     let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
-    let stopped =
-        || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
-    let foreseen = foreseen.ok_or_else(stopped)?;
+    let foreseen = foreseen.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
     let found = &foreseen.forecast;
     remarks.extend(foreseen.warnings().into_iter().map(|(_, text)| text));
-    if is_interrupted {
-        remarks.push(format!(
-            "interrupted: {} of {draws} parameter draws are included",
-            found.years.len()
-        ));
-    }
     Ok((
-        to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?,
+        to_python(py, Dataset::of_forecast(&title, &text, found))?,
         remarks,
     ))
 }
@@ -510,8 +510,7 @@ pub fn fit_temperature<'py>(
         remarks.extend(said);
         told
     });
-    // The fit cannot be interrupted, but it takes only seconds.
-    let (found, _) = watched(py, None, |_| {
+    let found = abandoned_on_interrupt(py, move |_| {
         fit(&times, &temperatures, &periods, processes, averaged)
     })?;
     let fit = found.map_err(|error| errors::of_run(py, error, error.remedy()))?;

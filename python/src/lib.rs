@@ -32,9 +32,9 @@ mod _native {
     #[pymodule_export]
     use super::plot::{Picture, plot};
     #[pymodule_export]
-    use super::run::{merge, replay, run};
+    use super::run::{merge, motion, replay, run};
     #[pymodule_export]
-    use super::scenario::{Scenario, parse, shipped};
+    use super::scenario::{Scenario, key_meant, parse, shipped};
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
     #[pymodule_export]

@@ -3,7 +3,7 @@
 use crate::dataset::{Handed, from_python};
 use crate::errors;
 use crate::scenario::Scenario;
-use crate::studies::statistic;
+use crate::studies;
 use pyo3::prelude::*;
 use stickslip::config::Override;
 use stickslip::scenario::Scenario as Checked;
@@ -53,16 +53,18 @@ type Drawn = (
 /// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
 /// calibration, or sweeps over the same key.
 #[pyfunction]
-#[pyo3(signature = (scenario, data, path, of, drawn))]
+#[pyo3(signature = (scenario, data, path, statistic, drawn))]
 pub fn plot(
     py: Python<'_>,
     scenario: Option<&Scenario>,
     data: Vec<(String, Handed<'_>)>,
     path: u64,
-    of: Option<&str>,
+    statistic: Option<&str>,
     drawn: Drawn,
 ) -> PyResult<Picture> {
-    let of = of.map(|name| statistic(py, name)).transpose()?;
+    let of = statistic
+        .map(|name| studies::statistic(py, name))
+        .transpose()?;
     let read = |(name, handed): (String, Handed<'_>)| Ok((name, from_python(handed)?));
     let data = data
         .into_iter()

@@ -3,9 +3,10 @@
 use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
 use crate::own::{Kept, Own};
-use crate::scenario::Scenario;
+use crate::scenario::{Laid, Scenario, laid};
 use crate::studies::{Threads, enough_memory};
 use crate::watched::{Watch, WatchedProgress, watched};
+use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -287,4 +288,56 @@ pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<
         Dataset::of_replay(&Replay::of(scenario, path))
     })?;
     to_python(py, dataset)
+}
+
+/// x and x' of path number `path` after further overrides, at these times: two rows.
+#[pyfunction]
+pub fn motion<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    overrides: Vec<Laid>,
+    times: PyReadonlyArray1<'_, f64>,
+    path: u64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let checked = scenario
+        .with(&laid(&overrides))
+        .map_err(|error| errors::of_scenario(py, &error))?;
+    let times = times.as_array().to_vec();
+    let end = checked.time.end;
+    if let Some(outside) = times.iter().find(|time| !(0.0..=end).contains(*time)) {
+        return Err(errors::of_argument(
+            py,
+            "times",
+            outside,
+            format!("must be between 0 and {end}"),
+            "give times of the run, or a later `time.end`",
+        ));
+    }
+    let states = errors::guarded(py, || {
+        py.detach(|| {
+            let plan = checked.plan();
+            let Some(motion) = plan.motion(path) else {
+                return Err(plan.why_lost(path, &AtomicBool::new(false)));
+            };
+            // Before the first segment and behind each, the body is at rest.
+            let state = |time: &f64| {
+                let next = motion.partition_point(|segment| segment.start <= *time);
+                match next.checked_sub(1) {
+                    Some(last) => motion[last].state(*time),
+                    None => [plan.model().initial_displacement, 0.0],
+                }
+            };
+            Ok(times.iter().map(state).collect::<Vec<_>>())
+        })
+        .map_err(|why| {
+            let why = why.map_or_else(|| "it diverges".to_string(), |why| why.to_string());
+            errors::of_run(
+                py,
+                format!("path {path} is lost: {why}"),
+                "change the numbers, or use a smaller step or tolerance",
+            )
+        })
+    })?;
+    let rows = [0, 1].map(|i| states.iter().map(|state| state[i]).collect());
+    Ok(PyArray2::from_vec2(py, &rows)?)
 }

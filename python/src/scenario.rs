@@ -94,7 +94,7 @@ impl Scenario {
     /// The numbers that follow from the scenario, by name.
     fn derived<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dictionary = PyDict::new(py);
-        for (name, quantity) in self.checked.derived().quantities() {
+        for (name, _, quantity) in self.checked.derived().quantities() {
             match quantity {
                 DerivedQuantity::Unknown => dictionary.set_item(name, py.None())?,
                 DerivedQuantity::Real(number) => dictionary.set_item(name, number)?,
@@ -118,7 +118,13 @@ impl Scenario {
 }
 
 /// An override: what messages call it, with its value behind; its key, and the value as TOML.
-type Laid = (String, String, String);
+pub type Laid = (String, String, String);
+
+/// The overrides that Python gives.
+pub fn laid(given: &[Laid]) -> Vec<Override> {
+    let read = |(shown, key, value): &Laid| Override::flag(shown, key, value);
+    given.iter().map(read).collect()
+}
 
 /// Reads and checks a scenario: the file with this name, or `text`, which has this name in
 /// messages. `samples` are measured values, each by its table. With `are_stored`, they are those that
@@ -134,10 +140,7 @@ pub fn parse(
     are_stored: bool,
 ) -> PyResult<Scenario> {
     let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
-    let overrides = overrides
-        .iter()
-        .map(|(shown, key, value)| Override::flag(shown, key, value))
-        .collect();
+    let overrides = laid(&overrides);
     let shipped =
         text.and_then(|text| config::shipped(name).filter(|shipped| shipped.text == text));
     let (name, text) = match text {
@@ -167,6 +170,12 @@ pub fn parse(
     };
     let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
+}
+
+/// The key of a scenario that a word probably stands for, and its meaning.
+#[pyfunction]
+pub fn key_meant(word: &str) -> Option<(String, String)> {
+    config::key_meant(word)
 }
 
 /// The text of the shipped scenario with this name; None if there is no such scenario.

@@ -81,25 +81,25 @@ pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
 /// choice as text.
 #[pyfunction]
-#[pyo3(signature = (scenario, target, statistics, max_time, workers))]
+#[pyo3(signature = (scenario, accuracy, statistic, max_time, threads))]
 pub fn choose(
     py: Python<'_>,
     scenario: &Scenario,
-    target: f64,
-    statistics: Vec<String>,
+    accuracy: f64,
+    statistic: Vec<String>,
     max_time: Option<f64>,
-    workers: Threads,
+    threads: Threads,
 ) -> PyResult<(Scenario, String)> {
-    let named = statistics
+    let named = statistic
         .iter()
-        .map(|name| statistic(py, name))
+        .map(|name| self::statistic(py, name))
         .collect::<PyResult<Vec<_>>>()?;
     let max_time = max_time.map(Duration::from_secs_f64);
     let accuracy = Accuracy {
-        target,
+        target: accuracy,
         named: &named,
         max_time,
-        threads: workers.0,
+        threads: threads.0,
     };
     let (chosen, is_interrupted) = watched(py, None, |watch| {
         accuracy.choose(
@@ -128,7 +128,7 @@ pub fn choose(
 /// Computes statistics as functions of keys, with `vary` as `mc sweep --vary` takes it, or the
 /// elasticities of keys. Returns the data set, and whether it was interrupted.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, workers, progress))]
+#[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, threads, progress))]
 #[expect(
     clippy::too_many_arguments,
     reason = "they are keywords of one Python function"
@@ -142,7 +142,7 @@ pub fn sweep<'py>(
     relative_step: f64,
     independent: bool,
     bias: bool,
-    workers: Threads,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Variables<'py>, bool)> {
     let design = if elasticity.is_empty() {
@@ -189,12 +189,12 @@ pub fn sweep<'py>(
     };
     let question = SweepQuestion::at_each(design, seeds, bias, point)?;
     for point in &question.points {
-        enough_memory(py, point, point.ensemble.paths, workers)?;
+        enough_memory(py, point, point.ensemble.paths, threads)?;
     }
     let mut swept = Sweep::new(question);
     let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
         let simulation = SweepSimulation {
-            threads: workers.0,
+            threads: threads.0,
             stop: &watch.stop,
             progress: &mut WatchedProgress(watch),
         };
@@ -243,7 +243,7 @@ pub fn trade<'py>(
     py: Python<'py>,
     scenario: &Scenario,
     budget: f64,
-    workers: Threads,
+    threads: Threads,
 ) -> PyResult<(Variables<'py>, bool)> {
     let scenario = &scenario.checked;
     if !(1.0..=604_800.0).contains(&budget) {
@@ -255,13 +255,13 @@ pub fn trade<'py>(
             "give 1 to 604800 seconds",
         ));
     }
-    enough_memory(py, scenario, scenario.ensemble.paths, workers)?;
+    enough_memory(py, scenario, scenario.ensemble.paths, threads)?;
     let (measured, is_interrupted) = watched(py, None, |watch| {
         let limits = Limits {
             stop: Some(&watch.stop),
             ..Limits::default()
         };
-        measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
+        measure_within(scenario, Duration::from_secs_f64(budget), threads.0, limits)
     })?;
     let measured = measured.map_err(|error| {
         errors::of_run(py, &error, "use a larger budget, or a shorter time.end")

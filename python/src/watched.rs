@@ -4,11 +4,11 @@
 use crate::errors;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use std::sync::Mutex;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use stickslip::engine::Progress;
 use stickslip::ensemble::{Flaw, guarded};
 
@@ -40,6 +40,61 @@ impl Progress for WatchedProgress<'_> {
     }
 }
 
+/// How the work ended, and the exception that Ctrl-C or a callback raised meanwhile.
+type Ended<T> = (Result<Result<T, Flaw>, RecvTimeoutError>, Option<PyErr>);
+
+/// Waits for the work, with the interpreter lock released, but not longer than `patience` after an
+/// exception. Ctrl-C raises the flag of the watch, and so does an exception in `progress`.
+fn attend<T>(
+    receiver: &Receiver<Result<T, Flaw>>,
+    watch: &Watch,
+    progress: Option<&Py<PyAny>>,
+    patience: Duration,
+) -> Ended<T> {
+    let mut failure: Option<(PyErr, Instant)> = None;
+    let (mut tick, mut reported) = (0_u64, 0);
+    loop {
+        tick += 1;
+        let received = receiver.recv_timeout(TICK);
+        let is_left = matches!(&failure, Some((_, since)) if since.elapsed() > patience);
+        let is_over = is_left || !matches!(received, Err(RecvTimeoutError::Timeout));
+        let [done, expected] =
+            [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
+        let is_due = done != reported && (is_over || tick.is_multiple_of(TOLD_EVERY));
+        let heard = Python::attach(|py| {
+            py.check_signals()?;
+            match progress {
+                Some(progress) if is_due => progress.call1(py, (done, expected)).map(drop),
+                _ => Ok(()),
+            }
+        });
+        reported = if is_due { done } else { reported };
+        if let Err(error) = heard {
+            watch.stop.store(true, Ordering::Relaxed);
+            failure.get_or_insert((error, Instant::now()));
+        }
+        if is_over {
+            return (received, failure.map(|(error, _)| error));
+        }
+    }
+}
+
+/// The result of the work, and whether Ctrl-C interrupted it.
+fn settled<T>(py: Python<'_>, (result, failure): Ended<T>) -> PyResult<(T, bool)> {
+    let is_interrupt = |error: &PyErr| error.is_instance_of::<PyKeyboardInterrupt>(py);
+    match (result, failure) {
+        (_, Some(error)) if !is_interrupt(&error) => Err(error),
+        (Ok(Ok(result)), failure) => Ok((result, failure.is_some())),
+        (Ok(Err(flaw)), _) => Err(errors::of_flaw(py, &flaw)),
+        (Err(RecvTimeoutError::Timeout), Some(error)) => Err(error),
+        (Err(_), _) => Err(errors::of_run(
+            py,
+            "internal error: the computation ended without a result",
+            Flaw::REMEDY,
+        )),
+    }
+}
+
 /// Does some work with the interpreter lock released. Ctrl-C raises the flag of the watch, and so
 /// does an exception in `progress`, a callable that is called with the numbers of paths done and
 /// expected. Returns the result of the work, and whether Ctrl-C interrupted it.
@@ -49,48 +104,37 @@ pub fn watched<T: Send>(
     work: impl FnOnce(&Watch) -> T + Send,
 ) -> PyResult<(T, bool)> {
     let watch = Watch::default();
-    let failure: Mutex<Option<PyErr>> = Mutex::new(None);
-    let result = py.detach(|| {
+    let ended = py.detach(|| {
         thread::scope(|scope| {
             let (sender, receiver) = channel();
             let watch = &watch;
             scope.spawn(move || sender.send(guarded(|| work(watch))));
-            let (mut tick, mut reported) = (0_u64, 0);
-            loop {
-                tick += 1;
-                let received = receiver.recv_timeout(TICK);
-                let is_over = !matches!(received, Err(RecvTimeoutError::Timeout));
-                let [done, expected] =
-                    [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
-                let is_due = done != reported && (is_over || tick.is_multiple_of(TOLD_EVERY));
-                let heard = Python::attach(|py| {
-                    py.check_signals()?;
-                    match progress {
-                        Some(progress) if is_due => progress.call1(py, (done, expected)).map(drop),
-                        _ => Ok(()),
-                    }
-                });
-                reported = if is_due { done } else { reported };
-                if let (Err(error), Ok(mut failure)) = (heard, failure.lock()) {
-                    watch.stop.store(true, Ordering::Relaxed);
-                    failure.get_or_insert(error);
-                }
-                if is_over {
-                    return received;
-                }
-            }
+            attend(&receiver, watch, progress, Duration::MAX)
         })
     });
-    let failure = failure.into_inner().unwrap_or_default();
-    let is_interrupt = |error: &PyErr| error.is_instance_of::<PyKeyboardInterrupt>(py);
-    match (result, failure) {
-        (_, Some(error)) if !is_interrupt(&error) => Err(error),
-        (Ok(Ok(result)), failure) => Ok((result, failure.is_some())),
-        (Ok(Err(flaw)), _) => Err(errors::of_flaw(py, &flaw)),
-        (Err(_), _) => Err(errors::of_run(
-            py,
-            "internal error: the computation ended without a result",
-            Flaw::REMEDY,
-        )),
+    settled(py, ended)
+}
+
+/// Does some work that looks at the flag of the watch only now and then. After Ctrl-C it is a
+/// `KeyboardInterrupt` within a second; the thread ends when it looks at the flag.
+pub fn abandoned_on_interrupt<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+) -> PyResult<T> {
+    let watch = Arc::new(Watch::default());
+    let ended = py.detach(|| {
+        let (sender, receiver) = channel();
+        let of_work = Arc::clone(&watch);
+        // Nobody listens any more to work that was abandoned.
+        thread::spawn(move || {
+            sender
+                .send(guarded(|| work(&of_work.stop)))
+                .unwrap_or_default()
+        });
+        attend(&receiver, &watch, None, Duration::ZERO)
+    });
+    match ended {
+        (_, Some(error)) => Err(error),
+        ended => settled(py, ended).map(|(result, _)| result),
     }
 }

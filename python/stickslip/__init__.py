@@ -17,10 +17,11 @@ command would write.
 from __future__ import annotations
 
 from . import _native
-from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
+from ._bearing import Layout, Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
 from ._frames import events, summary
+from ._motion import Motion
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
@@ -47,6 +48,8 @@ __all__ = [
     "ArgumentError",
     "Check",
     "Events",
+    "Layout",
+    "Motion",
     "Picture",
     "RunError",
     "ScenarioError",

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._data import dataset, ready, warn
+from ._public import public
 from ._scenario import ScenarioLike, Settings, samples, source, written
 from ._time import Time
 from ._time import seconds as _seconds
-from ._types import checked
-from .errors import require
+from .errors import require, within
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,6 +22,55 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@dataclass(frozen=True)
+class Layout:
+    """How a file or a DataFrame with measurements is laid out, as far as it does not say so itself.
+
+    Attributes:
+        temperature: the name of the column of temperatures; by default the one whose name begins
+            with `temperature`.
+        temperature_file: the path of the CSV file of temperatures, if the file of displacements
+            lacks them.
+        temperature_unit: the unit of temperatures: "degC", "K", "degF" or "degR".
+        displacement_unit: the unit of displacements: "m", "cm", "mm" or "um".
+        time: the name of the column of times, or those of dates and of times of day with a comma
+            between them; by default the one with a usual name, such as "time", "Timestamp" or
+            "Date/Time".
+        zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
+        dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
+            or the order in which all of them are dates and the rows in order.
+        skip: number of lines before the names of the columns; by default up to the first line with
+            the names that are wanted.
+        missing: numbers and words that mark a missing value, besides the usual ones.
+        outliers: leave out values that differ from their neighbours by more than this many standard
+            deviations of such differences, e.g. 8; by default none is left out. Arrays may have it.
+        decimal: the decimal mark of numbers, "." or ","; by default inferred from all numbers.
+        averaged: averaging time of each value, ending at its stamp; 0 for instantaneous values; by
+            default taken from the name of the column. Arrays may have it.
+        of_temperatures: the layout of the temperatures, where it differs.
+    """
+
+    temperature: str | None = None
+    temperature_file: str | os.PathLike[str] | None = None
+    temperature_unit: str | None = None
+    displacement_unit: str | None = None
+    time: str | None = None
+    zone: str | None = None
+    dates: str | None = None
+    skip: int | None = None
+    missing: Sequence[str | float] = ()
+    outliers: int | None = None
+    decimal: str | None = None
+    averaged: Time | None = None
+    of_temperatures: Layout | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "missing", tuple(map(str, self.missing)))
+        if self.averaged:
+            object.__setattr__(self, "averaged", _seconds("averaged", self.averaged))
+
+
+@public
 def calibrate(
     scenario: ScenarioLike,
     data: Any,
@@ -33,19 +82,7 @@ def calibrate(
     starts: int = 10,
     lag: Time | None = None,
     interval: float = 0.9,
-    temperature: str | None = None,
-    temperature_file: str | os.PathLike[str] | None = None,
-    temperature_unit: str | None = None,
-    displacement_unit: str | None = None,
-    time: str | None = None,
-    zone: str | None = None,
-    dates: str | None = None,
-    skip: int | None = None,
-    missing: Sequence[str | float] = (),
-    outliers: int | None = None,
-    decimal: str | None = None,
-    averaged: Time | None = None,
-    temperature_layout: Mapping[str, Any] | None = None,
+    layout: Layout | None = None,
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -76,28 +113,7 @@ def calibrate(
         lag: delay of the temperature of the steel behind the thermometer, in seconds, as a text
             such as "10m", or as a timedelta; estimated if not given.
         interval: confidence level of the intervals, from 0.5 to 0.999.
-        temperature: the name of the column of temperatures in a file or a DataFrame; by default the
-            one whose name begins with `temperature`.
-        temperature_file: the path of the CSV file of temperatures, if `data` is a file that lacks
-            them.
-        temperature_unit, displacement_unit: the units in a file or a DataFrame, if not stated
-            there: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
-        time: the name of the column of times in a file or a DataFrame, or those of dates and of
-            times of day with a comma between them; by default the one with a usual name, such as
-            "time", "Timestamp" or "Date/Time".
-        zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
-        dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
-            or the order in which all of them are dates and the rows in order.
-        skip: number of lines before the names of the columns; by default up to the first line with
-            the names that are wanted.
-        missing: numbers and words that mark a missing value, besides the usual ones.
-        outliers: leave out values that differ from their neighbours by more than this many standard
-            deviations of such differences, e.g. 8; by default none is left out.
-        decimal: the decimal mark of numbers, "." or ","; by default inferred from all numbers.
-        averaged: averaging time of each value, ending at its stamp; 0 for instantaneous values; by
-            default taken from the name of the column.
-        temperature_layout: `time`, `zone`, `dates`, `skip`, `missing` and `averaged` of the
-            temperatures, where they differ.
+        layout: how a file or a DataFrame is laid out, as far as it does not say so itself.
         set: further keys of the scenario with their values, as for `run`.
         threads: number of threads; one for each core if not given.
 
@@ -114,27 +130,25 @@ def calibrate(
         ArgumentError: an argument, or the data, are invalid.
         RunError: the measurement does not determine the parameters.
     """
-    given = locals()
-    checked(calibrate, given)
     ready()
-    _probability(interval)
-    problem = "out of range"
-    require(1 <= starts <= 1000, "starts", starts, problem, "must be between 1 and 1000")
+    within(0.5, 0.999, interval=interval)
+    within(1, 1000, starts=starts)
     made, remarks = _native.calibrate(
         (*source(scenario), written(set)),
-        _record(given),
+        _record(data, displacement, layout or Layout()),
         method=method,
         fit=list(fit),
         bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
         starts=starts,
         lag=None if lag is None else _seconds("lag", lag),
         interval=interval,
-        workers=threads,
+        threads=threads,
     )
     warn(remarks)
     return dataset(made)
 
 
+@public
 def forecast(
     scenario: ScenarioLike,
     data: Any,
@@ -146,19 +160,7 @@ def forecast(
     interval: float = 0.9,
     share: float = 0.9,
     processes: int = 2,
-    temperature: str | None = None,
-    temperature_file: str | os.PathLike[str] | None = None,
-    temperature_unit: str | None = None,
-    displacement_unit: str | None = None,
-    time: str | None = None,
-    zone: str | None = None,
-    dates: str | None = None,
-    skip: int | None = None,
-    missing: Sequence[str | float] = (),
-    outliers: int | None = None,
-    decimal: str | None = None,
-    averaged: Time | None = None,
-    temperature_layout: Mapping[str, Any] | None = None,
+    layout: Layout | None = None,
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -170,9 +172,7 @@ def forecast(
     returned with a `StickSlipWarning`.
 
     Args:
-        scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
-            `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
-            `skip`, `missing`, `outliers`, `decimal`, `averaged` and `temperature_layout`.
+        scenario, data, displacement, layout, set, threads: as for `calibrate`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -197,26 +197,21 @@ def forecast(
         RunError: the measurement does not determine the parameters of bearing or weather.
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
-    given = locals()
-    checked(forecast, given)
     ready()
-    _probability(interval)
-    problem = "out of range"
-    for name, count in (("draws", draws), ("years", years)):
-        require(2 <= count <= 10_000, name, count, problem, "must be between 2 and 10000")
-    problem = "out of range"
-    require(0 <= share < 1, "share", share, problem, "must be in [0, 1)")
-    _one_or_two(processes)
+    within(0.5, 0.999, interval=interval)
+    within(2, 10_000, draws=draws, years=years)
+    require(0 <= share < 1, "share", share, "out of range", "must be in [0, 1)")
+    within(1, 2, processes=processes)
     made, remarks = _native.forecast(
         (*source(scenario), written(set)),
-        _record(given),
+        _record(data, displacement, layout or Layout()),
         draws=draws,
         years=years,
         seed=seed,
         interval=interval,
         share=share,
         processes=processes,
-        workers=threads,
+        threads=threads,
     )
     warn(remarks)
     return dataset(made)
@@ -259,21 +254,13 @@ class Weather:
     temperature: dict[str, Any]
 
 
+@public
 def fit_temperature(
     data: Any,
     *,
     processes: int = 2,
     periods: Sequence[Time] | None = None,
-    temperature: str | None = None,
-    temperature_unit: str | None = None,
-    time: str | None = None,
-    zone: str | None = None,
-    dates: str | None = None,
-    skip: int | None = None,
-    missing: Sequence[str | float] = (),
-    outliers: int | None = None,
-    decimal: str | None = None,
-    averaged: Time | None = None,
+    layout: Layout | None = None,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -288,8 +275,7 @@ def fit_temperature(
         periods: the periods of the harmonics, in seconds, as a string such as "10m", or as a
             timedelta; by default a year of 365.25 days and a day, if the samples resolve them.
             An empty sequence fits no harmonics.
-        temperature, temperature_unit, time, zone, dates, skip, missing, outliers,
-            decimal, averaged: as for `calibrate`.
+        layout: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -298,25 +284,25 @@ def fit_temperature(
         ArgumentError: an argument, or the data, are invalid.
         RunError: the samples do not determine the fit.
     """
-    given = locals()
-    checked(fit_temperature, given)
-    _one_or_two(processes)
+    within(1, 2, processes=processes)
     lengths = None
     if periods is not None:
         lengths = [_seconds("periods", period) for period in periods]
         problem = "a period is listed twice"
         is_right = len({*lengths}) == len(lengths)
         require(is_right, "periods", list(periods), problem, "list each period once")
+    layout = layout or Layout()
     if _is_table(data):
-        measured = _table(given)
+        measured = _table(data, layout)
     else:
-        times, values, _ = _repaired(data, "data", "temperature", outliers)
-        measured = _arrays([times, values], given)
+        times, values, _ = _repaired(data, "data", "temperature", layout.outliers)
+        measured = _Measured("the arrays", layout, arrays=[times, values])
     fit, remarks = _native.fit_temperature(measured, processes=processes, periods=lengths)
     warn(remarks)
     return Weather(**fit)
 
 
+@public
 def twin(
     scenario: ScenarioLike,
     *,
@@ -377,7 +363,6 @@ def twin(
         ScenarioError: the scenario is invalid.
         ArgumentError: an argument is invalid.
     """
-    checked(twin, locals())
     ready()
     for name, given, most in (
         ("scatter", scatter, 0.5),
@@ -399,11 +384,9 @@ def twin(
         is_right = not isinstance(sd, (str, timedelta)) and 0 <= sd < float("inf")
         problem = "must be a standard deviation"
         require(is_right, "sensor_noise", sd, problem, "give metres, at least 0")
-    require(gaps >= 0, "gaps", gaps, "out of range", "must be at least 0")
+    within(0, 2**32 - 1, gaps=gaps)
     require(abs(drift) < float("inf"), "drift", drift, "must be finite", "give metres per year")
-    problem = "out of range"
-    remedy = "must be at least 1"
-    require(thermometer_every >= 1, "thermometer_every", thermometer_every, problem, remedy)
+    within(1, 2**32, thermometer_every=thermometer_every)
     moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     problem = f"{seconds / step:.0f} samples; must be between 2 and 1e7"
@@ -438,11 +421,16 @@ def twin(
     return ds
 
 
-#: How a file is laid out.
-_LAYOUT = ("time", "zone", "dates", "skip", "missing", "outliers", "decimal", "averaged")
+@dataclass(frozen=True)
+class _Measured:
+    """A measurement in the form that the engine accepts: a file or a text with this name, or arrays
+    of times and values."""
 
-#: The columns of a file, and their units.
-_COLUMNS = ("temperature", "displacement", "temperature_unit", "displacement_unit")
+    name: str
+    layout: Layout
+    text: str | None = None
+    arrays: list[Any] | None = None
+    displacement: str | None = None
 
 
 def _is_table(data: Any) -> bool:
@@ -451,10 +439,8 @@ def _is_table(data: Any) -> bool:
     )
 
 
-def _record(given: Mapping[str, Any]) -> _native.Measured:
-    """The measurement of a bearing, among the arguments of a function, in the form that the engine
-    accepts."""
-    data, displacement = given["data"], given["displacement"]
+def _record(data: Any, displacement: Any, layout: Layout) -> _Measured:
+    """The measurement of a bearing."""
     if _is_table(data):
         require(
             displacement is None or isinstance(displacement, str),
@@ -463,21 +449,21 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
             "the data are a table",
             "give the name of one",
         )
-        return _table(given)
+        return _table(data, layout, displacement)
     problem = "displacements are missing"
     require(displacement is not None, "displacement", None, problem, "give both")
-    of_arrays = ("displacement", "outliers", "averaged")
-    for name in ("temperature_file", *_LAYOUT, *_COLUMNS):
+    for name, given in vars(layout).items():
         require(
-            name in of_arrays or not given[name],
-            name,
-            given[name],
+            name in ("outliers", "averaged", "of_temperatures") or not given,
+            f"layout.{name}",
+            given,
             "it applies to files, but the data are arrays",
             "remove it; arrays are in degrees Celsius, metres, and seconds or dates",
         )
-    outliers = given["outliers"]
-    times, temperatures, first = _repaired(data, "data", "temperature", outliers)
-    when, readings, later = _repaired(displacement, "displacement", "displacement", outliers)
+    times, temperatures, first = _repaired(data, "data", "temperature", layout.outliers)
+    when, readings, later = _repaired(
+        displacement, "displacement", "displacement", layout.outliers
+    )
     require(
         (first is None) == (later is None),
         "displacement",
@@ -489,37 +475,17 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
         import numpy as np
 
         when = when + (later - first) / np.timedelta64(1, "s")
-    return _arrays([times, temperatures, when, readings], given)
+    return _Measured("the arrays", layout, arrays=[times, temperatures, when, readings])
 
 
-def _layout(given: Mapping[str, Any]) -> _native.LaidOut:
-    layout: Any = {name: given.get(name) for name in _LAYOUT}
-    layout["missing"] = [str(mark) for mark in given.get("missing", ())]
-    averaged = layout["averaged"]
-    layout["averaged"] = _seconds("averaged", averaged) if averaged else averaged
-    laid: _native.LaidOut = layout
-    return laid
-
-
-def _table(given: Mapping[str, Any]) -> _native.Measured:
+def _table(data: Any, layout: Layout, displacement: str | None = None) -> _Measured:
     """A file, or a DataFrame as the text of such a file, so that the same reader checks it and its
     messages fit."""
-    data, beside = given["data"], given.get("temperature_file")
-    other = given.get("temperature_layout") or {}
-    remedy = f"give some of {', '.join(_LAYOUT)}"
-    for name in other:
-        require(name in _LAYOUT, "temperature_layout", name, "unknown part of a layout", remedy)
-    about: Any = {name: given.get(name) for name in _COLUMNS}
-    about["temperature_file"] = None if beside is None else os.fspath(beside)
-    measured = _arrays(None, given)
-    measured.update(about)
     if isinstance(data, (str, os.PathLike)):
-        measured["name"] = os.fspath(data)
-    else:
-        is_named = data.index.name is not None or not hasattr(data.index, "step")
-        measured["name"] = "the DataFrame"
-        measured["text"] = data.to_csv(index=is_named, index_label=data.index.name or "time")
-    return measured
+        return _Measured(os.fspath(data), layout, displacement=displacement)
+    is_named = data.index.name is not None or not hasattr(data.index, "step")
+    text = data.to_csv(index=is_named, index_label=data.index.name or "time")
+    return _Measured("the DataFrame", layout, text, displacement=displacement)
 
 
 def _repaired(
@@ -528,25 +494,5 @@ def _repaired(
     """The samples, checked and repaired as the reader of a file does it."""
     times, values, first = samples(given, argument)
     times, values, remarks = _native.repaired(argument, quantity, times, values, outliers)
-    warn(remarks, level=5)
+    warn(remarks, level=6)
     return times, values, first
-
-
-def _arrays(arrays: list[Any] | None, given: Mapping[str, Any]) -> _native.Measured:
-    nothing: Any = dict.fromkeys((*_COLUMNS, "text", "temperature_file"))
-    nothing["layout"] = _layout(given)
-    nothing["temperature_layout"] = _layout(given.get("temperature_layout") or {})
-    nothing["name"], nothing["arrays"] = "the arrays", arrays
-    measured: _native.Measured = nothing
-    return measured
-
-
-def _probability(interval: float) -> None:
-    problem = "out of range"
-    remedy = "must be between 0.5 and 0.999"
-    require(0.5 <= interval <= 0.999, "interval", interval, problem, remedy)
-
-
-def _one_or_two(processes: int) -> None:
-    problem = "out of range"
-    require(processes in (1, 2), "processes", processes, problem, "must be 1 or 2")

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
-from ._types import checked
 from ._wording import in_python
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Check:
     """A checked scenario, as `mc check` prints it.
 
@@ -29,7 +29,15 @@ class Check:
     derived: dict[str, float | int | list[float] | None]
     warnings: dict[str, str]
 
+    def __repr__(self) -> str:
+        """The text of `mc check`."""
+        derived = [f"# {name} = {value}" for name, value in self.derived.items()]
+        warnings = [f"# warning: {text}" for text in self.warnings.values()]
+        parts = [self.toml, "# Derived quantities", *derived, "", *(warnings or ["# no warnings"])]
+        return "\n".join(parts)
 
+
+@public
 def check(
     scenario: ScenarioLike,
     *,
@@ -56,8 +64,6 @@ def check(
         ScenarioError: the scenario is invalid. The error gives the location and a fix.
         ArgumentError: `temperature` or one of `inputs` is not a measurement.
     """
-    given = locals()
-    checked(check, given)
-    parsed = parse(given)
+    parsed = parse(locals())
     warnings = {name: in_python(sentence) for name, sentence in parsed.warnings()}
     return Check(parsed.title, parsed.toml, parsed.derived(), warnings)

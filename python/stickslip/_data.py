@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _native
+from ._public import public
 from ._wording import in_python
 
 if TYPE_CHECKING:
@@ -55,17 +56,19 @@ def raw(ds: xr.Dataset) -> tuple[dict[str, Any], list[tuple[str, list[str], Any,
     return ds.attrs, variables
 
 
+@public
 def load(file: str | os.PathLike[str]) -> xr.Dataset:
     """Open a file that `mc run`, `merge`, `replay`, `sweep`, `trade` or `calibrate` wrote.
 
-    Values are read from the file when they are used. xarray needs a netCDF-4 backend:
-    `pip install stickslip[files]` installs h5netcdf.
+    Values are read from the file when they are used. xarray needs a netCDF-4 backend, such as
+    h5netcdf, which the extra `files` of this package installs: `pip install './python[files]'`.
 
     Args:
         file: path of the file.
 
     Returns:
-        The data set that the function of the same name in this package returns.
+        The data set that `run`, `merge`, `replay`, `sweep`, `trade` or `calibrate` of this package
+        returns. Close it, or use it in a `with` statement, before the file is replaced.
 
     Warns:
         StickSlipWarning: the file has no checksum, because another program changed it, or because
@@ -84,7 +87,7 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
     return xr.open_dataset(os.fspath(file), decode_times=False, decode_timedelta=False)
 
 
-def warn(sentences: list[str], level: int = 3) -> None:
+def warn(sentences: list[str], level: int = 4) -> None:
     """Issue a `StickSlipWarning` for each sentence, with `level` as its `stacklevel`."""
     from .errors import StickSlipWarning
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._types import checked
+from ._public import public
 from .errors import require
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ _NUMBERS = (
 )
 
 
+@public
 def events(ds: xr.Dataset) -> pd.DataFrame:
     """The events of the paths as a data frame with one row for each event.
 
@@ -49,7 +50,6 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
         ArgumentError: the data set has no events, or some of its paths were selected.
         ModuleNotFoundError: pandas is not installed.
     """
-    checked(events, locals())
     pandas = _pandas()
     import numpy as np
 
@@ -74,6 +74,7 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
     return frame
 
 
+@public
 def summary(ds: xr.Dataset) -> pd.DataFrame:
     """The statistics as a data frame with one row for each, like `arviz.summary`.
 
@@ -93,7 +94,6 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
         ArgumentError: the data set has no statistics.
         ModuleNotFoundError: pandas is not installed.
     """
-    checked(summary, locals())
     pandas = _pandas()
     require(
         "statistic" in ds.dims and "estimate" in ds,
@@ -105,7 +105,7 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
     axes = [str(axis) for axis in ds.estimate.dims]
     there = [name for name in _NUMBERS if name in ds]
     units = {"unit": ds.statistic_unit, "long_name": ds.statistic_long_name}
-    # Coordinates that are no axis would be columns of their own.
+    # Coordinates that are not axes would be columns of their own.
     of_numbers = ds[there].reset_coords(drop=True).assign(
         {name: texts.reset_coords(drop=True).astype(str) for name, texts in units.items()}
     )

@@ -1,7 +1,7 @@
 """The engine, without documentation. Use the functions of `stickslip`, which are documented."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +35,7 @@ def parse(
     samples: Sequence[tuple[str, npt.NDArray[np.float64], npt.NDArray[np.float64]]] = (),
     are_stored: bool = False,
 ) -> Scenario: ...
+def key_meant(word: str) -> tuple[str, str] | None: ...
 def shipped(name: str) -> str | None: ...
 
 # A data set that is handed to the engine, in the same form.
@@ -69,12 +70,18 @@ def merge(
     progress: Callable[[int, int], object] | None,
 ) -> tuple[Variables, list[str]]: ...
 def replay(scenario: Scenario, path: int) -> Variables: ...
+def motion(
+    scenario: Scenario,
+    overrides: Sequence[tuple[str, str, str]],
+    times: npt.NDArray[np.float64],
+    path: int,
+) -> npt.NDArray[np.float64]: ...
 def choose(
     scenario: Scenario,
-    target: float,
-    statistics: list[str],
+    accuracy: float,
+    statistic: list[str],
     max_time: float | None,
-    workers: int | None,
+    threads: int | None,
 ) -> tuple[Scenario, str]: ...
 def sweep(
     scenario: Scenario,
@@ -85,37 +92,14 @@ def sweep(
     relative_step: float,
     independent: bool,
     bias: bool,
-    workers: int | None,
+    threads: int | None,
     progress: Callable[[int, int], object] | None,
 ) -> tuple[Variables, bool]: ...
-def trade(scenario: Scenario, budget: float, workers: int | None) -> tuple[Variables, bool]: ...
+def trade(scenario: Scenario, budget: float, threads: int | None) -> tuple[Variables, bool]: ...
 
 # A scenario: its name in messages, its text (None if the name is that of a file), and overrides as
 # pairs of a key and a value in TOML.
 Given = tuple[str, str | None, list[tuple[str, str]]]
-
-# A measurement: a file or a text with this name, or arrays of times and values.
-class Measured(TypedDict):
-    name: str
-    text: str | None
-    arrays: list[npt.NDArray[np.float64]] | None
-    temperature_file: str | None
-    temperature: str | None
-    displacement: str | None
-    temperature_unit: str | None
-    displacement_unit: str | None
-    layout: LaidOut
-    temperature_layout: LaidOut
-
-class LaidOut(TypedDict):
-    time: str | None
-    zone: str | None
-    dates: str | None
-    skip: int | None
-    missing: list[str]
-    outliers: int | None
-    decimal: str | None
-    averaged: float | None
 
 def repaired(
     argument: str,
@@ -127,7 +111,7 @@ def repaired(
 
 def calibrate(
     scenario: Given,
-    measured: Measured,
+    measured: object,
     *,
     method: str,
     fit: list[str],
@@ -135,11 +119,11 @@ def calibrate(
     starts: int,
     lag: float | None,
     interval: float,
-    workers: int | None,
+    threads: int | None,
 ) -> tuple[Variables, list[str]]: ...
 def forecast(
     scenario: Given,
-    measured: Measured,
+    measured: object,
     *,
     draws: int,
     years: int,
@@ -147,11 +131,11 @@ def forecast(
     interval: float,
     share: float,
     processes: int,
-    workers: int | None,
+    threads: int | None,
 ) -> tuple[Variables, list[str]]: ...
 
 def fit_temperature(
-    measured: Measured,
+    measured: object,
     *,
     processes: int,
     periods: list[float] | None,
@@ -182,6 +166,6 @@ def plot(
     scenario: Scenario | None,
     data: list[tuple[str, Handed]],
     path: int,
-    of: str | None,
+    statistic: str | None,
     drawn: Drawn,
 ) -> Picture: ...

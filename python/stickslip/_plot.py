@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native
 from ._data import raw
+from ._public import public
 from ._run import STUDIES, of_run
 from ._scenario import ScenarioLike, Settings, parse
-from ._types import checked
 from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
@@ -21,11 +22,34 @@ if TYPE_CHECKING:
 _COLUMN = 86.0
 
 
+@dataclass(frozen=True)
+class _Pickled:
+    """The contents of the files of a picture."""
+
+    svg: str
+    png_300: bytes
+    pdf_file: bytes
+
+    def png(self, dots_per_inch: float) -> bytes:
+        problem, remedy = "the picture was pickled", "use 300, or draw it again"
+        require(dots_per_inch == 300, "dots_per_inch", dots_per_inch, problem, remedy)
+        return self.png_300
+
+    def pdf(self) -> bytes:
+        return self.pdf_file
+
+
 class Picture:
-    """A picture. A notebook shows it as SVG; `save` writes it as SVG, PNG or PDF."""
+    """A picture. A notebook shows it as SVG; `save` writes it as SVG, PNG or PDF.
+
+    It can be pickled. Of a picture that was, the PNG has 300 dots per inch.
+    """
 
     def __init__(self, scene: _native.Picture) -> None:
-        self._scene = scene
+        self._scene: _native.Picture | _Pickled = scene
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_scene": _Pickled(self.svg, self.png(), self.pdf())}
 
     @property
     def svg(self) -> str:
@@ -71,6 +95,7 @@ class Picture:
         return self.svg
 
 
+@public
 def plot(
     subject: Union[ScenarioLike, xr.Dataset, Mapping[str, xr.Dataset]],
     *,
@@ -120,7 +145,6 @@ def plot(
         ScenarioError: the scenario is invalid.
         RunError: there is nothing to draw, because every path was lost.
     """
-    checked(plot, locals())
     is_known = theme in ("light", "dark")
     require(is_known, "theme", theme, "unknown theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log, title, [*(labels or {}).items()])

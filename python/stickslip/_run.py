@@ -9,11 +9,11 @@ from . import _native, _own
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
+from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
 from ._time import seconds as _seconds
-from ._types import checked
-from .errors import require, wrong_argument
+from .errors import require, within, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +33,7 @@ STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
 _PART_STATE = {"long_name": "state of a part of a run, used by mc merge"}
 
 
+@public
 def run(
     scenario: ScenarioLike,
     *,
@@ -148,7 +149,6 @@ def run(
         Exception: whatever a function in `own` or `progress` raises.
     """
     given = locals()
-    checked(run, given)
     ready()
     end, goals = _end_and_goals(until)
     seconds = None if max_time is None else _seconds("max_time", max_time)
@@ -193,6 +193,7 @@ def run(
     return ds.merge(_of_own(estimates)) if estimates else ds
 
 
+@public
 def merge(
     parts: Sequence[xr.Dataset],
     *,
@@ -217,7 +218,6 @@ def merge(
         ArgumentError: a part is missing, given twice, damaged, or of another run or program. The
             checks are those of `mc merge`.
     """
-    checked(merge, locals())
     given = []
     for number, ds in enumerate(parts):
         require(
@@ -246,8 +246,7 @@ def _chosen(
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
     problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
     require(not decided, "accuracy", accuracy, problem, "remove one of them")
-    problem = "it is not a relative error that can be reached"
-    require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "must be between 1e-6 and 0.5")
+    within(1e-6, 0.5, accuracy=accuracy)
     named = [statistic] if isinstance(statistic, str) else list(statistic)
     return _native.choose(parsed, accuracy, named, seconds, threads)
 
@@ -275,6 +274,7 @@ def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Datas
     )
 
 
+@public
 def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     """Simulate one path of an ensemble again, with its events and its trajectory, like `mc replay`.
 
@@ -290,7 +290,6 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
     """
-    checked(replay, locals())
     return dataset(_native.replay(of_run(run), path))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union
 
 from . import _native, _toml
 from ._data import warn
+from ._public import KEYS
 from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
@@ -28,17 +29,6 @@ Settings = Mapping[str, Any]
 _SECONDS = ("", "s", "sec", "second", "seconds")
 
 
-#: Arguments that replace a key of the scenario, and the key.
-_KEYS = {
-    "paths": "ensemble.paths",
-    "seed": "ensemble.seed",
-    "scheme": "scheme.kind",
-    "tolerance": "scheme.tolerance",
-    "step": "time.step",
-    "until": "time.end",
-}
-
-
 def scenarios() -> dict[str, str]:
     """The shipped scenarios.
 
@@ -55,8 +45,8 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
     arguments: dict[str, Any] = {**given, **replaced}
     name, text = source(arguments["scenario"])
     # Messages quote the first of the three with the value behind it.
-    laid = [(f"set {key} =", key, value) for key, value in written(arguments.get("set"))]
-    for argument, key in _KEYS.items():
+    laid = overrides(arguments.get("set"))
+    for argument, key in KEYS.items():
         value = arguments.get(argument)
         if value is not None:
             # A text has no quotation marks.
@@ -66,7 +56,7 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
     for argument, table, quantity, given in _measurements(arguments):
         times, values, first = samples(given, argument)
         times, values, remarks = _native.repaired(argument, quantity, times, values, None)
-        warn(remarks, level=4)
+        warn(remarks, level=5)
         measured.append((table, times, values))
         dated = dated if first is None else argument
     parsed = _native.parse(name, text, laid, measured)
@@ -87,6 +77,11 @@ def _measurements(arguments: Mapping[str, Any]) -> Iterator[tuple[str, str, str,
         yield "temperature", "temperature.series", "temperature", temperature
     for name, given in (inputs or {}).items():
         yield f"inputs.{name}", f"input.{name}", "input", given
+
+
+def overrides(settings: Settings | None) -> list[tuple[str, str, str]]:
+    """What messages call each setting, its dotted key, and its value as TOML."""
+    return [(f"set {key} =", key, value) for key, value in written(settings)]
 
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:

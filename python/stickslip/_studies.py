@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Union
 from . import _native, _toml
 from ._data import dataset, ready, warn
 from ._progress import Progress, shown
+from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time, seconds
-from ._types import checked
 from .errors import require
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Values = Union[str, Sequence[float], Any]
 
 
+@public
 def sweep(
     scenario: ScenarioLike,
     vary: Mapping[str, Values] | None = None,
@@ -80,7 +81,6 @@ def sweep(
         KeyboardInterrupt: Ctrl-C came before the first point was done.
     """
     given = locals()
-    checked(sweep, given)
     ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     problem = "give either `vary` or `elasticity`"
@@ -95,13 +95,14 @@ def sweep(
             relative_step=relative_step,
             independent=independent,
             bias=bias,
-            workers=threads,
+            threads=threads,
             progress=told,
         )
     warn(["interrupted: missing points are NaN"] if is_interrupted else [])
     return dataset(made)
 
 
+@public
 def trade(
     scenario: ScenarioLike,
     *,
@@ -138,7 +139,6 @@ def trade(
         RunError: the budget is too small, or there is nothing to compare.
     """
     given = locals()
-    checked(trade, given)
     ready()
     parsed = parse(given)
     made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)

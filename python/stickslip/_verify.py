@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from . import _native
 from ._data import load, raw, ready, warn
+from ._public import public
 from ._run import STUDIES, of_run
 from .errors import RunError, VerificationError, require
 
@@ -33,6 +34,7 @@ class Verified:
     same_program: bool
 
 
+@public
 def verify(
     run: xr.Dataset | str | os.PathLike[str],
     *,
@@ -82,7 +84,7 @@ def _verified(
 ) -> Verified:
     is_same = _is_same_program(ds)
     other = "it was made by another version of the program, whose results may differ"
-    warn([] if is_same else [other], level=4)
+    warn([] if is_same else [other], level=5)
     of_run(ds)
     part = ds.attrs.get("part")
     remedy = "merge the parts and verify the run"

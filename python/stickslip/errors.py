@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 from ._wording import in_python
@@ -106,3 +107,11 @@ def require(is_right: bool, argument: str, value: object, problem: str, remedy: 
     """Raise the exception for an invalid argument unless it is right."""
     if not is_right:
         raise wrong_argument(argument, value, problem, remedy)
+
+
+def within(low: float, high: float, **arguments: float) -> None:
+    """Raise the exception for an argument that is not between these bounds."""
+    for name, value in arguments.items():
+        remedy = f"must be between {low:g} and {high:g}"
+        is_right = isinstance(value, Real) and low <= value <= high
+        require(is_right, name, value, "wrong type or out of range", remedy)

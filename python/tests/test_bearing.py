@@ -39,8 +39,12 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
     for data, arguments, flags in [
         ("none.csv", {}, []),
         (TWIN, {"displacement": "gauge"}, ["--displacement", "gauge"]),
-        (TWIN, {"displacement_unit": "mile"}, ["--displacement-unit", "mile"]),
-        (TWIN, {"temperature_file": "none.csv"}, ["--temperature-file", "none.csv"]),
+        (TWIN, {"layout": ss.Layout(displacement_unit="mile")}, ["--displacement-unit", "mile"]),
+        (
+            TWIN,
+            {"layout": ss.Layout(temperature_file="none.csv")},
+            ["--temperature-file", "none.csv"],
+        ),
     ]:
         _, said = mc("calibrate", BRIDGE, data, *flags, succeeds=False)
         with pytest.raises(ss.ArgumentError) as raised:
@@ -59,17 +63,17 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
 
 def test_means_are_told_by_an_argument(mc, tmp_path):
     mc("calibrate", BRIDGE, TWIN, "--averaged", "10min", "--method", "slips", "-o", "fit.h5")
-    means = ss.calibrate(BRIDGE, TWIN, averaged="10min", method="slips")
+    means = ss.calibrate(BRIDGE, TWIN, layout=ss.Layout(averaged="10min"), method="slips")
     same(means, ss.load(tmp_path / "fit.h5"))
-    samples = ss.calibrate(BRIDGE, TWIN, averaged=0, method="slips")
+    samples = ss.calibrate(BRIDGE, TWIN, layout=ss.Layout(averaged=0), method="slips")
     same(samples, ss.calibrate(BRIDGE, TWIN, method="slips"))
     # The extremes of an instant are farther apart than those of means.
     f_s = "friction.static"
     assert means.estimate.sel(quantity=f_s) > 1.01 * samples.estimate.sel(quantity=f_s)
     with pytest.raises(ss.ArgumentError, match="averaged"):
-        ss.calibrate(BRIDGE, TWIN, averaged="an hour")
+        ss.Layout(averaged="an hour")
     mc("fit-temperature", TWIN, "--averaged", "10min", "-o", "weather.toml")
-    weather = ss.fit_temperature(TWIN, averaged="10min").toml
+    weather = ss.fit_temperature(TWIN, layout=ss.Layout(averaged="10min")).toml
     assert (tmp_path / "weather.toml").read_text().endswith(weather)
     assert weather != ss.fit_temperature(TWIN).toml
 
@@ -99,9 +103,8 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
         )
     frame[["time", "temperature_degC"]].to_csv(tmp_path / "t.csv", index=False)
     frame[["time", "displacement_mm"]][1008:].to_csv(tmp_path / "z.csv", index=False)
-    two = ss.calibrate(
-        BRIDGE, tmp_path / "z.csv", temperature_file=tmp_path / "t.csv", method="slips"
-    )
+    layout = ss.Layout(temperature_file=tmp_path / "t.csv")
+    two = ss.calibrate(BRIDGE, tmp_path / "z.csv", layout=layout, method="slips")
     # A sensor that was mounted a week later: as files, and as series with dates, which have the
     # same clock.
     temperature = dated.temperature_degC
@@ -167,35 +170,32 @@ def test_arrays_and_tables_have_the_same_repairs():
             result = work()
         return result, " ".join(str(warning.message) for warning in issued)
 
+    strict = ss.Layout(outliers=8)
+    named = ss.Layout(time="time_s", temperature="temperature_degC", outliers=8)
     by_array, of_array = said(
         lambda: ss.calibrate(
-            BRIDGE, (time, temperatures), (time, readings), method="slips", outliers=8
+            BRIDGE, (time, temperatures), (time, readings), method="slips", layout=strict
         )
     )
     by_frame, of_frame = said(
-        lambda: ss.calibrate(
-            BRIDGE,
-            frame,
-            time="time_s",
-            temperature="temperature_degC",
-            method="slips",
-            outliers=8,
-        )
+        lambda: ss.calibrate(BRIDGE, frame, layout=named, method="slips")
     )
     same(by_array, by_frame)
     for words in (of_array, of_frame):
         assert f"left out {silent} cells without a value in `temperature" in words, words
         assert "left out 2 values that differ strongly" in words, words
     weather, of_weather = said(
-        lambda: ss.fit_temperature((time, temperatures), processes=1, outliers=8)
+        lambda: ss.fit_temperature((time, temperatures), processes=1, layout=strict)
     )
-    again, _ = said(lambda: ss.fit_temperature(frame, time="time_s", processes=1, outliers=8))
+    again, _ = said(lambda: ss.fit_temperature(frame, processes=1, layout=named))
     assert weather == again and "left out 2 values" in of_weather
     # Nothing is left out that nobody asked for.
     _, of_record = said(lambda: ss.fit_temperature((time, temperatures), processes=1))
     assert "9999.9 in line 1002" in of_record
     with pytest.raises(ss.ArgumentError, match="given for dates|plain number"):
-        ss.calibrate(BRIDGE, frame, time="time_s", zone="UTC")
+        ss.calibrate(BRIDGE, frame, layout=ss.Layout(time="time_s", zone="UTC"))
+    with pytest.raises(ss.ArgumentError, match=r"layout\.zone = UTC: it applies to files"):
+        ss.calibrate(BRIDGE, (time, temperatures), (time, readings), layout=ss.Layout(zone="UTC"))
 
 
 def test_forecast(mc, tmp_path):
@@ -278,8 +278,8 @@ def test_what_cannot_be_fitted_is_refused():
         ({"periods": [86_400, 86_400.0]}, "periods"),
         ({"periods": [0]}, "periods"),
         ({"processes": 0}, "processes"),
-        ({"temperature": "air"}, "data"),
-        ({"time": "when"}, "data"),
+        ({"layout": ss.Layout(temperature="air")}, "data"),
+        ({"layout": ss.Layout(time="when")}, "data"),
     ]:
         with pytest.raises(ss.ArgumentError) as raised:
             ss.fit_temperature(TWIN, **arguments)

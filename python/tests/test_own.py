@@ -1,4 +1,4 @@
-"""Statistics of one's own, and a run in parts."""
+"""User-defined statistics, and a run in parts."""
 
 from __future__ import annotations
 

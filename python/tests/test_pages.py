@@ -6,6 +6,7 @@ import os
 import re
 import signal
 
+import numpy as np
 import pytest
 import stickslip as ss
 from conftest import ROOT, same
@@ -17,7 +18,7 @@ def snippets(page):
     return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), flags=re.DOTALL)
 
 
-@pytest.mark.parametrize(("name", "pictures"), [("tutorial", 4), ("lesson", 3)])
+@pytest.mark.parametrize(("name", "pictures"), [("tutorial", 4), ("lesson", 3), ("motion", 0)])
 def test_a_notebook_runs_from_end_to_end_in_any_folder(name, pictures, tmp_path):
     """The cells hold what the text says by `assert`."""
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
@@ -71,8 +72,6 @@ def test_a_law_is_fitted_as_the_page_of_statistics_says():
 
 def test_the_snippets_of_the_guide_run(monkeypatch):
     """All of them except that with a measured temperature, whose arrays a reader must provide."""
-    import numpy as np
-
     monkeypatch.chdir(ROOT)
     names = {"np": np}
     for snippet in snippets("docs/python.md"):
@@ -87,3 +86,33 @@ def test_the_snippets_of_the_guide_run(monkeypatch):
         f"{estimate:.4f}, 95 % interval [{low:.4f}, {high:.4f}]"
         == "0.1599, 95 % interval [0.1570, 0.1628]"
     )
+
+
+def test_the_snippet_on_a_measured_motion_finds_its_parameters():
+    pytest.importorskip("scipy")
+    names = {}
+    exec(*snippets("docs/motion.md"), names)
+    assert np.allclose(np.exp(names["fit"].x), [100, 0.3, 1], rtol=0.05)
+
+
+def test_random_parameters_are_pooled_with_their_interval():
+    names = {}
+    exec(*snippets("docs/sweep.md")[1:], names)
+    assert abs(names["sticks"].mean().item() - 4) < 3 * names["error"]
+    # Uniform over a width of 0.2, times the slope 2/(K V) = 20.
+    assert np.isclose(names["error"], 20 * 0.2 / 12**0.5 / 200**0.5, rtol=0.1)
+
+
+def test_the_fragility_of_a_block_is_that_of_its_closed_form():
+    """Newmark's distance for each peak of the page, whose chords of 1 ms lose (pi h/T)^2/12 = 5e-6 of the pulse, a few times more of a short slip."""
+    names = {}
+    exec(*snippets("docs/gallery.md"), names)
+    w, T, a = np.pi / names["duration"], names["duration"], names["mu"] * names["g"]
+    A = names["peaks"] * names["g"]
+    t1 = np.arcsin(np.minimum(a / A, 1)) / w
+    v = A / w * (1 + np.cos(w * t1)) - a * (T - t1)
+    slip = A / w * ((T - t1) * np.cos(w * t1) + np.sin(w * t1) / w) - a * (T - t1) ** 2 / 2 + v**2 / 2 / a
+    outlasts = (a < A) & (v > 0)      # the slip outlasts the pulse, as the formula assumes
+    assert outlasts.mean() > 0.9
+    assert np.allclose(names["slip"][outlasts], slip[outlasts], rtol=5e-5)
+    assert (names["slip"][a >= A] == 0).all()

@@ -13,6 +13,10 @@ pub struct Derived {
     pub natural_frequency: f64,
     /// Frequency of each harmonic relative to the natural frequency, w/w0.
     pub frequency_ratios: Vec<f64>,
+    /// Damping ratio alpha/(m w0); none without a spring.
+    pub damping_ratio: Option<f64>,
+    /// K |beta| times the sum of the amplitudes of the harmonics.
+    pub harmonic_force: f64,
     /// Friction ratio f_d/f_s; none if f_s = 0.
     pub friction_ratio: Option<f64>,
     /// K |beta| rho sigma / sqrt(2 theta): the stationary standard deviation of the noise in b, of
@@ -75,66 +79,119 @@ impl From<Option<f64>> for DerivedQuantity {
 }
 
 impl Derived {
-    /// All quantities with their names.
-    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 21] {
-        let critical_amplitude = match self.stability {
-            Some(
-                Stability::Undamped { critical_amplitude }
-                | Stability::Growing { critical_amplitude },
-            ) => Some(critical_amplitude),
-            _ => None,
+    /// All quantities, each with its name for programs and its meaning for people.
+    pub fn quantities(&self) -> [(&'static str, &'static str, DerivedQuantity); 23] {
+        use DerivedQuantity::{Count, Real, Reals, Unknown};
+        let resolution = |of: fn(Resolution) -> f64| self.resolution.map(of).into();
+        let undamped = "A_c = 4 f_d/(pi w0 h K), critical amplitude";
+        let (critical, meaning) = match self.stability {
+            Some(Stability::Undamped { critical_amplitude }) => {
+                (Some(critical_amplitude), undamped)
+            }
+            Some(Stability::Growing { critical_amplitude }) => (
+                Some(critical_amplitude),
+                "the same, including the error of the step",
+            ),
+            _ => (None, undamped),
         };
+        let largest_step = self.stability.and_then(Stability::largest_step);
+        let period = self.period.map(|period| period.length);
         [
             (
                 "natural_frequency",
-                DerivedQuantity::Real(self.natural_frequency),
+                "w0 = sqrt(K/m), natural frequency",
+                Real(self.natural_frequency),
             ),
             (
                 "frequency_ratios",
-                DerivedQuantity::Reals(self.frequency_ratios.clone()),
+                "w/w0, forcing",
+                Reals(self.frequency_ratios.clone()),
             ),
-            ("friction_ratio", self.friction_ratio.into()),
-            ("noise_force", self.noise_force.into()),
-            ("corridor_half_width", self.corridor_half_width.into()),
-            ("corridor_time", self.corridor_time.into()),
-            ("runaway_amplitude", self.runaway_amplitude.into()),
-            ("critical_amplitude", critical_amplitude.into()),
+            (
+                "damping_ratio",
+                "alpha/(m w0), damping ratio",
+                self.damping_ratio.into(),
+            ),
+            (
+                "harmonic_force",
+                "K beta sum |a|, force of the harmonics",
+                Real(self.harmonic_force),
+            ),
+            (
+                "friction_ratio",
+                "f_d/f_s, friction ratio",
+                self.friction_ratio.into(),
+            ),
+            (
+                "noise_force",
+                "K beta rho sigma/sqrt(2 theta), noise in b",
+                self.noise_force.into(),
+            ),
+            (
+                "corridor_half_width",
+                "f_s/(K beta rho), half width of the stick band in v",
+                self.corridor_half_width.into(),
+            ),
+            (
+                "corridor_time",
+                "(f_s/(K beta rho sigma))^2, time to cross it",
+                self.corridor_time.into(),
+            ),
+            (
+                "runaway_amplitude",
+                "amplitude beyond which the motion grows without bound",
+                self.runaway_amplitude.into(),
+            ),
+            ("critical_amplitude", meaning, critical.into()),
             (
                 "largest_step",
-                self.stability.and_then(Stability::largest_step).into(),
+                "stability limit of the step",
+                largest_step.into(),
             ),
-            ("monitoring_shift", self.monitoring_shift.into()),
-            ("tolerance", self.tolerance.into()),
+            (
+                "monitoring_shift",
+                "0.5826 K beta rho sigma sqrt(h), shift of f_s",
+                self.monitoring_shift.into(),
+            ),
+            ("tolerance", "tolerance, relative", self.tolerance.into()),
             (
                 "resolution_static_force",
-                self.resolution
-                    .map(|resolution| resolution.static_force)
-                    .into(),
+                "resolution: f_s as simulated",
+                resolution(|resolution| resolution.static_force),
             ),
             (
                 "resolution_shortest_slip",
-                self.resolution
-                    .map(|resolution| resolution.shortest_slip)
-                    .into(),
+                "resolution: shortest slip resolved, about",
+                resolution(|resolution| resolution.shortest_slip),
             ),
             (
                 "expected_amplitude",
-                DerivedQuantity::Real(self.expected_amplitude),
+                "largest |x| expected, roughly",
+                Real(self.expected_amplitude),
             ),
-            ("period", self.period.map(|period| period.length).into()),
-            ("whole_periods", DerivedQuantity::Real(self.whole_periods)),
+            (
+                "period",
+                "P, period at which displacements are compared",
+                period.into(),
+            ),
+            ("whole_periods", "whole periods P", Real(self.whole_periods)),
             (
                 "counted_periods",
-                DerivedQuantity::Count(self.counted_periods as u64),
+                "whole periods P that are counted",
+                Count(self.counted_periods as u64),
             ),
             (
                 "steps",
-                self.steps
-                    .map_or(DerivedQuantity::Unknown, DerivedQuantity::Count),
+                "steps of a path",
+                self.steps.map_or(Unknown, Count),
             ),
-            ("path_steps", self.path_steps.into()),
-            ("rows", DerivedQuantity::Count(self.rows as u64)),
-            ("output_bytes", DerivedQuantity::Real(self.output_bytes)),
+            ("path_steps", "path-steps in all", self.path_steps.into()),
+            ("rows", "rows of the output grid", Count(self.rows as u64)),
+            (
+                "output_bytes",
+                "output file, about",
+                Real(self.output_bytes),
+            ),
         ]
     }
 }
@@ -168,6 +225,14 @@ impl Scenario {
                 .iter()
                 .map(|harmonic| harmonic.angular_frequency / w0)
                 .collect(),
+            damping_ratio: (oscillator.stiffness > 0.0)
+                .then(|| oscillator.damping / (oscillator.mass * w0)),
+            harmonic_force: force_per_kelvin
+                * temperature
+                    .harmonics
+                    .iter()
+                    .map(|harmonic| harmonic.amplitude.abs())
+                    .sum::<f64>(),
             friction_ratio: (friction.static_force > 0.0)
                 .then(|| friction.dynamic_force / friction.static_force),
             noise_force,

@@ -30,7 +30,7 @@ const BLOCK_ROW_BYTES: f64 = 6e3;
 const TABLES_BYTES: f64 = 4e6;
 
 impl Scenario {
-    /// Estimated memory of a run of so many paths on so many threads, in bytes.
+    /// Estimated memory of a run with these numbers of paths and threads, in bytes.
     pub fn run_bytes(&self, paths: u64, threads: usize) -> f64 {
         let rows = self.timeline().rows() as f64;
         let together = BLOCK_SIZE.min(paths) as f64;

@@ -224,7 +224,7 @@ fn warnings_say_what_the_scene_is_about() {
     assert!(
         names(&["time.step=0.2", "time.output_step=0.2"]).contains(&"amplitude-above-critical")
     );
-    assert!(names(&["time.step=0.25"]).contains(&"step-against-stick band"));
+    assert!(names(&["time.step=0.25"]).contains(&"step-against-stick-band"));
     assert!(names(&["time.step=0.02"]).contains(&"micro-slips"));
     assert!(names(&["oscillator.damping=0.01", "time.step=0.02"]).contains(&"step-unstable"));
     assert!(!names(&["oscillator.damping=0.01", "time.step=0.01"]).contains(&"step-unstable"));

@@ -68,13 +68,9 @@ pub(super) struct Extrapolated {
     pub statistic: Statistic,
     pub bias: Bias,
     /// The standard error of the statistic from these paths, times the root of their number; zero
-    /// where the events on which it rests are in less than five groups.
+    /// where it rests on a few of them.
     scatter: f64,
 }
-
-/// Where fewer than five of 16 groups have rare events, the error of a number has fewer degrees of
-/// freedom. That of 16 normal numbers has fewer in 3 % of cases.
-const LEAST_FREEDOM: f64 = 9.0;
 
 /// The paths that measure a bias are taken for typical of the run if the statistic scatters among
 /// them at least by this share of what it does among the paths of the run. From 16 groups of normal
@@ -205,9 +201,10 @@ impl Differences {
     ) -> Result<(Vec<Extrapolated>, bool), NoBias> {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
-        let levels = self
-            .simulate(threads, stop)?
-            .map(|groups| self.values(&groups, is_wanted));
+        let groups = self.simulate(threads, stop)?;
+        let mut at_step = self.empty();
+        groups[0].iter().for_each(|group| at_step.merge(group));
+        let levels = groups.map(|groups| self.values(&groups, is_wanted));
         let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
         let grows =
             |statistic: Statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH);
@@ -219,9 +216,7 @@ impl Differences {
                 .map(|g| at(&|(_, without)| without[g][i]))
                 .collect();
             let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
-            let has_rare_events = self.groups == GROUPS
-                && Measured::jackknifed(all.0[0], &at_h).freedom() < LEAST_FREEDOM;
-            let error = if has_rare_events {
+            let error = if at_step.measured(statistic).rests_on_few(self.paths()) {
                 0.0
             } else {
                 jackknife::standard_error(&at_h)

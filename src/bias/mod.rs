@@ -326,7 +326,7 @@ mod tests {
 
     /// The differences are 20 times as precise as the reference run, and the truth is 0. Either of
     /// the two is right, and the other is off by up to four uncertainties of the reference run.
-    /// Where the two contradict, a right reference run is kept, and a wrong one is no certainty.
+    /// Where the two contradict, a right reference run is kept, and a wrong one gets a wide uncertainty.
     #[test]
     fn where_the_two_contradict_the_interval_holds_whichever_is_right() {
         let bias = |estimate, uncertainty| Bias {

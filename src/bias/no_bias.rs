@@ -16,12 +16,12 @@ pub enum NoBias {
     /// The event-driven scheme where nothing is random.
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
-    /// The event-driven scheme under a force of the user's own, where nothing is random.
+    /// The event-driven scheme under a user-defined force, where nothing is random.
     #[error(
         "this scheme has no step, and without noise a user-defined force is integrated to 1e-13 per step"
     )]
     Integrated,
-    /// The event-driven scheme under noise and a force of the user's own.
+    /// The event-driven scheme under noise and a user-defined force.
     #[error(
         "this scheme has no step, and integrates a user-defined force to its tolerance {0}; compare with a \
          run at a tenth of it"

@@ -5,6 +5,7 @@ use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
 use super::overrides::Override;
+use super::parse::titled;
 use super::series::source;
 use super::source::{MeasuredFrom, Sources};
 use super::{shipped_at, text_of, tree};
@@ -64,7 +65,7 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         .table("initial")
         .number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
     sources.outcome(BridgeScene {
-        title: root.line_or(keys::TITLE, &stem),
+        title: titled(root.line_or(keys::TITLE, &stem), sources.overrides),
         stiffness: oscillator.number(keys::STIFFNESS),
         dilatation: oscillator.number(keys::DILATATION),
         f_s: friction.number(keys::STATIC),

@@ -1,4 +1,4 @@
-//! A force of the user's own, from `[force]`.
+//! A user-defined force, from `[force]`.
 
 use super::error::Fault;
 use super::fields::Fields;

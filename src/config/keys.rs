@@ -160,6 +160,7 @@ keys! {
         DATES = other("dates", "order of year, month and day");
         SKIP = other("skip", "lines before the header");
         MISSING = other("missing", "markers of missing values");
+        SKIP_BAD = other("skip_bad", "leave out lines that cannot be read");
         DECIMAL = other("decimal", "decimal separator");
         AVERAGED = number("averaged", "", "averaging time of each value, ending at its stamp", Allowed::NonNegative);
         OUTLIERS = other("outliers", "leave out values beyond this many standard deviations");
@@ -179,8 +180,10 @@ keys! {
         DATES;
         SKIP;
         MISSING;
+        SKIP_BAD;
         OUTLIERS;
         DECIMAL;
+        AVERAGED;
     }
     "temperature.noise" {
         NOISE_KIND = other("kind", "\"ornstein-uhlenbeck\", or \"white\"");
@@ -315,76 +318,45 @@ const ALIKE_ACROSS: f64 = 0.85;
 /// The key that `key` in `table` probably stands for; dotted if it belongs to another table.
 pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
-    let dotted = |home: &str, name: &str| {
-        if home.is_empty() {
-            name.to_string()
-        } else {
-            format!("{home}.{name}")
-        }
+    let from_here = |home: &str, name: &str| match home {
+        _ if home == table || home.is_empty() => name.to_string(),
+        home => format!("{home}.{name}"),
     };
-    let within =
-        || most_alike(&word, &of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
-    let from_here = |home: &str, name: &str| {
-        if home == table {
-            name.to_string()
-        } else {
-            dotted(home, name)
-        }
-    };
-    let symbol = || {
-        let is_meant = |key: &&Key| !word.is_empty() && key.symbol.eq_ignore_ascii_case(&word);
+    let all = || {
         TABLES
             .iter()
-            .find_map(|(home, keys)| Some(from_here(home, keys.iter().find(is_meant)?.name)))
+            .flat_map(|(home, keys)| keys.iter().map(|key| (*home, key)))
     };
-    let synonym = || {
-        let (home, name) = SYNONYMS
-            .iter()
-            .find(|(synonym, _)| *synonym == word)?
-            .1
-            .rsplit_once('.')?;
-        Some(from_here(home, name))
-    };
-    let across = || {
-        TABLES
-            .iter()
-            .filter_map(|(home, keys)| {
-                Some((most_alike(&word, &names(keys), ALIKE_ACROSS)?, *home))
-            })
-            .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
-            .map(|((_, name), home)| dotted(home, name))
-    };
-    // A key of exactly this name in one other table.
-    let elsewhere = || {
-        let mut homes = TABLES
-            .iter()
-            .filter(|(home, keys)| *home != table && names(keys).contains(&word.as_str()));
-        homes
-            .next()
-            .filter(|_| homes.next().is_none())
-            .map(|(home, _)| dotted(home, &word))
-    };
-    symbol()
-        .or_else(synonym)
-        .or_else(elsewhere)
-        .or_else(within)
-        .or_else(across)
+    let symbol = all().find(|(_, key)| !word.is_empty() && key.symbol.eq_ignore_ascii_case(&word));
+    if let Some((home, key)) = symbol {
+        return Some(from_here(home, key.name));
+    }
+    if let Some((_, dotted)) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word) {
+        let (home, name) = dotted.rsplit_once('.')?;
+        return Some(from_here(home, name));
+    }
+    let is_elsewhere = |(home, key): &(&str, &Key)| *home != table && key.name == word;
+    let is_alone = all().filter(is_elsewhere).count() == 1;
+    // A key of exactly this name in one other table comes before those of this table.
+    let ranked = all().filter_map(|(home, key)| {
+        let likeness = likeness(&word, key.name);
+        let rank = match home == table {
+            true if likeness >= ALIKE_WITHIN => 1,
+            false if is_alone && is_elsewhere(&(home, key)) => 2,
+            _ if likeness >= ALIKE_ACROSS => 0,
+            _ => return None,
+        };
+        Some(((rank, likeness), from_here(home, key.name)))
+    });
+    let best = ranked.max_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    best.map(|(_, key)| key)
 }
 
-/// The name most like a word, if one is alike enough. Likeness to a part of a name, such as
-/// `frequency`, counts nearly in full.
-fn most_alike(word: &str, names: &[&'static str], enough: f64) -> Option<(f64, &'static str)> {
-    names
-        .iter()
-        .map(|name| {
-            let parts = name
-                .split('_')
-                .map(|part| 0.95 * strsim::jaro_winkler(word, part));
-            (
-                parts.fold(strsim::jaro_winkler(word, name), f64::max),
-                *name,
-            )
-        })
-        .filter(|(likeness, _)| *likeness >= enough)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
+/// How alike a word and a name are, from 0 to 1. Likeness to a part of a name, such as `frequency`,
+/// counts nearly in full.
+fn likeness(word: &str, name: &str) -> f64 {
+    let parts = name
+        .split('_')
+        .map(|part| 0.95 * strsim::jaro_winkler(word, part));
+    parts.fold(strsim::jaro_winkler(word, name), f64::max)
 }

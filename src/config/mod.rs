@@ -44,9 +44,21 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The key of a scenario that a word probably stands for, such as its symbol.
-pub fn key_meant(word: &str) -> Option<String> {
-    keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))
+/// The key of a scenario that a word probably stands for, such as its symbol, and what it means,
+/// which is empty where the key holds no number.
+///
+/// ```
+/// use stickslip::config::key_meant;
+///
+/// let (key, meaning) = key_meant("rho").expect("a symbol");
+/// assert_eq!((key.as_str(), meaning.as_str()), ("temperature.noise.intensity", "rho, weight of v in T"));
+/// ```
+pub fn key_meant(word: &str) -> Option<(String, String)> {
+    let key = keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))?;
+    let meaning = symbol_and_meaning(&key).map_or_else(String::new, |(symbol, meaning)| {
+        [symbol, meaning].join(if symbol.is_empty() { "" } else { ", " })
+    });
+    Some((key, meaning))
 }
 
 /// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
@@ -276,28 +288,15 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn number_at(&self, key: &str) -> Option<f64> {
-        let whole = toml::Value::Table(self.to_toml().parse().ok()?);
-        let at = |key: &str| {
-            let spot =
-                key.split('.')
-                    .map(str::trim)
-                    .try_fold(&whole, |spot, segment| match spot {
-                        toml::Value::Table(table) => table.get(segment),
-                        toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
-                        _ => None,
-                    })?;
-            Some(spot.clone())
-        };
-        let number = |at: toml::Value| {
-            at.as_float()
-                .or_else(|| at.as_integer().map(|whole| whole as f64))
-        };
-        let parameter = |name: &str| number(at(&format!("{}.{name}", tree::PARAMETERS))?);
-        match at(&tree::in_one_scope(key).unwrap_or_else(|| key.to_string())) {
+        let text = self.to_toml();
+        let tree = tree::read(&Sources::new("", &text, &[], MeasuredFrom::Files)).ok()?;
+        let parameter = |name: &str| tree.at(&format!("{}.{name}", tree::PARAMETERS))?.number();
+        let found = tree.at(&tree::in_one_scope(key).unwrap_or_else(|| key.to_string()));
+        match found.map(|node| (&node.value, node.number())) {
             // A parameter is a key by itself, as in an override.
             None => parameter(key),
-            Some(toml::Value::String(name)) => parameter(&name),
-            Some(found) => number(found),
+            Some((tree::Value::Text(name), _)) => parameter(name),
+            Some((_, number)) => number,
         }
     }
 }

@@ -24,7 +24,7 @@ const CHANGED: &str = " (changed: ";
 
 /// The title with the changes that the overrides make to the physics, so that tables, pictures and
 /// citations are headed by what was simulated. A title among the overrides is kept as it is.
-fn titled(title: String, overrides: &[Override]) -> String {
+pub(super) fn titled(title: String, overrides: &[Override]) -> String {
     let set_later = |i: usize| {
         overrides[i + 1..]
             .iter()

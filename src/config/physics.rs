@@ -20,7 +20,7 @@ pub(super) struct Physics {
     pub is_balanced: bool,
     /// White noise, in whose place the model has none as yet.
     pub white_noise: Option<WhiteNoise>,
-    /// The force of the user's own as it is written.
+    /// The user-defined force as it is written.
     pub written_force: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,

@@ -103,6 +103,7 @@ pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource
             .word(keys::DECIMAL, &[".", ","])
             .and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
+        skip_bad: table.flag_or(keys::SKIP_BAD, false),
         outliers: table.whole_if_present(keys::OUTLIERS, 1..=1_000_000),
         averaged: table
             .span_if_present(keys::AVERAGED)

@@ -1409,7 +1409,7 @@ fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked()
     assert_eq!(theta(event_driven).unwrap().relaxation_rate, 7.0);
 }
 
-/// Where only a force of the user's own brakes the body, nothing says how fast it forgets its
+/// Where only a user-defined force brakes the body, nothing says how fast it forgets its
 /// velocity.
 #[test]
 fn white_noise_asks_for_its_rate_where_only_a_force_brakes() {

@@ -499,6 +499,7 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
             keys::MISSING,
             Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty()),
         ),
+        (keys::SKIP_BAD, layout.skip_bad.then(|| "true".into())),
         (keys::OUTLIERS, layout.outliers.map(|far| far.to_string())),
         (
             keys::DECIMAL,

@@ -62,67 +62,42 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
         .word(keys::KIND, &names)
         .and_then(Kind::from_name)
         .unwrap_or(Kind::DiscreteVi);
-    let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else {
-        return (kind, None);
-    };
+    let tolerance = table.number_if_present(keys::TOLERANCE);
     // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
     // it belongs to the scheme that the file chose.
     let is_override = |key: Key| sources.is_override(table.place_of(key.name));
     let is_left_behind = is_override(keys::KIND) && !is_override(keys::TOLERANCE);
-    if !kind.has_step() || is_left_behind {
-        return (kind, Some(tolerance));
+    match tolerance {
+        Some(tolerance) if kind.has_step() && !is_left_behind => {
+            refuse(sources, root, kind, ("scheme.tolerance", tolerance));
+            (kind, None)
+        }
+        tolerance => (kind, tolerance),
     }
-    let problem = format!(
-        "is not used by the {} scheme, whose accuracy is set by `time.step`",
-        kind.name()
-    );
-    let others = names_of(false);
-    let remedy = format!(
-        "remove it, or choose the scheme {} (`--scheme {}`)",
-        listed(&others, |name| format!("\"{name}\"")),
-        others.first().unwrap_or(&"")
-    );
-    let misfit = Misfit::new(&[("scheme.tolerance", tolerance)], problem, remedy);
-    report_misfit(sources, root, misfit);
-    (kind, None)
 }
 
 /// A step given on the command line is an error for a scheme without steps. A step in the file is
 /// ignored, so that one file serves every scheme.
 fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
     let table = root.table("time");
-    let step = table.number_if_present(keys::STEP);
-    let Some(step) = step.filter(|_| sources.is_override(table.place_of(keys::STEP.name))) else {
-        return;
+    let is_override = sources.is_override(table.place_of(keys::STEP.name));
+    if let Some(step) = table.number_if_present(keys::STEP).filter(|_| is_override) {
+        refuse(sources, root, kind, ("time.step", step));
+    }
+}
+
+/// Report a step or a tolerance that the scheme does not use.
+fn refuse(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind, about: (&'static str, f64)) {
+    let why = match kind.has_step() {
+        true => "whose accuracy is set by `time.step`",
+        false => "which has no time step; `scheme.tolerance` sets its accuracy",
     };
-    let problem = format!(
-        "is not used by the {} scheme, which has no time step",
-        kind.name()
-    );
-    let remedy = format!(
-        "remove it (`scheme.tolerance` sets the accuracy), or choose a scheme with a time step: {}",
-        listed(&names_of(true), |name| format!("`--scheme {name}`"))
-    );
-    report_misfit(
-        sources,
-        root,
-        Misfit::new(&[("time.step", step)], problem, remedy),
-    );
-}
-
-/// The names of the schemes with a step, or of those without.
-fn names_of(has_step: bool) -> Vec<&'static str> {
-    Kind::ALL
+    let others = Kind::ALL
         .iter()
-        .filter(|kind| kind.has_step() == has_step)
-        .map(|kind| kind.name())
-        .collect()
-}
-
-fn listed(names: &[&str], show: impl Fn(&str) -> String) -> String {
-    names
-        .iter()
-        .map(|name| show(name))
-        .collect::<Vec<_>>()
-        .join(" or ")
+        .filter(|other| other.has_step() != kind.has_step())
+        .map(|other| format!("`--scheme {}`", other.name()));
+    let problem = format!("is not used by the {} scheme, {why}", kind.name());
+    let others = others.collect::<Vec<_>>().join(" or ");
+    let remedy = format!("remove it, or choose a scheme that uses it: {others}");
+    report_misfit(sources, root, Misfit::new(&[about], problem, remedy));
 }

@@ -39,7 +39,7 @@ pub(super) struct KeyValue {
 impl Node {
     /// The node at this dotted key, if there is one. In an array of tables it is that of the table
     /// with this number, or without a number that of the first table that has the key.
-    fn at(&self, dotted: &str) -> Option<&Node> {
+    pub fn at(&self, dotted: &str) -> Option<&Node> {
         match &self.value {
             Value::Array(items) => {
                 let numbered = dotted

@@ -1,4 +1,4 @@
-//! The cycle of a scene without noise: one path tells all, so its own numbers are reported.
+//! The cycle of a scene without noise: one path is enough, so its own numbers are reported.
 
 use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};

@@ -15,7 +15,7 @@ pub enum RunError {
         /// The outcome of the paths that were simulated before; `None` if the run had not begun.
         outcome: Option<Box<Outcome>>,
     },
-    /// There are not so many threads to share the work. Nothing was begun.
+    /// The system does not start this number of threads. Nothing was begun.
     #[error("{0}")]
     Threads(#[from] ThreadsError),
     /// A thread has panicked. The blocks before were passed to the sinks like those of a run that is

@@ -90,6 +90,7 @@ impl Replay {
         self.rows
             .plan(&self.scenario, Record::NOTHING)
             .motion(self.block.rows.first_path)
+            .unwrap_or_default()
     }
 
     /// Whether the path diverged or was given up.

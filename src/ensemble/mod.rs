@@ -164,16 +164,12 @@ impl Plan {
         self.piece(path, 1)
     }
 
-    /// The motion of path number `path` of the ensemble between its events, piece by piece; nothing
-    /// if it is lost.
-    pub fn motion(&self, path: u64) -> Vec<Segment> {
+    /// The motion of path number `path` of the ensemble, segment by segment, without its sticks;
+    /// none if it is lost.
+    pub fn motion(&self, path: u64) -> Option<Vec<Segment>> {
         let mut motion = PathMotion::default();
         let lost = self.simulated(&[path], &mut motion);
-        if lost.is_empty() {
-            motion.segments
-        } else {
-            Vec::new()
-        }
+        lost.is_empty().then_some(motion.segments)
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until

@@ -7,13 +7,13 @@ use std::thread;
 /// them needs memory.
 pub const MOST_THREADS: usize = 1024;
 
-/// Why so many threads cannot share the work.
+/// Why this number of threads cannot share the work.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ThreadsError {
     /// There are none, or more than [`MOST_THREADS`].
     #[error("threads = {0} must be between 1 and {MOST_THREADS}")]
     OutOfRange(usize),
-    /// The system does not start so many.
+    /// The system does not start this number of threads.
     #[error("the system started only {started} of {asked} threads: {cause}")]
     NotStarted {
         /// How many were asked for.
@@ -30,7 +30,7 @@ impl ThreadsError {
     pub const REMEDY: &'static str = "use fewer threads; the results do not depend on their number";
 }
 
-/// Check that so many threads can share the work. The system is asked by starting them, because
+/// Check that this number of threads can share the work. The system is asked by starting them, because
 /// limits of the user, of the container and of the memory may all be in the way.
 ///
 /// ```

@@ -102,7 +102,7 @@ impl Model {
 
     /// The drift velocity in the long run, where it follows from the spring: the body stays within
     /// some distance of beta T, whose mean has a constant slope. None where nothing binds the body,
-    /// where nothing takes its energy, where a force of the user's own acts, and where T is
+    /// where nothing takes its energy, where a user-defined force acts, and where T is
     /// measured.
     pub fn long_run_drift(&self) -> Option<f64> {
         let Model {

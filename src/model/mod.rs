@@ -9,7 +9,7 @@
 //! T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
 //!
-//! S is the measured temperature, and g a force of the user's own. Where the temperature is a
+//! S is the measured temperature, and g a user-defined force. Where the temperature is a
 //! force, c T stands in place of K beta T.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
@@ -66,7 +66,7 @@ pub struct Model {
     pub friction: Friction,
     /// The temperature, which drives the oscillator.
     pub temperature: Temperature,
-    /// A force of the user's own, g(x, x', t), which is added to b.
+    /// A user-defined force, g(x, x', t), which is added to b.
     pub force: Option<Force>,
     /// x(0), a length.
     pub initial_displacement: f64,
@@ -134,14 +134,14 @@ impl Model {
             .map_or([self.friction; 2], Sides::friction)
     }
 
-    /// Whether the force of friction in a slip is no constant.
+    /// Whether the force of friction varies in a slip.
     pub fn has_load(&self) -> bool {
         self.force
             .as_ref()
             .is_some_and(|force| force.sides().is_some())
     }
 
-    /// g(x, x', t), the force of the user's own, if there is one.
+    /// g(x, x', t), the user-defined force, if there is one.
     pub fn own_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
         Some(
             self.force

@@ -297,7 +297,7 @@ mod tests {
     /// A Brownian bridge over S has the variance S u (1 - u) at a fraction u, and its mean is
     /// linear in u. The scale between v and the bridge is cosh(theta h/2)/cosh(theta (t - h/2)).
     /// Mean and variance of v at t, given both ends, are compared with [`bridge_at`]. The deviation
-    /// of the threshold U = 1 from a straight line is compared with the one that `bow` tells, in
+    /// of the threshold U = 1 from a straight line is compared with the one that `bow` gives, in
     /// the middle and at a quarter.
     #[test]
     fn the_time_change_makes_a_brownian_bridge() {

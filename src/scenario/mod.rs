@@ -59,7 +59,7 @@ pub struct Scenario {
     pub is_balanced: bool,
     /// White noise, if the scenario asks for it; the model has a fast noise in its place.
     pub white_noise: Option<WhiteNoise>,
-    /// The force of the user's own as it is written, if there is one. A linear one is in the
+    /// The user-defined force as it is written, if there is one. A linear one is in the
     /// stiffness and the damping of the model.
     pub written_force: Option<WrittenForce>,
     /// How a sensor at the bearing sees the body, if there is one.

@@ -84,7 +84,7 @@ impl WhiteNoise {
     }
 
     /// The shortest time in which the body forgets its velocity: by friction, c^2 D/f_d^2; by the
-    /// spring, sqrt(m/K); by damping, m/(2 alpha). A force of the user's own is not in it, and the
+    /// spring, sqrt(m/K); by damping, m/(2 alpha). A user-defined force is not in it, and the
     /// time is unknown if there is no other.
     fn memory_of_body(&self, model: &Model) -> Option<f64> {
         let oscillator = &model.oscillator;

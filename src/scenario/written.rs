@@ -2,7 +2,7 @@
 
 use crate::model::{Expression, Oscillator};
 
-/// A force of the user's own as a scenario states it.
+/// A user-defined force as a scenario states it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenForce {
     /// The expression, with its parameters.

@@ -86,7 +86,7 @@ pub trait Observer {
     /// happened until then.
     fn snapshot(&mut self, _instant: Instant, _snapshot: Snapshot<'_>) {}
 
-    /// Whether the motion between the events is wanted: a scheme then tells the [`Segment`]s of every
+    /// Whether the motion between the events is wanted: a scheme then reports the [`Segment`]s of every
     /// path. It asks once, before the paths begin.
     fn follows(&self) -> bool {
         false

@@ -51,6 +51,17 @@ impl Segment {
         self.start + self.length
     }
 
+    /// x and x' at a time, which is held to the segment.
+    pub fn state(&self, time: f64) -> [f64; 2] {
+        let part = if self.length > 0.0 {
+            ((time - self.start) / self.length).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        let [way, velocity, _] = self.at(part);
+        [self.displacement + way, velocity]
+    }
+
     /// The distance from the start, x' and x'' at a place, as a part of the length from 0 to 1. In
     /// a step these are the ones of the start.
     pub fn at(&self, part: f64) -> [f64; 3] {

@@ -34,8 +34,8 @@ impl Certain {
             ..
         } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
-        let is_thrown = *initial_velocity != 0.0;
-        let start = is_thrown
+        let has_initial_velocity = *initial_velocity != 0.0;
+        let start = has_initial_velocity
             || oscillator.force_per_temperature() == 0.0
             || temperature.effective_noises().all(is_given);
         let is_let_go = model
@@ -46,7 +46,7 @@ impl Certain {
         Certain {
             everything: !is_random || timeline.end == 0.0,
             start,
-            first_stick: is_thrown || start && is_let_go,
+            first_stick: has_initial_velocity || start && is_let_go,
             never_sticks: friction.static_force == 0.0 && !has_load,
             frictionless: friction.dynamic_force == 0.0 && !has_load,
             drift: model.long_run_drift(),

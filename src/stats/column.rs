@@ -182,7 +182,7 @@ macro_rules! kinds {
                 }
             }
 
-            /// Some of the values; none if there are not so many.
+            /// Some of the values; none if there are fewer.
             pub fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
                 match self {
                     $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
@@ -328,7 +328,7 @@ impl ElementType {
         }
     }
 
-    /// Read so many values of this type that [`ColumnView::write`] wrote.
+    /// Read this number of values of this type that [`ColumnView::write`] wrote.
     pub fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
         let bytes = from.take(length.checked_mul(self.size()).ok_or(Damaged)?)?;
         Ok(match self {

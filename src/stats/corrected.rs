@@ -46,7 +46,7 @@ impl Estimate {
     /// in its middle only where nearly all of the bias is subtracted.
     ///
     /// The corrected estimate is an estimate of the value in the model. So the corrected median of
-    /// durations that are multiples of the step is no multiple of the step.
+    /// durations that are multiples of the step is not a multiple of the step.
     pub fn corrected(&self) -> Option<Corrected> {
         let bias = self.bias?;
         let centre = self.estimate - bias.estimate;

@@ -63,7 +63,7 @@ pub(super) struct ExtremeCounts {
 sums_of_fields!(ExtremeCounts { largest, below });
 
 impl ExtremeCounts {
-    /// No paths, on so many rows of the output grid. The largest duration and the largest length
+    /// No paths, on this number of rows of the output grid. The largest duration and the largest length
     /// that are to be expected, roughly, determine the bins.
     pub fn empty(levels: PassageLevels, rows: usize, [time, length]: [f64; 2]) -> Self {
         let speed = if time > 0.0 { length / time } else { length };

@@ -28,7 +28,7 @@ const FINE: i32 = -8;
 
 /// Below this share of the scale of a law, values are binned evenly instead of logarithmically. They
 /// are differences of numbers of that scale, and little more than rounding. The share is large
-/// enough for places to tell a whole number of steps from the edge of a bin just below it.
+/// enough for places to distinguish a whole number of steps from the edge of a bin just below it.
 const RESOLUTION: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A batch keeps up to this many durations one by one, and counts more than these in up to as many
@@ -513,7 +513,7 @@ mod tests {
         }
     }
 
-    /// Quantiles do not tell how a run was cut into blocks, nor which of them were merged first, where
+    /// Quantiles do not depend on how a run was cut into blocks, nor which of them were merged first, where
     /// batches count their values in bins.
     #[test]
     fn quantiles_do_not_depend_on_how_a_run_was_cut() {

@@ -77,7 +77,7 @@ impl LawFold {
     }
 
     /// The path ends at t_end. `censor` receives the times that are cut off. The jump of a slip
-    /// that is cut off may become larger or smaller, so it tells nothing.
+    /// that is cut off may become larger or smaller, so it is not used.
     pub fn end(&self, time: f64, mut censor: impl FnMut(PhaseLaw, f64)) {
         if let Some((start, _)) = self.running {
             censor(PhaseLaw::Slip, time - start);

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
-//! of a force of the user's own  integral g x' dt     of friction with a load  integral f_d L |x'| dt
+//! of a user-defined force  integral g x' dt     of friction with a load  integral f_d L |x'| dt
 //! ```
 //!
 //! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a
@@ -16,7 +16,7 @@
 //!
 //! Under noise T is not smooth within a segment, but its work follows from what it does: it is the
 //! change of the kinetic energy and of that of the spring, plus the works of damping and friction,
-//! less that of g. The balance then closes up to rounding, and tells nothing more. Where a scheme
+//! less that of g. The balance then closes up to rounding, and contains no information. Where a scheme
 //! holds T during a segment, its work is that of the T that is held.
 //!
 //! A segment counts as far as it lies in the counted time, whenever it arrives. A step counts whole, if
@@ -167,7 +167,7 @@ impl MotionFold {
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
-    /// without a load, and is told that with one.
+    /// without a load, and is given that with one.
     pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
             Instant::Counting => {

@@ -46,7 +46,7 @@ impl PeriodDisplacements {
         }
     }
 
-    /// A number that only bodies that move change. Their periods tell nothing of how rare they are.
+    /// A number that only bodies that move change. Their periods do not show how rare they are.
     pub fn moved(&self, measured: Measured, fewest: u64) -> Measured {
         measured.of_few(self.moving, self.paths.count, fewest)
     }

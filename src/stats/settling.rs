@@ -4,7 +4,7 @@
 //! straight line, the law of x - beta trend t at one phase becomes the same in every period. Then
 //! `drift_velocity` is beta trend and `diffusion_coefficient` zero. Each of the two is tested
 //! against this limit at the level of 0.5 %, so that together they raise a false alarm in at most 1
-//! % of all runs (Bonferroni). Without a spring, or under a force of the user's own, a body may
+//! % of all runs (Bonferroni). Without a spring, or under a user-defined force, a body may
 //! drift and spread for ever, and no limit is known.
 
 use super::{Statistic, Summary};

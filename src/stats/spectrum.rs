@@ -269,7 +269,7 @@ impl SpectrumSums {
     }
 }
 
-/// An autocovariance needs so many batches of paths for an interval.
+/// An autocovariance needs this number of batches of paths for an interval.
 const FEWEST: u64 = 5;
 
 /// The ends of the intervals of a curve, from the curve and the curves without each batch: of a place,
@@ -317,7 +317,7 @@ fn lines(
     let rows = timeline.rows().saturating_sub(segments.first_row);
     let counted = rows as f64 * timeline.output_step;
     let turn = std::f64::consts::TAU;
-    // The window tells two lines apart that are four over its length apart.
+    // The window separates two lines that are four over its length apart.
     if period <= 0.0 || counted < 4.0 * period {
         return Vec::new();
     }

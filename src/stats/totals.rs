@@ -342,12 +342,17 @@ impl Totals {
 
     /// One statistic with its interval.
     pub fn estimate(&self, statistic: Statistic) -> Estimate {
-        Estimate::new(
-            statistic,
-            self.sums
-                .phases
-                .measured(statistic, &self.timeline, &self.counts),
-        )
+        Estimate::new(statistic, self.measured(statistic))
+    }
+
+    /// One statistic with what is known of its error.
+    pub(crate) fn measured(&self, statistic: Statistic) -> Measured {
+        let Totals {
+            sums,
+            timeline,
+            counts,
+        } = self;
+        sums.phases.measured(statistic, timeline, counts)
     }
 
     /// The numbers of the diverged paths, in ascending order.

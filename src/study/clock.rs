@@ -30,7 +30,7 @@ pub(in crate::study) struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Start the clock for a measurement that uses so many threads.
+    /// Start the clock for a measurement that uses this number of threads.
     pub fn start(threads: usize) -> Self {
         Stopwatch {
             threads: threads.max(1),

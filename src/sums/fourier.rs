@@ -29,7 +29,7 @@ impl Fourier {
     pub fn new(length: usize) -> Self {
         assert!(
             length.is_power_of_two() && length > 1,
-            "{length} is no power of two"
+            "{length} is not a power of two"
         );
         let turn = |k: usize| {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / length as f64);

@@ -6,16 +6,16 @@
 //! n paths have any events, f is too large, because the paths that would show how long the tails are
 //! may be missing as well. So t is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom.
 //!
-//! docs/validation.md says how often these intervals hold the truth.
+//! The tests in `tests/library/rare_events.rs` measure how often these intervals hold the truth.
 
 use super::codec::sums;
 use super::interval::ErrorLaw;
 
-/// The numbers with these least contributing units have an interval, if more than half of all units
-/// do not contribute. Where most units contribute, nothing is rare.
+/// Where more than half of all units do not contribute, a number has an interval from this many that
+/// do. Where most units contribute, nothing is rare.
 pub(crate) const FEWEST: u64 = 5;
 
-/// The same for a standard deviation, which rests on the largest of the events.
+/// The same for a standard deviation and for the mean of squares, which rest on the largest events.
 pub(crate) const FEWEST_FOR_SPREAD: u64 = 32;
 
 /// The standard deviation of the phases of fewer units has no interval, however many phases each of

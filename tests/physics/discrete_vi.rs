@@ -620,7 +620,7 @@ fn a_threshold_out_of_reach_is_never_passed() {
 }
 
 #[test]
-fn a_start_outside_the_corridor_slips_at_once() {
+fn a_start_outside_the_stick_band_slips_at_once() {
     let mut model = paper(0.25, 0.0);
     model.initial_displacement = 0.0;
     let events = &simulate(&model, 10.0, 0.01, 10.0, &[0]).events[0];

@@ -51,7 +51,7 @@ fn schemes(step: f64) -> [(Scheme, f64); 3] {
 /// t = v/(mu g). With a spring it stops where energy is spent, at x = -f_d/K + hypot(x0 + f_d/K,
 /// v/w0) when started with a velocity forwards.
 #[test]
-fn a_thrown_block_stops_where_its_energy_is_spent() {
+fn a_moving_block_stops_where_its_energy_is_spent() {
     for (scheme, tolerated) in schemes(1e-4) {
         for sign in [1.0, -1.0] {
             let block = launched([0.0, 0.0], [2.94, 2.94], 5.0, 10.0 * sign, "")
@@ -76,7 +76,7 @@ fn a_thrown_block_stops_where_its_energy_is_spent() {
 /// A body that moves at t = 0 has no first stick; one that a force sets in motion at t = 0 has one
 /// that lasts zero.
 #[test]
-fn a_thrown_body_has_no_first_stick() {
+fn a_moving_body_has_no_first_stick() {
     for (scheme, _) in schemes(1e-2) {
         let block = launched([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "ensemble.paths = 4")
             .with_scheme(scheme)
@@ -109,7 +109,7 @@ fn a_thrown_body_has_no_first_stick() {
 /// A force g that is zero sends the path through the integrator for any force, and one that is half
 /// of the spring joins it; both leave the body where the closed form does, with damping too.
 #[test]
-fn a_thrown_body_under_a_force_of_its_own_is_that_of_the_closed_form() {
+fn a_moving_body_under_a_user_force_follows_the_closed_form() {
     let of = |spring: [f64; 2], more: &str| {
         let scene = launched(spring, [1.5, 1.0], 5.0, 3.0, more);
         rest(
@@ -136,7 +136,7 @@ fn a_thrown_body_under_a_force_of_its_own_is_that_of_the_closed_form() {
 /// of x(t_end) of a body without friction is that of the free oscillation, x0 cos t + v0 sin t, whatever
 /// the noise. Null: within 4 standard errors, 1 in 16 000.
 #[test]
-fn a_thrown_body_under_noise_swings_about_the_free_oscillation() {
+fn a_moving_body_under_noise_swings_about_the_free_one() {
     let more =
         "temperature.noise = { intensity = 1, relaxation_rate = 1, diffusion = 1, initial = 0 }
          ensemble = { paths = 2000, seed = 4 }

@@ -171,7 +171,7 @@ fn the_schemes_with_a_step_come_to_these_events_as_the_step_goes_to_zero() {
 /// A body started with a velocity at v0 on a plane where f_d grows like 1 + c x stops where its energy is spent,
 /// f_d (x + c x^2/2) = m v0^2/2, and that is the work of friction, in every scheme.
 #[test]
-fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
+fn a_body_on_growing_friction_stops_where_energy_is_spent() {
     let (v0, f_d, c): (f64, f64, f64) = (10.0, 2.94, 0.1);
     let lines = "oscillator.stiffness = 0\ninitial.velocity = 10\ntime.end = 10\nensemble.paths = 1
          friction = { static = 2.94, dynamic = 2.94, load = \"1 + c*x\" }

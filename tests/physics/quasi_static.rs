@@ -335,7 +335,7 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
 /// T = 3.3; then slips of length 1 follow T. From |b| = f_s for |b| the body came to 3 and stayed on
 /// the lattice of whole numbers.
 #[test]
-fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
+fn a_start_outside_the_stick_band_swings_from_its_force() {
     let model = |x0: f64, temperature: Temperature| Model {
         oscillator: Oscillator {
             mass: 1.0,

@@ -154,7 +154,7 @@ fn still(fast: Noise, slow: Noise) -> Model {
 /// Mathematical Finance 7, 1997). One noise has a correlation time of hours and one of days; both
 /// are stationary. Sample size: 10 000 paths of each.
 #[test]
-fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
+fn the_sum_leaves_the_stick_band_when_small_steps_say() {
     let (paths, end, step) = (10_000, 60.0, 2e-3);
     let [fast, slow] =
         [(2.0, 0.55), (0.07, 0.12)].map(|(theta, s)| noise(theta, s, InitialNoise::Stationary));

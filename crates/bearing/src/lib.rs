@@ -1,5 +1,5 @@
 //! A bridge's bearing that sticks: from two columns of measurements to friction, wear and forecast.
-//! Nothing here simulates an ensemble of paths; the modules for that do not depend on this crate.
+//! Nothing here makes a run of many paths, and the engine does not depend on this crate.
 //!
 //! ```text
 //! calibration  friction, stiffness and dilatation from measured temperatures and displacements,

@@ -13,7 +13,7 @@ pub struct Normal {
 }
 
 impl Normal {
-    /// The equations of so many coefficients, without any observation.
+    /// The equations of this number of coefficients, without any observation.
     pub fn of(coefficients: usize) -> Self {
         Normal {
             matrix: vec![vec![0.0; coefficients]; coefficients],

@@ -3,6 +3,7 @@
 use super::column::LARGEST_MEASURED;
 use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
+use super::rows::OR_SKIP;
 use super::stamp::{self, PARSER, Stamp};
 use super::unit::{self, InputUnit};
 use jiff::civil::DateTime;
@@ -68,14 +69,12 @@ enum Kind {
     Numbers { unit: Option<InputUnit> },
     /// Dates.
     Stamps,
-    /// Dates as whole numbers of so many digits, such as 2025010123.
+    /// Dates as whole numbers with this number of digits, such as 2025010123.
     Compact(usize),
     /// So many of them in a second, since 1970 in UTC.
     Epoch(f64),
-    /// The days of a spreadsheet.
-    Serial,
-    /// Years, days of the year, and times of day, in hours or as in 1330.
-    DaysOfYear { in_hours: bool },
+    /// Days that a program counts, as it calls them.
+    Days(&'static str),
 }
 
 /// Reads the cells of the time column one after the other and gives seconds.
@@ -103,10 +102,9 @@ fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, 
     Err((problem.into(), remedy.into()))
 }
 
-/// The numbers of days of a spreadsheet from 1954 to 2119, and those that are so likely such days
-/// that no zone is needed to suspect it: from 2000 to 2051.
-const SERIAL_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
-const LIKELY_SERIAL_DAYS: std::ops::Range<f64> = 36_526.0..55_153.0;
+/// The days since 1970 that are so likely dates that no zone is needed to suspect it: from 2000 to
+/// 2051.
+const LIKELY_DAYS: std::ops::Range<f64> = 10_957.0..29_584.0;
 
 /// The share of rows out of order from which dates are taken to be misread, in files of more rows
 /// than this.
@@ -197,7 +195,7 @@ impl Clock {
         if when.abs() > LARGEST_MEASURED {
             return wrong(
                 "is too large for a time",
-                "fix the cell, or choose another time column",
+                "correct the cell, or choose another time column",
             );
         }
         Ok(when)
@@ -207,7 +205,7 @@ impl Clock {
         let as_before = |what: &str| {
             (
                 format!("is not {what} like the times before it"),
-                "fix the row".to_string(),
+                format!("correct the line{OR_SKIP}"),
             )
         };
         let number = || number(cell).filter(|time| time.is_finite());
@@ -233,11 +231,11 @@ impl Clock {
                 }
                 return Ok((time - origin) / per_second);
             }
-            Kind::DaysOfYear { in_hours } => stamp::day_of_year(cell, in_hours)
-                .ok_or_else(|| as_before("a year, a day of the year and a time"))?,
-            Kind::Serial => number()
-                .and_then(stamp::serial)
-                .ok_or_else(|| as_before("a number"))?,
+            Kind::Days(name) => number()
+                .and_then(stamp::day_count)
+                .filter(|(same, _)| *same == name)
+                .and_then(|(_, days)| stamp::day(days))
+                .ok_or_else(|| as_before(name))?,
             Kind::Compact(digits) => {
                 let read = Some(cell)
                     .filter(|cell| cell.len() == digits)
@@ -298,7 +296,11 @@ impl Clock {
             ),
             _ => wrong(
                 "is not a known time format",
-                "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, or numbers in a column such as `time_s`",
+                format!(
+                    "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, or numbers in a column such as \
+                        `time_s`; a column is selected by {}{OR_SKIP}",
+                    self.wording.option("time", "NAME")
+                ),
             ),
         }
     }
@@ -343,14 +345,6 @@ fn kind(
     layout: &Layout,
     first: &str,
 ) -> Result<Kind, ProblemAndRemedy> {
-    let in_hours = column
-        .rsplit(',')
-        .next()
-        .is_some_and(|name| name.trim().to_lowercase().starts_with('h'));
-    let in_hours = in_hours && !column.to_lowercase().ends_with("hhmm");
-    if column.contains(',') && stamp::day_of_year(first, in_hours).is_some() {
-        return Ok(Kind::DaysOfYear { in_hours });
-    }
     let Some(number) = number(first) else {
         return Ok(Kind::Stamps);
     };
@@ -383,20 +377,19 @@ fn kind(
     if let Some(per_second) = per_second_since_epoch(number) {
         return Ok(Kind::Epoch(per_second));
     }
-    match (layout.zone.is_some(), stamp::serial(number)) {
-        (true, Some(_)) if SERIAL_DAYS.contains(&number) => Ok(Kind::Serial),
-        (true, _) => wrong(
+    let count =
+        stamp::day_count(number).and_then(|(name, days)| Some((name, days, stamp::day(days)?)));
+    match (layout.zone.is_some(), count) {
+        (true, Some((name, ..))) => Ok(Kind::Days(name)),
+        (true, None) => wrong(
             "is a plain number, but a time zone applies only to dates",
             format!(
                 "remove the zone, or choose a column of dates, e.g. {}",
                 layout.wording.option("time", "Date")
             ),
         ),
-        (false, Some(stamp)) if LIKELY_SERIAL_DAYS.contains(&number) => wrong(
-            format!(
-                "may be a spreadsheet date, {}, or a plain number",
-                stamp.local
-            ),
+        (false, Some((name, days, stamp))) if LIKELY_DAYS.contains(&days) => wrong(
+            format!("may be {name}, {}, or a plain number", stamp.local),
             format!(
                 "for a date, give its time zone: {}; for a number, add the unit to the name of the column, \
                     e.g. `{column}_s`",
@@ -446,7 +439,7 @@ fn number(cell: &str) -> Option<f64> {
 }
 
 fn beyond(_: jiff::Error) -> ProblemAndRemedy {
-    ("is outside the calendar".into(), "fix the row".into())
+    ("is outside the calendar".into(), "correct the line".into())
 }
 
 /// The instant of a local time. A time that the clocks skipped is an error. A time that occurred

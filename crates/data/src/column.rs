@@ -5,6 +5,7 @@ use super::marks::{self, Marks};
 use super::outliers::{median, odd, spikes};
 use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
+use super::rows::OR_SKIP;
 use super::unit::{self, ColumnQuantity, InputUnit};
 use crate::numbers::short;
 
@@ -109,14 +110,44 @@ impl<'a> Column<'a> {
                 Ok(())
             };
         };
-        if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
+        self.adopt(unit)
+    }
+
+    /// Take the unit that a row of units or a cell gives.
+    fn adopt(&mut self, unit: InputUnit) -> Result<(), ProblemAndRemedy> {
+        let is_late = self.unit.is_none() && !self.samples.is_empty();
+        if self.wanted.unit.is_none() && (is_late || self.unit.is_some_and(|known| unit != known)) {
             return Err((
-                "contradicts the unit in the name of the column".into(),
-                "give the same unit in both".into(),
+                "has another unit than its column".into(),
+                format!("give the same unit in the name and in all cells{OR_SKIP}"),
             ));
         }
         self.unit = self.unit.or(Some(unit));
         Ok(())
+    }
+
+    /// The number in a cell such as `12.0 degC`, whose unit is taken; all of another cell.
+    pub fn without_unit<'c>(&mut self, cell: &'c [u8]) -> Result<&'c [u8], ProblemAndRemedy> {
+        let digits = cell
+            .iter()
+            .rposition(u8::is_ascii_digit)
+            .map_or(0, |last| last + 1);
+        if self.is_strict() || digits == 0 || digits == cell.len() {
+            return Ok(cell);
+        }
+        let (number, rest) = cell.split_at(digits);
+        let unit = std::str::from_utf8(rest)
+            .ok()
+            .and_then(|rest| self.wanted.quantity.unit(rest.trim()));
+        match unit {
+            Some(unit) => self.adopt(unit).map(|()| number),
+            None => Ok(cell),
+        }
+    }
+
+    /// Take back the samples of the row at this place.
+    pub fn take_back(&mut self, place: u32) {
+        while self.samples.pop_if(|sample| sample.2 == place).is_some() {}
     }
 
     /// Decide on the unit before the first value.
@@ -171,13 +202,13 @@ impl<'a> Column<'a> {
         if !value.is_finite() {
             return Err((
                 "is not finite",
-                "fix the cell; if it marks a missing value, give MARK",
+                "correct the cell; if it marks a missing value, give MARK",
             ));
         }
         if value.abs() > LARGEST_MEASURED {
             return Err((
                 "is too large for a measurement",
-                "fix the cell; if it marks a missing value, give MARK",
+                "correct the cell; if it marks a missing value, give MARK",
             ));
         }
         let least = self.unit.map_or(f64::INFINITY, |unit| unit.least);
@@ -188,7 +219,7 @@ impl<'a> Column<'a> {
         if self.unit.is_some() && value < least {
             return Err((
                 "is below absolute zero",
-                "fix the unit; if it marks a missing value, give MARK",
+                "correct the unit; if it marks a missing value, give MARK",
             ));
         }
         self.samples.push((when, value, place));

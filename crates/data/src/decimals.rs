@@ -21,7 +21,7 @@ type Wrong = (&'static str, &'static str);
 
 const NO_NUMBER: Wrong = (
     "is not a number",
-    "fix the cell; if it marks a missing value, give MARK",
+    "correct the cell; if it marks a missing value, give MARK{or skip}",
 );
 
 /// Several numbers in one cell, as in the files of NOAA.

@@ -52,6 +52,13 @@ impl DataError {
         }
     }
 
+    /// The same error, and those behind it, with this text in place of another one in the remedies.
+    pub(super) fn with_remedy(mut self, from: &str, to: &str) -> Self {
+        self.remedy = self.remedy.replace(from, to);
+        self.also = self.also.map(|also| Box::new(also.with_remedy(from, to)));
+        self
+    }
+
     /// All errors as one; none if there are none.
     pub(super) fn of_all(errors: impl IntoIterator<Item = DataError>) -> Option<Self> {
         errors.into_iter().reduce(DataError::and)

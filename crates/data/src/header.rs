@@ -1,9 +1,10 @@
 //! The line of a CSV file that names its columns, and which of them are wanted.
 
 use super::error::DataError;
+use super::parts::Parts;
 use super::query::{Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
-use super::stamp::{is_time_of_day, needs_order, stamp};
+use super::stamp::{compact, is_time_of_day, needs_order, stamp};
 use super::unit::{self, ColumnQuantity};
 use std::cmp::Reverse;
 
@@ -52,16 +53,19 @@ pub(super) fn open<'a>(
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem, remedy));
     };
-    let in_names = |names: &[String]| {
+    let of_line = |line: &Line| {
+        let below = below(&lines, line);
+        let names = &line.names;
         Sought {
             file,
             names,
+            below,
             layout,
         }
         .columns(wanted)
     };
-    if let Some(line) = naming(&lines, |line| in_names(&line.names).is_ok()) {
-        let (times, values) = in_names(&line.names)?;
+    if let Some(line) = naming(&lines, |line| of_line(line).is_ok()) {
+        let (times, values) = of_line(line)?;
         let skipped = lines
             .iter()
             .take_while(|other| other.number < line.number)
@@ -74,7 +78,9 @@ pub(super) fn open<'a>(
         };
         let mut rows = CsvRows::at(file, bytes, line.offset, line.separator, true);
         rows.texts();
-        return Ok((rows.below(), header));
+        let last = header.times.iter().chain(&header.values).max();
+        let least = last.map_or(0, |last| last + 1);
+        return Ok((rows.below(least), header));
     }
     // Columns without names are called by their numbers.
     let width = lines.last().map_or(0, |line| line.names.len());
@@ -82,7 +88,13 @@ pub(super) fn open<'a>(
     if let Some(line) = lines
         .iter()
         .find(|line| !line.is_comment && line.names.len() == width)
-        && let Ok((times, values)) = in_names(&numbered)
+        && let Ok((times, values)) = (Sought {
+            file,
+            names: &numbered,
+            below: &[],
+            layout,
+        })
+        .columns(wanted)
     {
         let header = Header {
             names: numbered,
@@ -96,11 +108,11 @@ pub(super) fn open<'a>(
         ));
     }
     let best = likeliest(file, &lines, layout, wanted)
-        .filter(|best| best.number == first.number || !is_data(&first.names));
+        .filter(|best| best.number == first.number || best.is_comment || !is_data(&first.names));
     let Some(best) = best else {
-        return Err(unnamed(file, layout, wanted).line(first.number));
+        return Err(unnamed(file, &first.names, layout, wanted).line(first.number));
     };
-    let error = in_names(&best.names).err();
+    let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
     Err(if best.number == first.number {
         error
@@ -126,13 +138,23 @@ fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
     in_text.or_else(in_comment)
 }
 
-/// The error of a file without names of columns.
-fn unnamed(file: &str, layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
+/// The error of a file without names of columns, which proposes its date, an hour behind it, and
+/// the first other number, if possible one with decimals.
+fn unnamed(file: &str, cells: &[String], layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
     let quantity = wanted
         .first()
         .map_or(ColumnQuantity::Temperature, |one| one.quantity);
-    let time = layout.wording.option("time", "1");
-    let value = layout.wording.column(quantity, "2");
+    let date = cells.iter().position(|cell| is_date(cell)).unwrap_or(0);
+    let is_hour = |cell: &String| cell.parse::<u8>().is_ok_and(|hour| hour <= 24);
+    let last = date + usize::from(cells.len() > 2 && cells.get(date + 1).is_some_and(is_hour));
+    let decimal = cells
+        .iter()
+        .skip(last + 1)
+        .position(|cell| cell.contains('.'));
+    let time: Vec<String> = (date..=last).map(|field| (field + 1).to_string()).collect();
+    let time = layout.wording.option("time", &time.join(","));
+    let value = (last + 2 + decimal.unwrap_or(0)).to_string();
+    let value = layout.wording.column(quantity, &value);
     let remedy = format!(
         "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
             {time} and {value}"
@@ -147,10 +169,19 @@ fn is_data(cells: &[String]) -> bool {
 }
 
 fn is_datum(cell: &str) -> bool {
-    cell.replace(',', ".").parse::<f64>().is_ok()
-        || stamp(cell, None).is_some()
-        || needs_order(cell)
-        || is_time_of_day(cell)
+    cell.replace(',', ".").parse::<f64>().is_ok() || is_date(cell) || is_time_of_day(cell)
+}
+
+fn is_date(cell: &str) -> bool {
+    stamp(cell, None).is_some() || needs_order(cell) || compact(cell).is_some()
+}
+
+/// The lines below another one that may hold units, down to the first measurements.
+fn below<'l>(lines: &'l [Line], line: &Line) -> &'l [Line] {
+    let first = lines.iter().position(|other| other.number > line.number);
+    let rest = &lines[first.unwrap_or(lines.len())..];
+    let last = rest.iter().position(|line| is_data(&line.names));
+    &rest[..last.map_or(rest.len(), |last| last + 1).min(4)]
 }
 
 /// The line that most likely names the columns, though not all that are wanted: the one with most
@@ -167,6 +198,7 @@ fn likeliest<'l>(
         let sought = Sought {
             file,
             names: &line.names,
+            below: below(lines, line),
             layout,
         };
         wanted
@@ -176,11 +208,19 @@ fn likeliest<'l>(
             + usize::from(sought.times().is_ok())
     };
     let is_named = |line: &&Line| {
-        !line.is_comment
-            && (line.names.len() > 1 || width == 1)
+        (line.names.len() > 1 || width == 1)
+            && (!line.is_comment || line.names.len() == width)
             && !line.names.iter().any(|name| is_datum(name))
     };
-    let rank = |line: &&Line| (found(line), line.names.len() == width, Reverse(line.number));
+    let rank = |line: &&Line| {
+        let is_text = !line.is_comment;
+        (
+            found(line),
+            line.names.len() == width,
+            is_text,
+            Reverse(line.number),
+        )
+    };
     lines.iter().filter(is_named).max_by_key(rank)
 }
 
@@ -201,7 +241,7 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
         let offset = at
             + bytes[at..]
                 .iter()
-                .position(|byte| !byte.is_ascii_whitespace())
+                .position(|byte| *byte != b' ')
                 .unwrap_or(0)
             + hashes;
         at += length + 1;
@@ -216,6 +256,10 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
         let names = CsvRows::at(file, bytes, offset, separator, false)
             .texts()
             .unwrap_or_default();
+        let names = match found.last() {
+            Some(above) => in_two_lines(above, names),
+            None => names,
+        };
         found.push(Line {
             offset,
             number: line_at(bytes, offset),
@@ -230,6 +274,22 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
     found
 }
 
+/// Names of columns, of which some stand below another word that tells them from columns of the same
+/// name, as in `Temp` above `Out` and `Hi` above `Temp`.
+fn in_two_lines(above: &Line, names: Vec<String>) -> Vec<String> {
+    let is_twice =
+        |name: &String| !name.is_empty() && names.iter().filter(|other| *other == name).count() > 1;
+    let is_below = above.names.len() == names.len()
+        && above.names.iter().any(String::is_empty)
+        && !is_data(&above.names);
+    if !is_below || !names.iter().any(is_twice) || names.iter().any(|name| is_datum(name)) {
+        return names;
+    }
+    let both = above.names.iter().zip(&names);
+    both.map(|(above, name)| format!("{above} {name}").trim().to_string())
+        .collect()
+}
+
 /// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
 /// loggers and spreadsheets write them in lower case.
 const DATE_AND_TIME: [&str; 6] = [
@@ -241,25 +301,22 @@ const DATE_AND_TIME: [&str; 6] = [
     "date_time",
 ];
 const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
-const DATE: [&str; 3] = ["date", "datum", "dato"];
+const DATE: [&str; 4] = ["date", "datum", "dato", "yyyymmdd"];
 
-/// Names of columns that hold a year, a day of the year, and the time of day beside them.
-const YEAR: [&str; 2] = ["year", "yr"];
-const DAY_OF_YEAR: [&str; 6] = [
-    "doy",
-    "day of year",
-    "day_of_year",
-    "dayofyear",
-    "jday",
-    "julian day",
+/// Beginnings of words, and words, of what else loggers and weather services record.
+const OTHERS: [&str; 16] = [
+    "dew", "batt", "stat", "volt", "humid", "wind", "press", "rain", "record", "serial", "panel",
+    "ptemp", "reftemp", "logger", "signal", "number",
 ];
-const HOUR: [&str; 6] = ["hour", "hr", "hours", "hhmm", "hour_min", "time"];
+const OTHER_WORDS: [&str; 8] = ["rh", "td", "id", "rn", "no", "stn", "qn", "eor"];
 
 /// A line of names in which columns are sought.
 #[derive(Clone, Copy)]
 struct Sought<'a> {
     file: &'a str,
     names: &'a [String],
+    /// The lines below it, down to the first measurements.
+    below: &'a [Line],
     layout: &'a Layout,
 }
 
@@ -322,10 +379,10 @@ impl Sought<'_> {
             [field] => Ok(vec![field]),
             [] => match parts.iter().find(|(_, found)| !is_list || found.len() != 1) {
                 None => Ok(parts.into_iter().flat_map(|(_, found)| found).collect()),
-                Some((part, _)) => Err(self.none(
-                    Name::Exactly(if is_list { part } else { name }),
-                    "name one of its columns",
-                )),
+                Some(_) if self.layout.is_of_other_file => self.usual_times(),
+                Some((part, _)) => {
+                    Err(self.no_time(Name::Exactly(if is_list { part } else { name })))
+                }
             },
             _ => Err(self.several(
                 Name::Exactly(name),
@@ -343,6 +400,9 @@ impl Sought<'_> {
         {
             return Ok(vec![field]);
         }
+        if let Some(parts) = Parts::usual(names) {
+            return Ok(parts);
+        }
         let one_of = |words: &[&str]| self.fields(|name| words.contains(&&*name.to_lowercase()));
         let begins_with = |words: &[&str]| {
             self.fields(|name| {
@@ -351,30 +411,15 @@ impl Sought<'_> {
                     .any(|word| name.to_lowercase().starts_with(word))
             })
         };
-        if let ([year], [day], [hour, ..]) = (
-            &one_of(&YEAR)[..],
-            &one_of(&DAY_OF_YEAR)[..],
-            &one_of(&HOUR)[..],
-        ) {
-            return Ok(vec![*year, *day, *hour]);
-        }
         let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
         let (time, date) = (one_of(&TIME), one_of(&DATE));
+        let hour = self.fields(Parts::is_hour);
         match (&both[..], &time[..], &date[..], &beginning[..]) {
             ([field], ..) => Ok(vec![*field]),
             ([], [time], [date], _) => Ok(vec![*date, *time]),
+            ([], [], [date], []) if !hour.is_empty() => Ok(vec![*date, hour[0]]),
             ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
-            ([], [], [], []) => {
-                let example = names
-                    .iter()
-                    .find(|name| !name.is_empty())
-                    .map_or("NAME", String::as_str);
-                let say = format!(
-                    "name the right one, e.g. {}",
-                    wording.option("time", example)
-                );
-                Err(self.none(Name::Exactly("time"), &say))
-            }
+            ([], [], [], []) => Err(self.no_time(Name::Exactly("time"))),
             _ => {
                 let first = both
                     .iter()
@@ -393,6 +438,27 @@ impl Sought<'_> {
                 Err(self.several(Name::Beginning("time"), count, remedy))
             }
         }
+    }
+
+    /// The error without a column of times, which proposes the first column of dates, with that of
+    /// hours behind it.
+    fn no_time(&self, name: Name<'_>) -> DataError {
+        let first = self.below.last().map_or(&[][..], |line| &line.names);
+        let date = first.iter().position(|cell| is_date(cell));
+        let called = |field: usize| self.names.get(field).map(String::as_str);
+        let is_hour = |name: &&str| Parts::is_hour(name);
+        let example = match date.map(|date| (called(date), called(date + 1).filter(is_hour))) {
+            Some((Some(date), Some(hour))) => format!("{date},{hour}"),
+            Some((Some(date), None)) => date.to_string(),
+            _ => self
+                .names
+                .iter()
+                .find(|name| !name.is_empty())
+                .map_or("NAME", |name| name)
+                .into(),
+        };
+        let example = self.layout.wording.option("time", &example);
+        self.none(name, &format!("name the right one, e.g. {example}"))
     }
 
     /// The place of a wanted column; if there is not exactly one, the error lists the names.
@@ -415,9 +481,9 @@ impl Sought<'_> {
         };
         match (&found[..], name) {
             ([field], _) => Ok(*field),
-            ([], Name::Exactly(_)) => Err(self.none(name, "name one of its columns")),
-            ([], Name::Beginning(_)) => {
-                let example = example(proposal(names, wanted.quantity));
+            ([], _) => {
+                let all: Vec<usize> = (0..names.len()).collect();
+                let example = example(self.proposal(wanted.quantity, &all));
                 Err(self.none(name, &format!("name the right one, e.g. {example}")))
             }
             (all, _) => {
@@ -429,7 +495,7 @@ impl Sought<'_> {
                         all.iter().map(|field| names[*field].clone()).collect();
                     format!(
                         "name one, e.g. {}; the columns are {}",
-                        example(&which[0]),
+                        example(self.proposal(wanted.quantity, all)),
                         listed(&which)
                     )
                 } else {
@@ -441,6 +507,51 @@ impl Sought<'_> {
                 Err(self.several(name, all.len(), remedy))
             }
         }
+    }
+
+    /// The name of the column that most likely holds a quantity: one with a fitting unit, in its
+    /// name or below, then one with a fitting name, then the first; no times, and nothing else that
+    /// loggers and weather services record.
+    fn proposal(&self, quantity: ColumnQuantity, among: &[usize]) -> &str {
+        let likeness = |field: &&usize| {
+            let name = &self.names[**field];
+            let words: Vec<String> = name
+                .split(|c: char| !c.is_alphabetic())
+                .filter(|word| !word.is_empty())
+                .map(str::to_lowercase)
+                .collect();
+            let begins = |known: &[&str]| {
+                let is = |word: &String| known.iter().any(|known| word.starts_with(known));
+                words.iter().any(is)
+            };
+            let is_other = begins(&OTHERS)
+                || begins(&TIME)
+                || begins(&DATE)
+                || begins(&DATE_AND_TIME)
+                || words.iter().any(|word| OTHER_WORDS.contains(&&**word));
+            let is_below = |line: &Line| {
+                line.names
+                    .get(**field)
+                    .is_some_and(|cell| unit::is_unit(quantity, cell))
+            };
+            let has_unit = matches!(unit::of_name(quantity, name), Ok(Some(_)))
+                || self.below.iter().any(is_below);
+            let known: &[&str] = match quantity {
+                ColumnQuantity::Temperature => &["temp", "tmp", "celsius", "air", "luft"],
+                ColumnQuantity::Displacement => &[
+                    "disp", "lvdt", "gauge", "gap", "joint", "weg", "position", "depl",
+                ],
+                ColumnQuantity::Input => &["acc", "force"],
+            };
+            let first = words
+                .first()
+                .is_some_and(|word| word.starts_with(&quantity.word()[..1]));
+            let rank = (has_unit, begins(known), first, Reverse(**field));
+            (!name.is_empty(), !is_other, rank)
+        };
+        let best = among.iter().max_by_key(likeness);
+        let best = best.map(|field| self.names[*field].as_str());
+        best.filter(|name| !name.is_empty()).unwrap_or("NAME")
     }
 
     /// No column is the one that is meant. What to do is followed by the names that there are.
@@ -473,34 +584,4 @@ impl Sought<'_> {
             remedy,
         )
     }
-}
-
-/// The column that most likely holds a quantity: with its name or unit in its own, or with its first
-/// letter, and no times; else the last one.
-fn proposal(names: &[String], quantity: ColumnQuantity) -> &str {
-    let word = quantity.word();
-    let likeness = |name: &&String| {
-        let lower = name.to_lowercase();
-        let is_time = TIME
-            .iter()
-            .chain(&DATE)
-            .chain(&DATE_AND_TIME)
-            .any(|time| lower.starts_with(time));
-        let has_unit = matches!(unit::of_name(quantity, name), Ok(Some(_)));
-        let rank = (
-            lower.contains(&word[..4]),
-            has_unit,
-            lower.starts_with(&word[..1]),
-        );
-        if is_time || name.is_empty() {
-            (false, false, false, false)
-        } else {
-            (true, rank.0, rank.1, rank.2)
-        }
-    };
-    names
-        .iter()
-        .max_by_key(likeness)
-        .filter(|name| !name.is_empty())
-        .map_or("NAME", String::as_str)
 }

@@ -6,6 +6,7 @@
 //! header    the line that names the columns, and which of them are wanted
 //! unit      the unit that the name of a column gives
 //! stamp     a date and a time of day, as loggers and spreadsheets write them
+//! parts     a time in several columns -> one stamp
 //! orders    the order of day, month and year, as all dates together tell it
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
 //! decimals  whether a comma is decimal
@@ -33,6 +34,8 @@ mod at2;
 mod clock;
 mod column;
 mod decimals;
+#[cfg(test)]
+mod dialect_tests;
 mod encoding;
 mod error;
 pub mod excerpt;
@@ -44,6 +47,7 @@ pub mod numbers;
 mod orders;
 mod outliers;
 mod pair;
+mod parts;
 mod query;
 mod repairs;
 mod rows;
@@ -138,6 +142,12 @@ pub fn parse(
         return Err(foreign(
             "a spreadsheet or another zip archive, not CSV",
             "export the sheet as CSV",
+        ));
+    }
+    if bytes.starts_with(b"\x1f\x8b") {
+        return Err(foreign(
+            "compressed, not CSV",
+            "decompress it, e.g. with gunzip",
         ));
     }
     let Some((text, encoding)) = encoding::decoded(bytes) else {

@@ -71,7 +71,7 @@ impl Marks {
         let numbers = layout
             .missing
             .iter()
-            .filter_map(|mark| mark.trim().parse().ok())
+            .filter_map(|mark| mark.trim().replace(',', ".").parse().ok())
             .collect();
         Marks { words, numbers }
     }

@@ -26,7 +26,7 @@ pub(super) struct Orders {
     differ: bool,
 }
 
-/// An order that makes the way from date to date so many times as long as another one is wrong.
+/// An order that makes the way from date to date this many times as long as another one is wrong.
 const DETOUR: f64 = 10.0;
 
 impl Orders {
@@ -70,6 +70,12 @@ impl Orders {
             .map(|reading| reading.last);
         let first = possible.next();
         self.differ |= possible.any(|date| Some(date) != first);
+    }
+
+    /// Whether all dates are dates in this order.
+    pub fn is_possible(&self, order: DateOrder) -> bool {
+        let mut possible = self.readings.iter().filter(|reading| reading.is_possible);
+        possible.any(|reading| reading.order == order)
     }
 
     /// The order, and why it is this one; `None` if several are as likely. Of several that are

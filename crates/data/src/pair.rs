@@ -130,9 +130,18 @@ impl BearingData {
                 repairs,
             });
         };
+        let (given, of_data) = (&temperature.layout, &displacement.layout);
+        let is_shared = given.time == of_data.time && given.dates == of_data.dates;
+        let temperature = &ColumnSource {
+            layout: Layout {
+                is_of_other_file: is_shared,
+                ..given.clone()
+            },
+            ..temperature.clone()
+        };
         let air = temperature.read(other, ColumnQuantity::Temperature);
         let sensor = displacement.read(data, ColumnQuantity::Displacement);
-        let ((temperature, start, repairs), (mut displacement, later, more)) = match (air, sensor) {
+        let ((air, start, repairs), (mut displacement, later, more)) = match (air, sensor) {
             (Ok(air), Ok(sensor)) => (air, sensor),
             (Err(air), Err(sensor)) => return Err(air.and(sensor)),
             (Err(error), _) | (_, Err(error)) => return Err(error),
@@ -145,16 +154,42 @@ impl BearingData {
             let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };
-        let later = later.since(first);
+        let ahead = later.since(first);
         displacement
             .times
             .iter_mut()
-            .for_each(|time| *time += later);
+            .for_each(|time| *time += ahead);
+        if let Some(problem) = apart(first, &air, &displacement) {
+            let remedy = "give files of the same days, and check the order of dates and the time zone of both";
+            return Err(DataError::file(&other.name(), problem, remedy));
+        }
         Ok(BearingData {
-            temperature,
+            temperature: air,
             displacement,
             start,
             repairs: [repairs, more].concat(),
         })
     }
+}
+
+/// What is wrong with a temperature and a displacement that have no common time, where both count
+/// from this instant.
+fn apart(start: &Start, air: &DataColumn, sensor: &DataColumn) -> Option<String> {
+    let ends = |column: &DataColumn| Some([*column.times.first()?, *column.times.last()?]);
+    let ([air, until], [sensor, end]) = (ends(air)?, ends(sensor)?);
+    if air <= end && sensor <= until {
+        return None;
+    }
+    let date = |seconds: f64| {
+        start
+            .after(seconds)
+            .map_or(String::new(), |at| at.to_string())
+    };
+    Some(format!(
+        "its temperatures, from {} to {}, have no time in common with the displacements, from {} to {}",
+        date(air),
+        date(until),
+        date(sensor),
+        date(end)
+    ))
 }

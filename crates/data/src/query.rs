@@ -57,21 +57,32 @@ impl Wording {
     /// An option of the layout with a value.
     pub(super) fn option(self, name: &str, value: &str) -> String {
         match self {
-            Wording::Key if name == "time" => format!("`{name} = \"{value}\"`"),
+            Wording::Key if name == "time" => format!("`time = {}`", text(value)),
             Wording::Key => format!("`{name} = {}`", literal(value)),
-            Wording::Flag => format!("`--{name} {}`", shell(value)),
-            Wording::TemperatureFlag => format!("`--temperature-{name} {}`", shell(value)),
+            Wording::Flag => flag(name, value),
+            Wording::TemperatureFlag => flag(&format!("temperature-{name}"), value),
             Wording::Argument => format!("`{name}={}`", literal(value)),
+        }
+    }
+
+    /// The option that leaves out lines that cannot be read.
+    pub(super) fn skip_bad(self) -> &'static str {
+        match self {
+            Wording::Key => "`skip_bad = true`",
+            Wording::Flag | Wording::TemperatureFlag => "`--skip-bad`",
+            Wording::Argument => "`skip_bad=True`",
         }
     }
 
     /// The option that names the column of a quantity.
     pub(super) fn column(self, quantity: ColumnQuantity, name: &str) -> String {
         match self {
-            Wording::Key if quantity == ColumnQuantity::Input => format!("`column = \"{name}\"`"),
-            Wording::Key => format!("`value = \"{name}\"`"),
+            Wording::Key if quantity == ColumnQuantity::Input => {
+                format!("`column = {}`", text(name))
+            }
+            Wording::Key => format!("`value = {}`", text(name)),
             Wording::Argument => format!("`{}={}`", quantity.word(), literal(name)),
-            _ => format!("`--{} {}`", quantity.word(), shell(name)),
+            _ => flag(quantity.word(), name),
         }
     }
 
@@ -90,18 +101,25 @@ fn literal(value: &str) -> String {
     if value.parse::<u64>().is_ok() {
         value.to_string()
     } else {
-        format!("\"{value}\"")
+        text(value)
     }
 }
 
-/// A value as a shell takes it.
-fn shell(value: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.,:/+=".contains(c);
-    if !value.is_empty() && value.chars().all(is_plain) {
+/// A text as TOML and Python write it.
+fn text(value: &str) -> String {
+    format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// A flag with its value as a shell takes it. A value that begins with a dash is joined to its flag.
+fn flag(name: &str, value: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-.,:/+=".contains(c);
+    let quoted = if !value.is_empty() && value.chars().all(is_plain) {
         value.to_string()
     } else {
-        format!("'{value}'")
-    }
+        format!("'{}'", value.replace('\'', r"'\''"))
+    };
+    let between = if value.starts_with('-') { '=' } else { ' ' };
+    format!("`--{name}{between}{quoted}`")
 }
 
 /// How a file is laid out, as far as the file does not say so itself.
@@ -122,6 +140,11 @@ pub struct Layout {
     pub skip: Option<u64>,
     /// Numbers and words that mark a missing value, besides the usual ones.
     pub missing: Vec<String>,
+    /// Whether lines that cannot be read are left out and counted, as long as they are few.
+    pub skip_bad: bool,
+    /// Whether `time` and `dates` are those of another file, and apply to this one only where they
+    /// fit.
+    pub is_of_other_file: bool,
     /// Values that differ from those around them by more than so many standard deviations of such
     /// differences are left out. Without it, none is.
     pub outliers: Option<u64>,
@@ -159,6 +182,8 @@ impl Layout {
             } else {
                 self.missing
             },
+            skip_bad: self.skip_bad || other.skip_bad,
+            is_of_other_file: self.is_of_other_file,
             outliers: self.outliers.or(other.outliers),
             decimal: self.decimal.or(other.decimal),
             averaged: self.averaged.or(other.averaged),

@@ -9,6 +9,10 @@ pub struct Repairs {
     pub skipped: u64,
     /// Number of lines below the names of the columns that hold units and the like.
     pub unit_rows: u64,
+    /// Number of lines that repeat the names of the columns.
+    pub repeated_headers: u64,
+    /// Number of lines that could not be read and were left out, and the first of them.
+    pub bad: Option<(u64, u64)>,
     /// The encoding of the file, if it is not UTF-8.
     pub encoding: Option<&'static str>,
     /// The order of day, month and year, if all dates together told it, and why it is this one.
@@ -78,6 +82,17 @@ impl Repairs {
                 "took # line below the header as units",
                 "took # lines below the header as units and notes",
             ),
+            many(
+                self.repeated_headers,
+                "left out # repeated header",
+                "left out # repeated headers",
+            ),
+            self.bad.and_then(|(count, line)| {
+                let one = format!("left out # line that cannot be read, line {line}");
+                let more =
+                    format!("left out # lines that cannot be read, the first is line {line}");
+                many(count, &one, &more)
+            }),
             self.encoding.map(|name| format!("read the text as {name}")),
             self.order
                 .as_ref()

@@ -4,15 +4,20 @@ use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 use std::borrow::Cow;
 
+/// What the remedy for a bad line ends in. The reader of tables replaces it.
+pub(super) const OR_SKIP: &str = "{or skip}";
+
 /// Reads the rows of a CSV file one at a time, and holds the current row.
 pub(super) struct CsvRows<'a> {
     file: &'a str,
     bytes: &'a [u8],
     reader: Reader,
     separator: u8,
-    /// Number of columns, and of those up to the last that has a name.
+    /// Number of columns, of those up to the last that has a name, and of those up to the last that
+    /// is wanted.
     width: usize,
     named: usize,
+    wanted: usize,
     /// Byte offsets: `first` is where the rows begin, `at` is how far the file has been read,
     /// `row_offset` is where the search for the current row began.
     first: usize,
@@ -45,6 +50,7 @@ impl<'a> CsvRows<'a> {
             separator,
             width: 0,
             named: 0,
+            wanted: 0,
             first: offset,
             at: offset,
             row_offset: offset,
@@ -63,8 +69,10 @@ impl<'a> CsvRows<'a> {
         })
     }
 
-    /// From here on every row has as many cells as the row that was just read, which names them.
-    pub fn below(mut self) -> Self {
+    /// From here on a row has at most as many cells as the row that was just read, which names them,
+    /// and at least this number.
+    pub fn below(mut self, wanted: usize) -> Self {
+        self.wanted = wanted;
         (self.width, self.first) = (self.fields, self.at);
         self.named = (0..self.fields)
             .rfind(|field| !self.cell(*field).is_empty())
@@ -72,13 +80,13 @@ impl<'a> CsvRows<'a> {
         self
     }
 
-    /// From here on every row has so many cells, and there is no row of names.
+    /// From here on every row has this number of cells, and there is no row of names.
     pub fn numbered(mut self, width: usize) -> Self {
-        (self.width, self.named) = (width, width);
+        (self.width, self.named, self.wanted) = (width, width, width);
         self
     }
 
-    /// The error of a row that has not as many cells as the header.
+    /// The error of a row whose number of cells differs from that of the header.
     fn uneven(&self) -> DataError {
         let (found, named) = (self.fields, self.named);
         let problem = format!(
@@ -88,10 +96,11 @@ impl<'a> CsvRows<'a> {
             name_of(self.separator)
         );
         let remedy = if found > named && self.separator == b',' {
-            "fix the row; if its decimals have commas, separate all columns by semicolons"
+            "correct the line; if its decimals have commas, separate all columns by semicolons"
         } else {
-            "fix the row; use the separator of the header, and check for an unclosed quotation mark"
+            "check for another separator, an unclosed quotation mark or a truncated line"
         };
+        let remedy = format!("{remedy}{OR_SKIP}");
         DataError::file(self.file, problem, remedy).line(self.line(self.place()))
     }
 
@@ -126,18 +135,42 @@ impl<'a> CsvRows<'a> {
         self.separator != b','
     }
 
-    /// Read the next row; false at the end.
+    /// Read the next row; false at the end. A row may leave out cells at its end that are not
+    /// wanted, unless it is the last line and was cut off.
     pub fn next(&mut self) -> Result<bool, DataError> {
+        let before = self.fields;
         if !self.read() {
             return Ok(false);
         }
-        let is_even = self.fields >= self.named
+        let is_last = self.at == self.bytes.len();
+        let is_quote = |byte: &&u8| **byte == b'"';
+        let quotes = || {
+            self.bytes[self.row_offset..]
+                .iter()
+                .filter(is_quote)
+                .count()
+        };
+        let is_cut = is_last
+            && (self.fields < before.min(self.named) && !self.bytes.ends_with(b"\n")
+                || quotes() % 2 == 1);
+        let is_even = self.fields >= self.wanted
+            && !is_cut
             && (self.width..self.fields).all(|field| self.cell(field).is_empty());
         if is_even {
             Ok(true)
         } else {
             Err(self.uneven())
         }
+    }
+
+    /// Go on behind the first line of the current row: an unclosed quotation mark makes one row of
+    /// many lines.
+    pub fn leave_out_line(&mut self) {
+        let start = row_start(self.bytes, self.row_offset);
+        let length = self.bytes[start..].iter().position(|byte| *byte == b'\n');
+        self.at = length.map_or(self.at, |length| self.at.min(start + length + 1));
+        self.fields = self.named;
+        self.reader.reset();
     }
 
     /// Stand before the first row again.

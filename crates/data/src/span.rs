@@ -2,7 +2,7 @@
 
 use jiff::{Span, SpanRelativeTo, Unit};
 
-/// Convert `"6h"`, `"1d 12h"` or `"90min"` to seconds; `None` if the text is no length of time
+/// Convert `"6h"`, `"1d 12h"` or `"90min"` to seconds; `None` if the text is not a length of time
 /// above zero. A day has 24 hours.
 ///
 /// ```

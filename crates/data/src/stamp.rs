@@ -77,7 +77,7 @@ pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
 }
 
 /// The year of two digits, as POSIX understands it.
-fn whole_year(short: i16) -> i16 {
+pub(super) fn whole_year(short: i16) -> i16 {
     if short < 69 {
         2000 + short
     } else {
@@ -211,18 +211,18 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
         .take_while(|c| c.is_ascii_alphabetic() || *c == '.')
         .collect();
     let half = word.replace('.', "").to_lowercase();
-    if half == "am" || half == "pm" {
+    if ["a", "am", "p", "pm"].contains(&half.as_str()) {
         if !(1..=12).contains(&hour) {
             return None;
         }
-        hour = hour % 12 + if half == "pm" { 12 } else { 0 };
+        hour = hour % 12 + if half.starts_with('p') { 12 } else { 0 };
         rest = &rest.trim_start()[word.len()..];
     }
     let mut later = SignedDuration::ZERO;
     if hour == 24 && minute == 0 && second == 0 && nanos == 0 {
         (hour, later) = (0, SignedDuration::from_hours(24));
     } else if second == 60 && minute == 59 {
-        // A leap second is no time of the calendar. It is put between its neighbours.
+        // A leap second is not a time of the calendar. It is put between its neighbours.
         (second, later) = (59, SignedDuration::from_millis(500));
     }
     Some((Time::new(hour, minute, second, nanos).ok()?, later, rest))
@@ -319,44 +319,28 @@ pub(super) fn compact(text: &str) -> Option<Stamp> {
     })
 }
 
-/// A year, the day of the year, and a time of day, if there is one, with blanks between them. A time
-/// without a colon is in hours, or as in 1330.
-pub(super) fn day_of_year(text: &str, is_in_hours: bool) -> Option<Stamp> {
-    let mut parts = text.split_whitespace();
-    let (year, day, time) = (
-        parts.next().filter(|year| year.len() == 4)?,
-        parts.next()?,
-        parts.next(),
-    );
-    let begin = Date::new(year.parse().ok()?, 1, 1).ok()?;
-    let day: f64 = day
-        .parse()
-        .ok()
-        .filter(|day| (1.0..f64::from(begin.days_in_year()) + 1.0).contains(day))?;
-    let number = |time: &str| time.parse::<f64>().ok().filter(|time| *time >= 0.0);
-    let hours = match time {
-        None => 0.0,
-        Some(time) if time.contains(':') => {
-            let (time, later, _) = time_of_day(time)?;
-            time.duration_since(Time::midnight()).as_secs_f64() / 3600.0
-                + later.as_secs_f64() / 3600.0
-        }
-        Some(time) if is_in_hours => number(time)?,
-        Some(time) => number(time).map(|time| (time / 100.0).floor() + time % 100.0 / 60.0)?,
-    };
-    let seconds = 86_400.0 * (day - 1.0) + 3600.0 * Some(hours).filter(|hours| *hours <= 24.0)?;
-    let later = SignedDuration::from_millis((1e3 * seconds).round() as i64);
-    let local = begin
-        .to_datetime(Time::midnight())
-        .checked_add(later)
-        .ok()?;
-    Some(Stamp::at(local))
+/// The days between 1954 and 2119, since 1970.
+const CALENDAR_DAYS: std::ops::Range<f64> = -5_569.0..54_431.0;
+
+/// Counts of days that programs write as dates, with the number of 1970.
+const DAY_COUNTS: [(&str, f64); 3] = [
+    ("a spreadsheet date", 25_569.0),
+    ("a MATLAB date number", 719_529.0),
+    ("a Julian date", 2_440_587.5),
+];
+
+/// The count of days that a number may be, and the days since 1970, from 1954 to 2119.
+pub(super) fn day_count(number: f64) -> Option<(&'static str, f64)> {
+    let counts = DAY_COUNTS.iter().map(|(name, zero)| (*name, number - zero));
+    counts
+        .into_iter()
+        .find(|(_, days)| CALENDAR_DAYS.contains(days))
 }
 
-/// The date that a spreadsheet keeps as this number of days, to a millisecond.
-pub(super) fn serial(days: f64) -> Option<Stamp> {
+/// The date so many days after 1970 began, to a millisecond.
+pub(super) fn day(days: f64) -> Option<Stamp> {
     let milliseconds = (days * 86_400_000.0).round() as i64;
-    let local = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
+    let local = Date::new(1970, 1, 1).ok()?.to_datetime(Time::midnight());
     let local = local
         .checked_add(Span::new().try_milliseconds(milliseconds).ok()?)
         .ok()?;

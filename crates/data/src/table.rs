@@ -7,9 +7,10 @@ use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
 use super::marks::Marks;
 use super::orders::Orders;
+use super::parts::{self, Parts};
 use super::query::{DateOrder, Layout, Wanted};
 use super::repairs::Repairs;
-use super::rows::CsvRows;
+use super::rows::{CsvRows, OR_SKIP};
 use super::stamp::{is_time_of_day, needs_order};
 use super::unit;
 use std::borrow::Cow;
@@ -51,11 +52,23 @@ pub(super) fn table(
 ) -> Result<Table, DataError> {
     let mut reading = TableReading::new(file, header, &mut rows, layout, wanted)?;
     rows.rewind();
-    while rows.next()? {
-        reading.take(&rows)?;
+    loop {
+        let taken = match rows.next() {
+            Ok(false) => return reading.finished(&rows),
+            Ok(true) => reading.take(&rows),
+            Err(uneven) => Err(uneven),
+        };
+        if let Err(error) = taken {
+            reading.leave_out(error, &mut rows)?;
+        }
     }
-    reading.finished(&rows)
 }
+
+/// Longest cell that is proposed as a mark of a missing value.
+const LONGEST_MARK: usize = 20;
+
+/// More bad lines than this, and than one in ten, are no exceptions: the layout is another one.
+const MOST_BAD: u64 = 10;
 
 /// A table while its rows are read.
 struct TableReading<'a> {
@@ -65,6 +78,7 @@ struct TableReading<'a> {
     time_name: String,
     columns: Vec<Column<'a>>,
     marks: Marks,
+    parts: Parts,
     /// The order of day, month and year that the dates tell, with the reason.
     told: Option<(DateOrder, &'static str)>,
     decimals: Decimals,
@@ -78,6 +92,11 @@ struct TableReading<'a> {
     time_elsewhere: Option<usize>,
     rows: u64,
     unit_rows: u64,
+    /// How many of the next rows may hold units.
+    units_left: u64,
+    repeated_headers: u64,
+    /// Number of lines that were left out, with the error of the first.
+    bad: Option<(u64, DataError)>,
 }
 
 impl<'a> TableReading<'a> {
@@ -89,29 +108,21 @@ impl<'a> TableReading<'a> {
         wanted: &'a [Wanted<'a>],
     ) -> Result<Self, DataError> {
         let names = &header.names;
-        let time_names: Vec<&str> = header
-            .times
-            .iter()
-            .map(|field| names[*field].as_str())
-            .collect();
         let columns = wanted
             .iter()
             .zip(&header.values)
             .map(|(wanted, field)| Column::of(&names[*field], wanted))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
-        let told = if layout.dates.is_none() {
-            told_order(rows, header)?
-        } else {
-            None
-        };
+        let (parts, told) = survey(rows, header, layout);
         Ok(TableReading {
             file,
             header,
             layout,
-            time_name: time_names.join(","),
+            time_name: header.time_name(),
             columns,
             marks: Marks::of(layout),
+            parts,
             told,
             decimals: Decimals::of(layout, rows.commas_are_decimal()),
             undecided: None,
@@ -120,38 +131,72 @@ impl<'a> TableReading<'a> {
             time_elsewhere: None,
             rows: 0,
             unit_rows: 0,
+            units_left: MOST_UNIT_ROWS,
+            repeated_headers: 0,
+            bad: None,
         })
     }
 
     /// Take the current row.
     fn take(&mut self, rows: &CsvRows<'_>) -> Result<(), DataError> {
-        let cell = time_cell(rows, self.header);
-        if self.clock.is_none()
-            && self.unit_rows < MOST_UNIT_ROWS
-            && is_row_of_units(rows, self.header, &cell)
-        {
+        if self.header.is_repeated(rows) {
+            self.repeated_headers += 1;
+            self.units_left = MOST_UNIT_ROWS;
+            return Ok(());
+        }
+        let cell = time_cell(rows, self.header, &self.parts);
+        if self.units_left > 0 && is_row_of_units(rows, self.header, &cell) {
+            self.units_left -= 1;
             return self.take_units(rows, &cell);
         }
         if cell.is_empty() {
             if (0..self.header.names.len()).all(|field| rows.cell(field).is_empty()) {
                 return Ok(());
             }
-            let wrong = (
-                "has no time".into(),
-                "give the row a time, or remove it".into(),
-            );
-            return Err(self
-                .header
-                .wrong(self.file, rows, self.header.times[0], wrong));
+            let remedy = format!("give the line a time, or remove it{OR_SKIP}");
+            return Err(wrong_time(
+                self.file,
+                self.header,
+                rows,
+                ("has no time".into(), remedy),
+            ));
         }
-        self.rows += 1;
-        if self.rows > MAX_ROWS {
+        if self.rows == MAX_ROWS {
             let problem = format!("it has more than {MAX_ROWS} rows");
             let remedy = "split it, or keep fewer rows";
             return Err(DataError::file(self.file, problem, remedy));
         }
         let when = self.time(rows, &cell)?;
-        self.take_values(rows, when)
+        self.take_values(rows, when)?;
+        self.units_left = 0;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// Leave out the current row, if bad lines may be left out; else say what is wrong with it.
+    fn leave_out(&mut self, error: DataError, rows: &mut CsvRows<'_>) -> Result<(), DataError> {
+        let is_strict = self.columns.iter().any(Column::is_strict);
+        let skip = match is_strict {
+            true => String::new(),
+            false => format!(
+                ", or leave out bad lines with {}",
+                self.layout.wording.skip_bad()
+            ),
+        };
+        let error = error.with_remedy(OR_SKIP, &skip);
+        if is_strict || !self.layout.skip_bad {
+            return Err(error);
+        }
+        let place = rows.place();
+        self.columns
+            .iter_mut()
+            .for_each(|column| column.take_back(place));
+        if self.rows == 0 {
+            self.clock = None;
+        }
+        self.bad.get_or_insert((0, error)).0 += 1;
+        rows.leave_out_line();
+        Ok(())
     }
 
     fn take_units(&mut self, rows: &CsvRows<'_>, time: &str) -> Result<(), DataError> {
@@ -177,6 +222,10 @@ impl<'a> TableReading<'a> {
         } = *self;
         let mut errors = Vec::new();
         if self.clock.is_none() {
+            for (column, field) in self.columns.iter_mut().zip(&header.values) {
+                let wrong = |wrong| header.wrong(file, rows, *field, wrong);
+                column.without_unit(rows.cell(*field)).map_err(wrong)?;
+            }
             let settled = self
                 .columns
                 .iter_mut()
@@ -190,7 +239,11 @@ impl<'a> TableReading<'a> {
                 .find(elsewhere)
                 .filter(|_| !cell.contains(':'));
         }
-        let order = layout.dates.or(self.told.map(|(order, _)| order));
+        let told = self.told.map(|(order, _)| order);
+        let order = match layout.is_of_other_file {
+            true => told.or(layout.dates),
+            false => layout.dates.or(told),
+        };
         let unit = self.unit_below.as_deref();
         let known = match &mut self.clock {
             Some(clock) => Ok(clock),
@@ -200,7 +253,13 @@ impl<'a> TableReading<'a> {
         };
         let when = known
             .and_then(|clock| clock.read(cell))
-            .map_err(|wrong| errors.push(header.wrong(file, rows, header.times[0], wrong)))
+            .map_err(|wrong| {
+                let wrong = match self.parts.is_stamp(&time_cells(rows, header)) {
+                    false if header.times.len() > 1 => parts::no_stamp(),
+                    _ => wrong,
+                };
+                errors.push(wrong_time(file, header, rows, wrong));
+            })
             .unwrap_or_default();
         DataError::of_all(errors).map_or(Ok(when), Err)
     }
@@ -213,10 +272,10 @@ impl<'a> TableReading<'a> {
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = wording.option("missing", &quoted(cell));
                 let decimal = wording.option("decimal", ",");
-                let remedy = if is_strict && remedy.contains("MARK") {
-                    NOT_REPAIRED
-                } else {
-                    remedy
+                let remedy = match remedy.contains("MARK") {
+                    true if is_strict => NOT_REPAIRED,
+                    true if cell.len() > LONGEST_MARK => "correct the cell{or skip}",
+                    _ => remedy,
                 };
                 let remedy = remedy.replace("MARK", &mark).replace("DECIMAL", &decimal);
                 self.header
@@ -226,7 +285,10 @@ impl<'a> TableReading<'a> {
                 column.miss().map_err(wrong)?;
                 continue;
             }
-            let value = self.decimals.number(cell).map_err(wrong)?;
+            let number = column
+                .without_unit(cell)
+                .map_err(|wrong| self.header.wrong(self.file, rows, *field, wrong))?;
+            let value = self.decimals.number(number).map_err(wrong)?;
             if self.undecided.is_none() && !self.decimals.are_known() {
                 self.undecided = Some(wrong(THOUSANDS));
             }
@@ -240,6 +302,11 @@ impl<'a> TableReading<'a> {
     /// The table, once all rows are taken.
     fn finished(mut self, rows: &CsvRows<'_>) -> Result<Table, DataError> {
         let file = self.file;
+        if let Some((bad, error)) = &self.bad
+            && (*bad >= self.rows || *bad > MOST_BAD.max(self.rows / 10))
+        {
+            return Err(error.clone());
+        }
         let Some(clock) = self.clock.take() else {
             let problem = "it has a header but no rows";
             return Err(DataError::file(
@@ -292,6 +359,11 @@ impl<'a> TableReading<'a> {
         Repairs {
             skipped: self.header.skipped,
             unit_rows: self.unit_rows,
+            repeated_headers: self.repeated_headers,
+            bad: self
+                .bad
+                .as_ref()
+                .map(|(count, first)| (*count, first.line.unwrap_or(0))),
             folds: clock.folds,
             decimal_commas: self.decimals.commas(),
             order: self
@@ -320,6 +392,27 @@ impl<'a> TableReading<'a> {
 }
 
 impl Header {
+    /// The names of the columns of times.
+    fn time_names(&self) -> Vec<&str> {
+        self.times
+            .iter()
+            .map(|field| &*self.names[*field])
+            .collect()
+    }
+
+    fn time_name(&self) -> String {
+        self.time_names().join(",")
+    }
+
+    /// Whether the current row repeats the names of the columns.
+    fn is_repeated(&self, rows: &CsvRows<'_>) -> bool {
+        let mut wanted = self.times.iter().chain(&self.values);
+        wanted.all(|field| {
+            let name = &self.names[*field];
+            rows.cell(*field) == name.as_bytes() && name.parse::<f64>().is_err()
+        })
+    }
+
     /// The error of a cell of the current row.
     fn wrong(
         &self,
@@ -334,22 +427,32 @@ impl Header {
     }
 }
 
-/// The cell of the times of the current row; of dates and times of day, both with a blank between.
-fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header) -> Cow<'r, str> {
-    let text = |field: usize| String::from_utf8_lossy(rows.cell(field));
+/// The cell of the times of the current row; of several columns, the stamp that they make.
+fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header, parts: &Parts) -> Cow<'r, str> {
     match header.times[..] {
-        [field] => text(field),
-        _ => Cow::Owned(
-            header
-                .times
-                .iter()
-                .map(|field| text(*field))
-                .collect::<Vec<_>>()
-                .join(" ")
-                .trim()
-                .to_string(),
-        ),
+        [field] => String::from_utf8_lossy(rows.cell(field)),
+        _ => Cow::Owned(parts.stamp(&time_cells(rows, header))),
     }
+}
+
+fn time_cells<'r>(rows: &'r CsvRows<'_>, header: &Header) -> Vec<Cow<'r, str>> {
+    let cells = header.times.iter().map(|field| rows.cell(*field));
+    cells.map(String::from_utf8_lossy).collect()
+}
+
+/// The error of the time of the current row.
+fn wrong_time(
+    file: &str,
+    header: &Header,
+    rows: &CsvRows<'_>,
+    (problem, remedy): ProblemAndRemedy,
+) -> DataError {
+    DataError::file(file, problem, remedy)
+        .line(rows.line(rows.place()))
+        .cell(
+            &header.time_name(),
+            time_cells(rows, header).join(",").as_bytes(),
+        )
 }
 
 /// Whether a row below the names holds units, kinds of means or a format of dates: its time is no
@@ -374,23 +477,39 @@ fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
             .any(|field| is_number(rows.cell(*field)))
 }
 
-/// The order of day, month and year, if the dates need one and tell it, with the reason.
-fn told_order(
+/// What a look at all rows tells: how the parts of a time are written, and the order of day, month
+/// and year, if the dates need one and it is not given, with the reason.
+fn survey(
     rows: &mut CsvRows<'_>,
     header: &Header,
-) -> Result<Option<(DateOrder, &'static str)>, DataError> {
-    let mut orders = Orders::new();
-    let mut looked = 0;
-    let mut is_needed = false;
-    while rows.next()? {
-        let cell = time_cell(rows, header);
+    layout: &Layout,
+) -> (Parts, Option<(DateOrder, &'static str)>) {
+    let mut parts = Parts::of(&header.time_names());
+    let is_whole = header.times.len() == 1;
+    let is_told = layout.dates.is_some() && !layout.is_of_other_file;
+    let (mut orders, mut looked, mut is_needed) = (Orders::new(), 0, false);
+    loop {
+        match rows.next() {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(_) => {
+                rows.leave_out_line();
+                continue;
+            }
+        }
+        if !is_whole {
+            parts.look(&time_cells(rows, header));
+        }
+        let cell = time_cell(rows, header, &parts);
         is_needed |= needs_order(&cell);
         looked += 1;
         // Dates that need no order say so at once, below the rows of units.
-        if !is_needed && looked > MOST_UNIT_ROWS {
-            return Ok(None);
+        if (!is_needed || is_told) && looked > MOST_UNIT_ROWS && is_whole {
+            break;
         }
         orders.take(&cell);
     }
-    Ok(orders.told().filter(|_| is_needed))
+    let fits = layout.dates.is_some_and(|given| orders.is_possible(given));
+    let told = orders.told().filter(|_| is_needed && !is_told && !fits);
+    (parts, told)
 }

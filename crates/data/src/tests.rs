@@ -673,7 +673,12 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
             "a leading zero",
             "split the column",
         ),
-        ("time,T\n0,1\n1\n", Some(3), "1 cell, but", "fix the row"),
+        (
+            "time,T\n0,1\n1\n",
+            Some(3),
+            "1 cell, but",
+            "skip_bad = true",
+        ),
         (
             "time;T\n0;1.5\n1;1,500\n",
             Some(3),
@@ -710,9 +715,14 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
             "time,T\n0,1\n2015-01-01,2\n",
             Some(3),
             "is not a number like the times before it",
-            "fix",
+            "correct the line",
         ),
-        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "fix"),
+        (
+            "time,T\n0,1\ninf,2\n",
+            Some(3),
+            "is not a number",
+            "correct",
+        ),
         (
             "time,T\n2015-01-01 00:00,1\n",
             Some(2),

@@ -416,7 +416,7 @@ pub(super) fn of_name(
         }) {
             Some(unit) if found.is_none_or(|known| known == unit) => found = Some(unit),
             Some(_) => return Err(two(column)),
-            None if is_note(text) => {}
+            None if is_note(text) || text.parse::<u32>().is_ok() => {}
             None => unknown = Some(text),
         }
     }
@@ -441,6 +441,13 @@ pub(super) fn of_name(
     } else {
         Ok(named.first().copied())
     }
+}
+
+/// Whether a cell below the names of the columns is a unit of this quantity.
+pub(super) fn is_unit(quantity: ColumnQuantity, cell: &str) -> bool {
+    quantity
+        .unit(cell.trim_matches(['[', ']', '(', ')', ' ']))
+        .is_some()
 }
 
 pub(super) fn unknown_unit(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {

@@ -34,6 +34,8 @@ pub struct Tick {
 const LARGE: f64 = 1e5;
 /// The same holds if the largest number is below this.
 const LITTLE: f64 = 1e-3;
+/// Numbers whose relative difference is at most this are equal: their difference is a rounding error.
+const ROUNDING: f64 = 1e-9;
 
 impl Axis {
     /// A linear axis over exactly this range.
@@ -58,9 +60,16 @@ impl Axis {
         title: impl Into<Label>,
         unit: &str,
     ) -> Self {
+        let values: Vec<f64> = values.into_iter().filter(|x| x.is_finite()).collect();
+        let [low, high] = range_of(values.iter().copied());
+        let is_empty = high - low <= ROUNDING * low.abs().max(high.abs());
+        let title = match is_empty && values.len() > 1 {
+            true => title.into().and(", all equal"),
+            false => title.into(),
+        };
         Axis {
             open: true,
-            ..Axis::linear(range_of(values), title, unit)
+            ..Axis::linear([low, high], title, unit)
         }
     }
 
@@ -213,7 +222,7 @@ impl Axis {
         self.is_log && self.high >= 2.0 * self.low
     }
 
-    /// The distance of two marks, of which an axis of this range has at most so many.
+    /// The distance of two marks on an axis of this range that has at most this number of them.
     fn step(&self, most: f64) -> f64 {
         let step = nice_at_least((self.high - self.low) / most);
         if self.whole {
@@ -353,7 +362,7 @@ fn multiples(digits: &[f64], powers: RangeInclusive<i32>) -> Vec<f64> {
 /// The range, made wider if it is empty.
 fn widened([low, high]: [f64; 2]) -> [f64; 2] {
     match (low.is_finite() && high.is_finite(), high > low) {
-        (true, true) if (high - low) > 1e-12 * low.abs().max(high.abs()) => [low, high],
+        (true, true) if (high - low) > ROUNDING * low.abs().max(high.abs()) => [low, high],
         (true, _) if low != 0.0 => {
             let half = 0.5 * low.abs();
             [low - half, high + half]
@@ -526,6 +535,10 @@ mod tests {
         assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
         assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
         assert_eq!(Axis::around([], "", "").range(), [-1.0, 1.0]);
+        let equal = Axis::around([2.0, 2.0 + 1e-12, f64::NAN], "x", "mm");
+        assert_eq!(equal.range(), [1.0, 3.0 + 1e-12]);
+        assert_eq!(equal.title().words(), "x, all equal (mm)");
+        assert_eq!(Axis::around([2.0], "x", "").title().words(), "x");
     }
 
     /// The ends of an axis over data are marks, and the data are between them.

@@ -14,6 +14,9 @@ pub(super) const DAY: f64 = 86_400.0;
 /// The most points of a curve. More of them would be closer together than the dots of a printer.
 const POINTS: usize = 8_000;
 
+/// A gap is longer than this number of usual steps.
+const GAP: f64 = 6.0;
+
 /// The beginnings of the shorter stretches, as shares of the whole record, and their length in
 /// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
@@ -42,17 +45,18 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> {
     let palette = style.palette();
     let record = &calibration.record;
-    let shown = within(&record.times, days);
-    let curve = |values: &[f64], scale: f64| -> Vec<[f64; 2]> {
-        thinned(shown.clone())
-            .map(|i| [record.times[i] / DAY, scale * values[i]])
-            .collect()
+    let curve = |times: &[f64], values: &[f64], scale: f64| {
+        let shown = within(times, days);
+        let samples = shown.filter(|i| values[*i].is_finite());
+        let samples: Vec<[f64; 2]> = samples
+            .map(|i| [times[i] / DAY, scale * values[i]])
+            .collect();
+        let thinned = thinned(0..samples.len()).map(|i| samples[i]).collect();
+        with_gaps(thinned)
     };
     let time = || calendar::time(days, record.start);
-    let (measured, modelled) = (
-        curve(&record.readings, 1e3),
-        curve(&calibration.modelled, 1e3),
-    );
+    let measured = curve(&record.times, &record.readings, 1e3);
+    let modelled = curve(&record.times, &calibration.modelled, 1e3);
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     // The marks of slips are below the curves.
     let mark = low - 0.08 * (high - low);
@@ -70,11 +74,28 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
             above.mark([slip.time / DAY, mark], Mark::Triangle, palette.third);
         }
     }
-    let warmth = curve(&record.temperatures, 1.0);
+    let [times, temperatures] = record.thermometer();
+    let warmth = curve(&times, &temperatures, 1.0);
     let degrees = Axis::around(warmth.iter().map(|point| point[1]), "*T*", "°C");
     let mut below = Panel::new(time(), degrees, 0.55 * height);
     below.line(warmth, Stroke::solid(palette.fourth, THIN));
     vec![above.above_another(), below]
+}
+
+/// A curve through the samples of one logger, whatever the times of the other are. It ends and
+/// begins again where samples are missing.
+fn with_gaps(samples: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let steps = samples.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+    let usual = stickslip_data::median(&mut steps.collect::<Vec<f64>>());
+    let mut curve = Vec::with_capacity(samples.len());
+    for point in samples {
+        let before = curve.last().map_or(point[0], |last: &[f64; 2]| last[0]);
+        if point[0] - before > GAP * usual {
+            curve.push([before, f64::NAN]);
+        }
+        curve.push(point);
+    }
+    curve
 }
 
 /// The indices of the samples that a curve goes through: not more than `POINTS` of them.

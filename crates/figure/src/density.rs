@@ -3,6 +3,7 @@
 
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
+use super::words::caveats;
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use ndarray::Array2;
 use stickslip::stats::{Densities, DensityCurve, Dimension};
@@ -13,8 +14,8 @@ const HELD: [f64; 2] = [0.94, 0.5];
 /// How much of it the axes hold.
 const SEEN: f64 = 0.99;
 
-/// Cells of the file are drawn as so many along each axis, between which their densities are
-/// interpolated.
+/// Each cell of the file is drawn as this number of cells along each axis, between whose middles
+/// densities are interpolated.
 const FINER: usize = 4;
 
 /// Draws the figure.
@@ -50,11 +51,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let title = ("density of *x*", unit(0, -1));
     let displacement = marginal(&densities.displacement, &axes[0], title, style.log, palette);
     let moving = stickslip_data::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
-    let legend = [
+    let mut legend = vec![
         LegendEntry::words(format!("*x*\u{2032} in motion, {moving} % of the time")),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
+    legend.extend(caveats(scenario, false));
     let panels = [
         velocity(false).above_another(),
         velocity(true),

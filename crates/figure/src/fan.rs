@@ -1,6 +1,7 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
+use super::words::caveats;
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
@@ -50,13 +51,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    let bias = scenario
-        .scheme
-        .step()
-        .map(|h| LegendEntry::words(format!("with the bias of the step {h}")));
     Ok(sheet(
         &format!("Displacement of the paths: {}", scenario.title),
-        Vec::from_iter(bias),
+        caveats(scenario, false),
         panels,
     ))
 }
@@ -81,12 +78,12 @@ pub(super) fn quantiles(bands: &Bands, palette: &Palette, panel: &mut Panel) {
 }
 
 /// The points of a curve.
-fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+pub(super) fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
 /// The area between two curves, as points (x, low, high).
-fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
+pub(super) fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
     x.iter()
         .zip(low.iter().zip(high))
         .map(|(x, (low, high))| [*x, *low, *high])

@@ -11,8 +11,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let record = &calibration.record;
     let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
-        thinned(0..record.times.len())
-            .map(|i| [record.temperatures[i], 1e3 * readings[i]])
+        // Of two loggers, one has no sample at the times of the other.
+        let own: Vec<usize> = (0..readings.len())
+            .filter(|i| readings[*i].is_finite())
+            .collect();
+        thinned(0..own.len())
+            .map(|i| [record.temperatures[own[i]], 1e3 * readings[own[i]]])
             .collect()
     };
     let (measured, modelled) = (curve(&record.readings), curve(&calibration.modelled));

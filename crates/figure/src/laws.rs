@@ -1,7 +1,7 @@
 //! The laws of slips, jumps and times from slip to slip: how large a share exceeds each value.
 
 use super::sticks::survival;
-use super::words::grouped;
+use super::words::{caveats, grouped};
 use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
 use stickslip::stats::{Distribution, PhaseLaw, QUANTILE_LEVELS};
 
@@ -65,6 +65,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Nothing("no slip was completed"));
     }
     let mut legend = vec![LegendEntry::words(format!("{} values", ended.join(", ")))];
+    legend.extend(caveats(scenario, true));
     if has_curve {
         legend.push(LegendEntry::line(
             solid(palette.first),
@@ -82,7 +83,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     Ok(sheet(&format!("Laws: {}", scenario.title), legend, panels))
 }
 
-/// Bins that are filled up to here tell nothing of the shape of a law.
+/// A law that fills at most this number of bins has no visible shape.
 const NARROW: usize = 3;
 
 /// Whether a law is hardly wider than the bins of its survival curve. It is drawn as its quantiles.

@@ -65,6 +65,22 @@ impl LegendEntry {
         }
     }
 
+    /// The entry, continued in further rows if it is wider than this.
+    fn wrapped(&self, width: f64) -> Vec<LegendEntry> {
+        let mut labels = self
+            .label
+            .wrapped((width - self.sample()) / LETTERS)
+            .into_iter();
+        let first = labels.next().map(|label| LegendEntry {
+            label,
+            ..self.clone()
+        });
+        first
+            .into_iter()
+            .chain(labels.map(LegendEntry::words))
+            .collect()
+    }
+
     fn width(&self) -> f64 {
         self.sample() + LETTERS * self.label.width()
     }
@@ -84,7 +100,11 @@ pub fn draw_legend(
     let palette = style.palette();
     let mut rows: Vec<Vec<&LegendEntry>> = Vec::new();
     let mut used = f64::INFINITY;
-    for entry in legend {
+    let legend: Vec<LegendEntry> = legend
+        .iter()
+        .flat_map(|entry| entry.wrapped(width))
+        .collect();
+    for entry in &legend {
         if used + BETWEEN + entry.width() > width {
             rows.push(Vec::new());
             used = -BETWEEN;

@@ -29,6 +29,7 @@ mod only;
 mod overview;
 mod page;
 mod panel;
+mod passages;
 mod path;
 mod residuals;
 mod section;
@@ -44,12 +45,14 @@ mod tornado;
 mod trace;
 mod trade;
 mod words;
+mod years;
 
 pub use kit::{Drawing, escaped, pdf, png, svg};
 pub use only::Only;
 pub use page::{NoPage, draw, page};
 pub use subject::{Absent, DrawnPath, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
+pub use years::years;
 
 // What every figure is made of.
 use axis::{Axis, range_of};
@@ -84,6 +87,10 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "laws",
         draws: laws::draw,
+    },
+    Figure {
+        name: "passages",
+        draws: passages::draw,
     },
     Figure {
         name: "density",

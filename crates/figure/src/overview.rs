@@ -2,6 +2,7 @@
 //! durations of sticks.
 
 use super::trace::PathTrace;
+use super::words::caveats;
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
 use stickslip::stats::Dimension;
 
@@ -52,7 +53,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let all = all.keyed([
         curve("median"),
         area(palette.narrow, "25–75 %"),
-        area(palette.wide, "5–95 % of the paths"),
+        area(palette.wide, "5–95 %"),
     ]);
     let panels = [
         one.keyed([
@@ -60,7 +61,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             area(palette.wide, "stick"),
         ]),
         all,
-        outlasting.keyed([curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]),
+        outlasting.keyed(
+            [curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]
+                .into_iter()
+                .chain(caveats(scenario, true)),
+        ),
     ];
-    Ok(sheet(&format!("Overview: {}", scenario.title), [], panels))
+    Ok(sheet(&format!("Overview: {}", scenario.title), [], panels).in_a_row())
 }

@@ -9,7 +9,7 @@ use super::theme::{LETTERS, SMALL, Style};
 use stickslip::stats::Statistic;
 
 /// The space between figures.
-const GAP: f64 = 14.0;
+pub(super) const GAP: f64 = 14.0;
 /// The space at the edge of the page.
 const EDGE: f64 = 8.0;
 /// The size of the letters of the heading.

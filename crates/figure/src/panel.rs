@@ -299,8 +299,9 @@ impl Panel {
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
         // A title that is longer than the frame extends below it, because the letter is above it,
-        // and is smaller where it would reach the next panel.
-        let size = LETTERS.min((frame.height + BELOW) / self.y.title().width());
+        // and is smaller where it would reach the letter of the next panel.
+        let below = if self.is_labelled { BELOW } else { 0.0 };
+        let size = LETTERS.min((frame.height + below) / self.y.title().width());
         let at = [
             x,
             frame.y + frame.height.max(size * self.y.title().width()) / 2.0,

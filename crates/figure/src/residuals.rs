@@ -8,6 +8,9 @@ use super::{
 };
 use stickslip_bearing::calibration::{Calibration, Quantity};
 
+/// A distance beyond both ends of an axis of errors in percent.
+const TALL: f64 = 1e6;
+
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
@@ -16,20 +19,14 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         against_time(calibration, palette),
         correlation(calibration, palette),
     ];
-    let mut legend = Vec::new();
     if !calibration.starts.is_empty() {
-        panels.push(starts(calibration, palette));
-        legend.push(LegendEntry::mark(
-            Mark::Circle,
-            palette.second,
-            "least-squares start",
-        ));
-        legend.push(LegendEntry::line(
-            Stroke::solid(palette.first, 1.0),
-            "interval of the estimate",
-        ));
+        let interval = "interval of the estimate of *f*_{s}/*K*";
+        panels.push(starts(calibration, palette).keyed([
+            LegendEntry::mark(Mark::Circle, palette.second, "least-squares start"),
+            LegendEntry::area(palette.wide, interval),
+        ]));
     }
-    Ok(sheet(&format!("Residuals: {title}"), legend, panels))
+    Ok(sheet(&format!("Residuals: {title}"), [], panels))
 }
 
 fn against_time(calibration: &Calibration, palette: &Palette) -> Panel {
@@ -97,9 +94,12 @@ fn starts(calibration: &Calibration, palette: &Palette) -> Panel {
         "%",
     );
     let mut panel = Panel::new(x, y, 74.0);
+    // The interval belongs to the horizontal axis alone, so it has the height of the panel.
+    if let [Some(low), Some(high)] = ends.map(|end| end.is_finite().then_some(end)) {
+        panel.bar([low, -TALL], [high, TALL], palette.wide);
+    }
     ways.iter()
         .zip(&above)
         .for_each(|(way, above)| panel.mark([*way, *above], Mark::Circle, palette.second));
-    panel.interval_across(0.1, ends, palette.first);
     panel
 }

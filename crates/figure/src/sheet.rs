@@ -1,7 +1,9 @@
-//! A sheet: panels below each other with their frames aligned, under a legend for all of them.
+//! A sheet: panels with their frames aligned, under a legend for all of them. The panels are below
+//! each other or, without such a legend, side by side.
 
 use super::kit::{Align, Colour, Drawing, Item, Label, Rect, Stroke};
 use super::legend::{LegendEntry, draw_legend};
+use super::page::GAP;
 use super::panel::Panel;
 use super::theme::{LETTERS, LINE, Style};
 
@@ -11,6 +13,8 @@ pub struct Sheet {
     title: String,
     legend: Vec<LegendEntry>,
     panels: Vec<Panel>,
+    /// Whether the panels are side by side.
+    is_row: bool,
 }
 
 /// The space at the edge of a sheet.
@@ -34,6 +38,7 @@ pub fn sheet(
         title: title.to_string(),
         legend: legend.into(),
         panels: panels.into(),
+        is_row: false,
     }
 }
 
@@ -43,6 +48,14 @@ fn letter(number: usize) -> Option<char> {
 }
 
 impl Sheet {
+    /// The same panels, side by side over two columns.
+    pub fn in_a_row(self) -> Sheet {
+        Sheet {
+            is_row: true,
+            ..self
+        }
+    }
+
     /// The number of panels.
     pub fn len(&self) -> usize {
         self.panels.len()
@@ -79,6 +92,9 @@ impl Sheet {
     /// The sheet with frames that are `stretch` times as high, and with letters from this number
     /// on. It counts the notes of the panels that found no space.
     pub fn draw(&self, style: &Style, letters: Option<usize>, stretch: f64) -> Drawing {
+        if self.is_row && self.len() > 1 {
+            return self.draw_row(style, letters, stretch);
+        }
         let palette = style.palette();
         let width = style.points();
         let panels: Vec<Panel> = self
@@ -143,6 +159,43 @@ impl Sheet {
             title: self.title.clone(),
             items,
             left_out: missing,
+        }
+    }
+
+    /// The panels side by side, with the lower ends of their frames aligned.
+    fn draw_row(&self, style: &Style, letters: Option<usize>, stretch: f64) -> Drawing {
+        let palette = style.palette();
+        // As wide as a page.
+        let width = 2.0 * style.points() + GAP;
+        let each = width / self.len() as f64;
+        let narrow = Style {
+            width: style.width * each / style.points(),
+            ..*style
+        };
+        let drawn =
+            |panel: &Panel| sheet(&self.title, [], [panel.clone()]).draw(&narrow, None, stretch);
+        let drawn: Vec<Drawing> = self.panels.iter().map(drawn).collect();
+        let height = drawn.iter().map(|one| one.height).fold(0.0, f64::max);
+        let mut items = Vec::new();
+        for (number, one) in drawn.iter().enumerate() {
+            let left = number as f64 * each;
+            if let Some(letter) = letters.and_then(|first| letter(first + number)) {
+                let at = [left + EDGE, EDGE + UNDER + LETTER];
+                let label = Label::bold(&letter.to_string());
+                items.push(Item::words(label, at, Align::Start, LETTER, palette.ink));
+            }
+            items.push(Item::Moved {
+                by: [left, height - one.height],
+                items: one.items.clone(),
+            });
+        }
+        Drawing {
+            width,
+            height,
+            background: palette.background,
+            title: self.title.clone(),
+            items,
+            left_out: drawn.iter().map(|one| one.left_out).sum(),
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
-use super::words::grouped;
+use super::words::{caveats, grouped};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
 use stickslip::stats::{Dimension, Distribution};
 
@@ -32,7 +32,8 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
-    let durations = || Axis::log([first.edges[0], last.edges[1]], "stick duration *D*", &unit);
+    let end = longest(sticks).map_or(last.edges[1], |edge| edge.max(last.edges[1]));
+    let durations = || Axis::log([first.edges[0], end], "stick duration *D*", &unit);
 
     let (axis, floor) = Axis::of_shares(
         bins.iter().map(|bin| bin.density),
@@ -59,26 +60,25 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     curve.draw(palette, &mut outlasting);
 
-    let mut counts = format!(
+    let mut legend = vec![LegendEntry::words(format!(
         "{} ended, {} censored",
         grouped(sticks.completed),
         grouped(sticks.censored)
-    );
+    ))];
     if shorter > 0 {
-        counts += &format!("; {} shorter than shown", grouped(shorter));
+        let words = format!("{} shorter than shown", grouped(shorter));
+        legend.push(LegendEntry::words(words));
     }
+    legend.extend(caveats(scenario, true));
     let interval = LegendEntry::area(palette.narrow, "95 % interval");
-    let curve = if sticks.step.is_some() {
-        "Kaplan–Meier, in steps of the scheme"
-    } else {
-        "Kaplan–Meier"
-    };
-    let legend = [LegendEntry::words(counts)];
     let panels = [
         density
             .above_another()
             .keyed([LegendEntry::line(solid(palette.first), "density")]),
-        outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval]),
+        outlasting.keyed([
+            LegendEntry::line(solid(palette.first), "Kaplan–Meier"),
+            interval,
+        ]),
     ];
     Ok(sheet(
         &format!("Stick durations: {}", scenario.title),
@@ -135,11 +135,21 @@ fn drawn(bins: &[DrawnBin]) -> (&[DrawnBin], u64) {
     (&bins[first..last], below(first))
 }
 
+/// The upper edge of the bin of the longest stick, at which the survival curve falls to its end.
+fn longest(sticks: &Distribution) -> Option<f64> {
+    let filled = |count: &u64| *count > 0;
+    let last = sticks.histogram.counts.iter().rposition(filled)?;
+    Some(sticks.histogram.edges[last + 1])
+}
+
 /// The shortest and the longest duration that is drawn; none if no stick has ended.
 pub(super) fn range(sticks: &Distribution) -> Option<[f64; 2]> {
     let all = bins(sticks);
     let (bins, _) = drawn(&all);
-    Some([bins.first()?.edges[0], bins.last()?.edges[1]])
+    Some([
+        bins.first()?.edges[0],
+        bins.last()?.edges[1].max(longest(sticks)?),
+    ])
 }
 
 /// A survival curve at the edges of the bins: shares, and their intervals, against durations.
@@ -166,10 +176,8 @@ pub(super) fn survival(sticks: &Distribution) -> SurvivalCurve {
     let mut before = (1.0, [1.0; 2]);
     for (i, share) in sticks.survival.iter().enumerate() {
         let here = (*share, sticks.survival_ends.at(i));
-        // Durations that are multiples of a step leave the share as it is between them.
-        if sticks.step.is_some() {
-            put(edges[i + 1], before.0, before.1);
-        }
+        // The share is known at the edges only, and never rises between them.
+        put(edges[i + 1], before.0, before.1);
         put(edges[i + 1], here.0, here.1);
         before = here;
     }
@@ -190,7 +198,7 @@ mod tests {
     use stickslip::scenario::Scenario;
 
     /// The density integrates to one over the logarithm of the duration, both with a step and
-    /// without one.
+    /// without one, and the survival curve has steps.
     #[test]
     fn the_density_holds_every_stick() {
         for scheme in ["discrete-vi", "event-driven"] {
@@ -206,6 +214,15 @@ mod tests {
                 .simulate()
                 .expect("no sink")
                 .summary;
+            let curve = survival(&summary.stick_durations).shares;
+            assert!(curve.len() > 8);
+            for pair in curve.windows(2) {
+                let [[x, y], [next, below]] = [pair[0], pair[1]];
+                assert!(
+                    x == next || y == below,
+                    "{scheme}: a step is level or upright"
+                );
+            }
             let bins = bins(&summary.stick_durations);
             let total: f64 = bins
                 .iter()

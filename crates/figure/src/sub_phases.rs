@@ -1,6 +1,6 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
-use super::words::grouped;
+use super::words::{caveats, grouped};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
 
 /// Half the width of a bar.
@@ -54,10 +54,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         grouped(slips),
         grouped(counts.censored)
     );
-    let legend = [
-        LegendEntry::words(words),
-        LegendEntry::area(palette.narrow, "fraction, with 95 % interval"),
-    ];
+    let mut legend = vec![LegendEntry::words(words)];
+    legend.extend(caveats(scenario, true));
+    legend.push(LegendEntry::area(
+        palette.narrow,
+        "fraction, with 95 % interval",
+    ));
     Ok(sheet(
         &format!("Sub-phases of slips: {}", scenario.title),
         legend,

@@ -54,20 +54,38 @@ pub enum Subject<'a> {
     },
 }
 
-/// The statistics of a sweep that are drawn: those that are named or, if none is, two of them.
-fn named_or_usual(named: &[Statistic]) -> &[Statistic] {
-    if named.is_empty() {
-        &[
-            Statistic::StickDurationMean,
-            Statistic::SubPhasesMultipleShare,
-        ]
-    } else {
-        named
+/// The statistics of a sweep that are drawn unless others are named: the first two that exist and
+/// are not zero everywhere.
+const USUAL: [Statistic; 4] = [
+    Statistic::StickDurationMean,
+    Statistic::SubPhasesMultipleShare,
+    Statistic::StickingFraction,
+    Statistic::SlidingPathRate,
+];
+
+/// The statistics that are drawn: those that are named or, if none is, two of the usual ones.
+fn named_or_usual(named: &[Statistic], sweeps: &[(String, Sweep)]) -> Vec<Statistic> {
+    let is_seen = |statistic: &Statistic| {
+        let points = sweeps.iter().flat_map(|(_, sweep)| &sweep.points).flatten();
+        let estimates = points.filter_map(|point| point.estimates.get(statistic.index()));
+        estimates
+            .map(|e| e.estimate)
+            .any(|x| x.is_finite() && x != 0.0)
+    };
+    let usual = USUAL
+        .into_iter()
+        .filter(is_seen)
+        .take(2)
+        .collect::<Vec<_>>();
+    match (named, &usual[..]) {
+        ([], []) => vec![USUAL[0]],
+        ([], _) => usual,
+        _ => named.to_vec(),
     }
 }
 
 /// Sweeps with the names of their files, and the statistics to draw.
-type Sweeps<'a> = (&'a [(String, Sweep)], &'a [Statistic]);
+type Sweeps<'a> = (&'a [(String, Sweep)], Vec<Statistic>);
 
 impl<'a> Subject<'a> {
     /// A heading, and a line that says what the numbers come from.
@@ -114,8 +132,8 @@ impl<'a> Subject<'a> {
                 let Some((_, first)) = sweeps.first() else {
                     return Default::default();
                 };
-                let drawn = named_or_usual(statistics).iter();
-                let drawn: Vec<String> = drawn
+                let drawn: Vec<String> = named_or_usual(statistics, sweeps)
+                    .iter()
                     .map(|statistic| of_statistic(*statistic, style).words())
                     .collect();
                 let keys: Vec<String> = first
@@ -125,17 +143,16 @@ impl<'a> Subject<'a> {
                     .iter()
                     .map(|axis| of_axis(axis, style).words())
                     .collect();
-                let over = if keys.is_empty() {
-                    "every key".to_string()
-                } else {
-                    keys.join(" and ")
+                let over = match keys.is_empty() {
+                    true => "Elasticities".to_string(),
+                    false => format!("Sweep over {}", keys.join(" and ")),
                 };
                 let line = format!(
                     "{}; otherwise as in \"{}\"",
                     origin_of_sweeps(&all),
                     first.question.scenario.title
                 );
-                (format!("Sweep over {over}: {}", drawn.join(", ")), line)
+                (format!("{over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
         }
@@ -165,7 +182,7 @@ impl<'a> Subject<'a> {
         let Subject::Sweep { sweeps, statistics } = self else {
             return Err(Absent::Elsewhere("a file of `mc sweep`"));
         };
-        Ok((sweeps, named_or_usual(statistics)))
+        Ok((sweeps, named_or_usual(statistics, sweeps)))
     }
 
     /// The title and the result of a calibration.

@@ -211,15 +211,14 @@ pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     }
 }
 
+/// The stroke of the curve with this number, which distinguishes it from the others.
+pub(super) fn numbered(i: usize, palette: &Palette) -> Stroke {
+    let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
+    let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];
+    Stroke::dashed(colours[i % 4], LINE, dashes[i % 3])
+}
+
 fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
-    let own = |i: usize| -> (Stroke, Mark) {
-        let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
-        let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];
-        (
-            Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]),
-            MARKS[i % 4],
-        )
-    };
     let kinds: Vec<_> = sweeps
         .iter()
         .map(|(_, sweep)| sweep.question.scenario.scheme.kind())
@@ -258,7 +257,7 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
             let (stroke, mark) = if others == 1 && are_distinct {
                 look(kinds[i])
             } else {
-                own(curves.len())
+                (numbered(curves.len(), palette), MARKS[curves.len() % 4])
             };
             let at = design.settings(points[0]);
             let axes = design.axes().iter().zip(&at).skip(1).filter(|_| others > 1);

@@ -26,7 +26,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let palette = style.palette();
     let mut panels = Vec::new();
-    for &statistic in statistics {
+    for statistic in statistics {
         let elasticity = |key: usize| {
             sweep
                 .elasticity(key, statistic)

@@ -13,7 +13,7 @@ pub struct StateAt {
     pub time: f64,
     pub displacement: f64,
     pub velocity: f64,
-    /// The force of the spring, K (beta T - x), or b where there is a force of the user's own.
+    /// The force of the spring, K (beta T - x), or b where there is a user-defined force.
     pub spring: f64,
 }
 
@@ -95,7 +95,7 @@ fn state(segment: &Segment, part: f64, sign: f64, model: &Model) -> StateAt {
     }
 }
 
-/// The force of the spring or, where there is a force of the user's own, the whole of b.
+/// The force of the spring or, where there is a user-defined force, the whole of b.
 fn shown(model: &Model, time: f64, temperature: f64, [x, velocity]: [f64; 2]) -> f64 {
     model.total_force(
         time,

@@ -1,7 +1,8 @@
 //! The names of keys and numbers at an axis.
 
-use super::Style;
 use super::kit::Label;
+use super::{LegendEntry, Style};
+use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::SweepAxis;
 use stickslip_data::numbers;
@@ -71,6 +72,23 @@ pub fn of_axis(axis: &SweepAxis, style: &Style) -> Label {
     }
 }
 
+/// What a reader of numbers of a run must know: their bias, and whether the counts and durations of
+/// sticks and slips, if they are among them, have a limit.
+pub fn caveats(scenario: &Scenario, are_counts: bool) -> Vec<LegendEntry> {
+    let friction = &scenario.model.friction;
+    let is_equal = friction.static_force <= friction.dynamic_force;
+    let has_no_limit = scenario.resolution().is_some()
+        || is_equal && scenario.scheme.step().is_some() && scenario.model.temperature.is_random();
+    let bias = scenario.scheme.step();
+    let bias = bias.map(|h| format!("with the bias of the step {h}"));
+    let limit = (are_counts && has_no_limit)
+        .then(|| "without a limit, because *f*_{s} = *f*_{d} under noise".to_string());
+    bias.into_iter()
+        .chain(limit)
+        .map(LegendEntry::words)
+        .collect()
+}
+
 /// A whole number in groups of three digits, which a line break does not separate.
 pub fn grouped(n: u64) -> String {
     numbers::grouped(n).replace(' ', "\u{a0}")
@@ -79,6 +97,7 @@ pub fn grouped(n: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stickslip::scheme::EventDriven;
 
     #[test]
     fn keys_become_words() {
@@ -97,6 +116,22 @@ mod tests {
         ] {
             assert_eq!(key_words(key), words);
         }
+    }
+
+    #[test]
+    fn a_missing_limit_is_stated_beside_counts() {
+        let stated = |name: &str, scheme: Option<EventDriven>| {
+            let mut scenario = Scenario::shipped(name).expect("shipped");
+            if let Some(scheme) = scheme {
+                scenario = scenario.with_scheme(scheme).expect("suits");
+            }
+            [false, true].map(|counts| caveats(&scenario, counts).len())
+        };
+        let exact = Some(EventDriven { tolerance: 1e-3 });
+        assert_eq!(stated("rho025", None), [1, 1]);
+        assert_eq!(stated("rho025", exact), [0, 0]);
+        assert_eq!(stated("equal-friction", None), [1, 2]);
+        assert_eq!(stated("equal-friction", exact), [0, 1]);
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(super) struct Case<'a> {
     pub derived: Derived,
     /// The step h, for schemes that have one.
     pub step: Option<f64>,
-    /// The body where a force of the user's own is steepest, for schemes that have a step.
+    /// The body where a user-defined force is steepest, for schemes that have a step.
     pub stiffened: Option<Stiffened>,
     /// The noise in a step, for a scheme that checks stick exits once a step.
     pub checked: Option<NoisyStep>,

@@ -1,4 +1,4 @@
-//! Warnings about a force of the user's own.
+//! Warnings about a user-defined force.
 
 use super::case::Case;
 use super::steepness::{expression, scales};
@@ -48,7 +48,7 @@ pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
 /// Slip steps of a path under noise that may be too many.
 const MANY_STEPS: f64 = 1e6;
 
-/// Under noise, slips under a force of the user's own are simulated in steps that resolve a damping
+/// Under noise, slips under a user-defined force are simulated in steps that resolve a damping
 /// which settles the velocity at once.
 pub(super) fn stiff_damping(case: &Case) -> Option<String> {
     let (model, end) = (&case.scenario.model, case.scenario.time.end);

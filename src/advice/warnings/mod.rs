@@ -93,9 +93,9 @@ const ALL: &[WarningRow] = &[
     ),
     row("step-against-noise", Class::LongStep, step::against_noise),
     row(
-        "step-against-stick band",
+        "step-against-stick-band",
         Class::LongStep,
-        noise::against_corridor,
+        noise::against_stick_band,
     ),
     row("large-shift", Class::LongStep, noise::large_shift),
     row(

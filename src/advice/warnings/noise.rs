@@ -6,9 +6,9 @@ use super::noisy_step::NoisyStep;
 use crate::scheme::Resolution;
 use stickslip_data::numbers::short;
 
-pub(super) fn against_corridor(case: &Case) -> Option<String> {
+pub(super) fn against_stick_band(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;
-    step.crosses_corridor().then(|| {
+    step.crosses_stick_band().then(|| {
         format!(
             "the step {} is long compared with {}, the time in which the noise crosses the stick band, \
              (f_s/(K beta rho sigma))^2: stick counts and durations will be inaccurate",
@@ -79,7 +79,7 @@ fn percent(relative: f64) -> String {
 /// sqrt(h). The warning is not due where stick durations mean nothing at this step.
 pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;
-    let means_something = !step.has_equal_friction() && !step.crosses_corridor();
+    let means_something = !step.has_equal_friction() && !step.crosses_stick_band();
     let relative = STICK_BIAS * (step.h / step.crossing_time).sqrt();
     (means_something && relative > SMALL_BIAS).then(|| {
         format!(

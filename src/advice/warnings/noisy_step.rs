@@ -46,7 +46,7 @@ impl NoisyStep {
     }
 
     /// The noise crosses a large part of the stick band of a stick within one step.
-    pub fn crosses_corridor(&self) -> bool {
+    pub fn crosses_stick_band(&self) -> bool {
         self.shift > LARGE_OVERSHOOT * self.friction.static_force
     }
 

@@ -11,7 +11,7 @@ use stickslip_data::numbers::short;
 pub(super) fn never_slips(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let largest = model.force_bound(NEVER_SD, case.scenario.time.end);
-    // A force of the user's own that depends on time is not known at every time.
+    // A user-defined force that depends on time is not known at every time.
     let is_known = !model.has_load()
         && !model
             .force

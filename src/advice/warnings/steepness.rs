@@ -1,4 +1,4 @@
-//! How a force of the user's own is looked at, and the body where it is steepest.
+//! How a user-defined force is looked at, and the body where it is steepest.
 
 use crate::advice::derived::Derived;
 use crate::model::{Expression, Oscillator, Scales, Steepest, steepest};
@@ -38,7 +38,7 @@ pub(super) fn scales(scenario: &Scenario, derived: &Derived) -> Scales {
     }
 }
 
-/// The body where the force of the user's own is steepest.
+/// The body where the user-defined force is steepest.
 pub(super) struct Stiffened {
     /// The body with the largest slope of the force in its stiffness.
     pub stiffest: Oscillator,

@@ -8,7 +8,7 @@ use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
 use stickslip_data::numbers::short;
 
-/// The step is beyond its stability limit, by itself or where a force of the user's own is
+/// The step is beyond its stability limit, by itself or where a user-defined force is
 /// steepest.
 pub(super) fn unstable(case: &Case) -> Option<String> {
     let h = case.step?;
@@ -52,7 +52,7 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
 /// 0.01.
 const MUCH: f64 = 0.125;
 
-/// Whether the plain explicit step adds much energy where a force of the user's own is stiffest,
+/// Whether the plain explicit step adds much energy where a user-defined force is stiffest,
 /// e^{pi w0 h} - 1 of it in a half-cycle, and damping takes less than the step gives back.
 fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
     let (Discretisation::Step { h }, body) =
@@ -76,7 +76,7 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
     };
     // Relative growth of the amplitude that the explicit step causes over the whole run.
     let growth = derived.natural_frequency.powi(2) * h * case.scenario.time.end / 2.0;
-    // How far a force of the user's own moves the body is not known.
+    // How far a user-defined force moves the body is not known.
     let is_known = case.scenario.model.force.is_none();
     (is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH).then(|| {
         format!(
@@ -90,7 +90,7 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
 }
 
 /// With negative damping, the expected amplitude is above the one beyond which the body runs away,
-/// or a force of the user's own drives it outward or adds energy at any distance.
+/// or a user-defined force drives it outward or adds energy at any distance.
 pub(super) fn runs_away(case: &Case) -> Option<String> {
     let (derived, model) = (&case.derived, &case.scenario.model);
     let lost = if case.step.is_some() {
@@ -143,7 +143,7 @@ pub(super) fn against_oscillator(case: &Case) -> Option<String> {
     })
 }
 
-/// One warning for each harmonic, and for a force of the user's own, with few steps in its period.
+/// One warning for each harmonic, and for a user-defined force, with few steps in its period.
 pub(super) fn against_forcing(case: &Case) -> Vec<String> {
     let Some(h) = case.step else {
         return Vec::new();

@@ -30,7 +30,7 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A force of any kind, with the friction by direction where that is no constant. Its copies share
+/// A force of any kind, with the friction by direction where that is not constant. Its copies share
 /// it.
 #[derive(Clone, Debug)]
 pub struct Force {

@@ -84,7 +84,7 @@ impl Formula {
                     else {
                         continue;
                     };
-                    // Not a number is no rate.
+                    // NaN is not a rate.
                     fastest = f64::max(fastest, (after[of] - before[of]).abs() / dt);
                 }
             }

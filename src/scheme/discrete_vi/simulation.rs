@@ -11,7 +11,7 @@ use crate::scheme::{Along, Instant, Observer, Segment, Simulate, Simulated, Snap
 /// exact model.
 const DIVERGENCE_MARGIN: f64 = 10.0;
 
-/// The same multiple under a force of the user's own, for a displacement to which that force only
+/// The same multiple under a user-defined force, for a displacement to which that force only
 /// adds its size at the start.
 const OWN_FORCE_MARGIN: f64 = 1e6;
 
@@ -89,7 +89,7 @@ impl DiscreteSimulation {
         }
     }
 
-    /// Tells step n of all paths in motion: where they were before it and which of them were static
+    /// Reports step n of all paths in motion: where they were before it and which of them were static
     /// there, and where they are after it.
     fn tell_step(
         &self,
@@ -291,7 +291,7 @@ impl<'a> Walk<'a> {
                 *diverged |= !is_bounded(x);
             }
         }
-        // A force of the user's own may be none, which the displacement shows a step later.
+        // A user-defined force may be none, which the displacement shows a step later.
         if self.simulation.model.force.is_some() {
             for (diverged, v) in self.diverged.iter_mut().zip(&self.state.velocity) {
                 *diverged |= !v.is_finite();
@@ -355,7 +355,7 @@ impl<'a> Walk<'a> {
 /// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K; with
 /// negative damping it is at most 1e100.
 ///
-/// How far a force of the user's own may drive the body is not known. With one, its largest value
+/// How far a user-defined force may drive the body is not known. With one, its largest value
 /// at x0 and rest is part of the force, a typical length is part of x, and the bound is a million
 /// times what follows, and at most 1e100.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {

@@ -8,7 +8,7 @@
 //!   cell_loop    the loop over cells of time
 //!   alone        a path crosses a cell event by event, one path after the other
 //!   vectorised      all paths that are simulated together cross a cell together, in lanes
-//! user_force   a force of the user's own, if there is one
+//! user_force   a user-defined force, if there is one
 //! work         a limit on the computing time of one path
 //! ```
 //!

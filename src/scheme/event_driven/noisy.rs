@@ -32,7 +32,7 @@ pub struct Noisy {
     /// The slip step of the usual length. It covers a whole cell where
     /// [`Noisy::has_one_step_a_cell`].
     pub(super) step: SlipStep,
-    /// The usual step, its half, its quarter and so on, where there is a force of the user's own.
+    /// The usual step, its half, its quarter and so on, where there is a user-defined force.
     pub(super) halved: Vec<SlipStep>,
     pub(super) rules: StepRules,
     pub(super) search: StopSearch,
@@ -42,7 +42,7 @@ pub struct Noisy {
 /// the length of a cell follows from forcing and noise instead.
 const TWO_SCALES: f64 = 16.0;
 
-/// The most halvings of a slip step under a force of the user's own.
+/// The most halvings of a slip step under a user-defined force.
 const FINEST_HALVING: u32 = 24;
 
 /// Up to this number of paths are simulated one by one, because they do not fill the lanes. So are

@@ -23,7 +23,7 @@ pub struct EventDrivenSimulation {
 #[derive(Clone, Debug)]
 enum Chosen {
     Noiseless(Box<Noiseless>),
-    /// Without noise and with a force of the user's own.
+    /// Without noise and with a user-defined force.
     General(Box<GeneralNoiseless>),
     Noisy(Box<Noisy>),
 }

@@ -54,16 +54,16 @@ pub type Resolved<T> = Result<T, Unresolved>;
 const WORK_LIMIT: u64 = 100_000_000;
 
 /// How many times as long an evaluation takes elsewhere: in scenes without noise, and in those with
-/// noise and a force of the user's own.
+/// noise and a user-defined force.
 pub const WITHOUT_NOISE: u64 = 5;
 pub const OWN_FORCE: u64 = 30;
 
-/// The number of evaluations that a path may make where each takes so many times as long.
+/// The number of evaluations that a path may make where each takes this many times as long.
 pub const fn work_limit(cost: u64) -> u64 {
     WORK_LIMIT / cost
 }
 
-/// A path looks after so many evaluations whether it is still wanted. They take 0.1 to 10 ms.
+/// After this number of evaluations, a path checks whether it is still wanted. They take 0.1 to 10 ms.
 const LOOK: u64 = 1 << 10;
 
 impl WorkLeft<'static> {

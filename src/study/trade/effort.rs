@@ -107,7 +107,7 @@ impl Effort {
 struct Budget {
     time: Duration,
     threads: usize,
-    /// Whether paths differ, so that more of them tell more.
+    /// Whether paths differ, so that more of them determine more.
     is_random: bool,
 }
 

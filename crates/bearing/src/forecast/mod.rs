@@ -54,7 +54,7 @@ pub struct Foreseen {
 
 impl Foreseen {
     /// The forecast of a record, with at most so many processes in the weather. `None` if `stop` is
-    /// raised before two draws are done.
+    /// raised before two draws are done. `begins` is called with what begins.
     ///
     /// # Errors
     ///
@@ -66,7 +66,9 @@ impl Foreseen {
         processes: usize,
         threads: usize,
         stop: &AtomicBool,
+        begins: &dyn Fn(&str),
     ) -> Result<Option<Self>, ForecastError> {
+        begins("calibrating the bearing");
         let (method, level) = (CalibrationMethod::Slips, question.level);
         let asked = CalibrationQuestion {
             method,
@@ -74,6 +76,7 @@ impl Foreseen {
             ..CalibrationQuestion::of(scene, record)
         };
         let calibration = calibrate(record, &asked, threads, stop)?;
+        begins("fitting the weather");
         let [times, temperatures] = calibration.record.thermometer();
         let weather = fit(
             &times,
@@ -82,6 +85,8 @@ impl Foreseen {
             processes,
             calibration.record.averaged[0],
         )?;
+        let years = (question.draws + LIKELIEST) * question.years;
+        begins(&format!("simulating {years} years"));
         let forecast = forecast(&calibration, &weather, question, threads, stop)?;
         Ok(forecast.map(|forecast| Foreseen {
             calibration,

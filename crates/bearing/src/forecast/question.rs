@@ -30,7 +30,7 @@ pub enum ForecastError {
     /// There is no model of the weather.
     #[error(transparent)]
     Weather(#[from] WeatherError),
-    /// Most of the parameters that the calibration leaves open are those of no bearing.
+    /// Most of the sampled parameter sets are unphysical.
     #[error(
         "the record does not constrain the bearing: most sampled parameter sets are unphysical"
     )]

@@ -49,7 +49,7 @@ pub struct Forecast {
     pub showed: Showed,
     /// The numbers of slips between which nearly all simulated records of the same time are.
     pub usual: [f64; 2],
-    /// Number of draws that were those of no bearing, and were drawn again.
+    /// Number of unphysical posterior samples, which were drawn again.
     pub redrawn: u64,
 }
 
@@ -409,7 +409,7 @@ mod tests {
     /// exceeded once in P years is location + scale y, where y = -log(-log(1 - 1/P)) is 2.2504 for
     /// ten years and 3.9019 for fifty. So over the draws it has the standard deviation of the
     /// location, and y times that of the scale. Half of the interval of 90 % is 1.6449 times that,
-    /// because the draws are so many that Student's t is normal.
+    /// because there are enough draws for Student's t to be normal.
     ///
     /// Null: the half-width is that. Sample size: 40 000 draws of 400 years in ten forecasts, which
     /// leave it uncertain by 1 %, and by 2 % where the years of a draw scatter more than the draws.

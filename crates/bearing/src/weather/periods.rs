@@ -12,7 +12,7 @@ pub enum NotTold {
     #[error("the record is shorter than half a period of {}, too short to resolve that harmonic", words(*.0))]
     Short(f64),
     /// A harmonic takes the same values at the samples as the mean or another harmonic.
-    #[error("samples are {} apart and cannot tell a harmonic of {}", words(*.interval), words(*.period))]
+    #[error("samples are {} apart, too far to resolve a harmonic of {}", words(*.interval), words(*.period))]
     Sparse {
         /// The median time between samples.
         interval: f64,
@@ -168,15 +168,15 @@ mod tests {
         };
         assert_eq!(
             error(12.0, DAY),
-            "samples are 12 h apart and cannot tell a harmonic of 1 d"
+            "samples are 12 h apart, too far to resolve a harmonic of 1 d"
         );
         assert_eq!(
             error(24.0, DAY),
-            "samples are 1 d apart and cannot tell a harmonic of 1 d"
+            "samples are 1 d apart, too far to resolve a harmonic of 1 d"
         );
         assert_eq!(
             error(1.0, 7200.0),
-            "samples are 1 h apart and cannot tell a harmonic of 2 h"
+            "samples are 1 h apart, too far to resolve a harmonic of 2 h"
         );
         // Two periods that a hundred days do not tell apart.
         assert!(told(&every(1.0, 100.0), &[DAY, 1.00001 * DAY]).is_err());

@@ -2,7 +2,7 @@
 //!
 //! A point holds log theta of each process, and for two processes the logarithm of the variance of
 //! the second over that of the first. Then comes log tau, if something smooths their sum, and last
-//! the variance of the white noise over that of the first, if there is any. It is no logarithm,
+//! the variance of the white noise over that of the first, if there is any. It is not a logarithm,
 //! because it may be next to nothing, where a logarithm has no error. Some of these numbers are
 //! searched, and the others are held.
 
@@ -72,7 +72,7 @@ pub struct Peak {
 }
 
 impl<'a> ProcessSearch<'a> {
-    /// A search for so many processes, smoothed or not, and harmonics of these periods, in samples
+    /// A search for this number of processes, smoothed or not, and harmonics of these periods, in samples
     /// that are means over this time.
     pub fn new(
         [times, temperatures]: [&'a [f64]; 2],

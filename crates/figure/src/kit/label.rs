@@ -132,6 +132,29 @@ impl Label {
         self.runs.iter().map(|run| run.text.as_str()).collect()
     }
 
+    /// The label in rows that are at most this wide. Rows end at spaces, and a wider word has a row
+    /// of its own.
+    pub fn wrapped(&self, width: f64) -> Vec<Label> {
+        let mut rows = vec![Label::default()];
+        let (mut start, mut may_break) = (0.0, false);
+        for run in &self.runs {
+            let mut x = run.at[0];
+            for word in run.text.split_inclusive(' ') {
+                let end = x + run.size * run.face.width(word.trim_end());
+                if may_break && end - start > width {
+                    rows.push(Label::default());
+                    start = x;
+                }
+                if let Some(row) = rows.last_mut() {
+                    row.push(run.face, run.size, [x - start, run.at[1]], word);
+                }
+                may_break = word.ends_with(' ');
+                x += run.size * run.face.width(word);
+            }
+        }
+        rows
+    }
+
     fn push(&mut self, face: Face, size: f64, at: [f64; 2], text: &str) {
         if !text.is_empty() {
             self.width = at[0] + size * face.width(text);
@@ -174,6 +197,16 @@ mod tests {
                 < 1e-12
         );
         assert_eq!(label.words(), "mean x1+½2 (m)");
+    }
+
+    #[test]
+    fn a_long_label_is_broken_at_spaces() {
+        let label = Label::from("mean of *x*(*t*) over paths");
+        let rows = label.wrapped(0.6 * label.width());
+        let words: Vec<String> = rows.iter().map(Label::words).collect();
+        assert_eq!(words, ["mean of x(t) ", "over paths"]);
+        assert_eq!(rows[1].runs[0].at, [0.0; 2]);
+        assert_eq!(label.wrapped(label.width()).len(), 1);
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl Dataset {
                 level.quantity.name(),
                 &["draw", "year"],
                 Unit::None,
-                "of one year",
+                "value in one simulated year",
             )
             .with(&unit);
             let values = years

@@ -174,7 +174,7 @@ table! {
 
     TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "start of the counted time");
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
-        "standard error of that mean, with paths as independent units");
+        "standard error of the mean displacement in the burn-in, with paths as independent units");
 
     CYCLE_NUMBER = coordinate!("cycle_number", Unit::None, "name of a property of the cycle");
     CYCLE = variable("cycle", &["cycle_number"], Unit::None,

@@ -45,7 +45,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// A variable that must have so many values.
+    /// A variable that must have this number of values.
     pub fn sized<T: Element>(
         &mut self,
         variable: &Described,

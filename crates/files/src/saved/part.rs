@@ -18,7 +18,7 @@ pub struct PartRecorder {
 }
 
 impl PartRecorder {
-    /// The state; none for a run that is no part.
+    /// The state; none for a run that is not a part.
     pub fn into_state(self) -> Option<Vec<u8>> {
         self.state
     }

@@ -113,7 +113,7 @@ fn check_same_run(parts: &[(PathBuf, State)]) -> Result<(), PartsError> {
     Ok(())
 }
 
-/// Check that each of so many parts is there once, where parts are in the order of their numbers.
+/// Check that each of the parts is there once, where parts are in the order of their numbers.
 fn check_complete(parts: &[(PathBuf, State)], count: u64) -> Result<(), PartsError> {
     let twice = parts
         .windows(2)

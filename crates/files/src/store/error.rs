@@ -169,7 +169,7 @@ pub enum StoreError {
         cause: String,
     },
     /// Writing failed for another reason.
-    #[error("{}: writing failed: {cause}; {}", partial.display(), after_failure(*saved_paths, target, "mend that"))]
+    #[error("{}: writing failed: {cause}; {}", partial.display(), after_failure(*saved_paths, target, "fix this"))]
     Write {
         /// The folder in which the file was made.
         partial: PathBuf,

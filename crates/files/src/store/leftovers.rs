@@ -1,5 +1,5 @@
 //! What should have been removed after the work and is still there, for a warning. The work itself
-//! is done then, so it is no error.
+//! is done then, so this is not an error.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -68,7 +68,7 @@ impl Written {
     }
 }
 
-/// The sum of all values of a variable in a file that must have so many.
+/// The sum of all values of a variable in a file that must have this number of them.
 fn sum_of(file: &File, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum, String> {
     let mut sum = Sum::of(*kind);
     let rows = file.length(name)?.unwrap_or(0);

@@ -3,7 +3,7 @@
 use super::StoreError;
 use std::path::Path;
 
-/// Check that the disk of a folder has room for so many bytes. This is done before a long run, so
+/// Check that the disk of a folder has room for this number of bytes. This is done before a long run, so
 /// that it does not fail at its end.
 pub fn check_space(folder: &Path, needed: u64) -> Result<(), StoreError> {
     // The folder of a bare file name is the empty path.

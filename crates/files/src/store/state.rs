@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path) -> Result<State, StoreError> {
             .take(MAGIC.len() as u64)
             .read_to_end(&mut bytes)
             .map_err(not_opened(path))?;
-        // A file with other first bytes is no state, so the rest of it is not read.
+        // A file with other first bytes is not a state, so the rest of it is not read.
         if bytes == MAGIC {
             file.take(LARGEST)
                 .read_to_end(&mut bytes)

@@ -182,7 +182,7 @@ pub fn pairs(choice: &Choice) -> &'static str {
 }
 
 /// The message of a run that ended after `completed` paths, before it had the accuracy that it was
-/// chosen for. None if so many paths are enough.
+/// chosen for. None if this number of paths is enough.
 pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
     let AccuracyGoal {
         target,

@@ -19,8 +19,8 @@ pub struct MeasuredFlags {
     /// Unit of the temperatures, if the file does not give it: degC, K, degF or degR
     #[arg(long, value_name = "U")]
     temperature_unit: Option<String>,
-    /// Column of times; or columns of date and time of day, or of year, day of year and hour,
-    /// separated by commas [default: columns with usual names, such as time or Date/Time]
+    /// Column of times, or several columns with commas between them: date and hour, or year, month,
+    /// day and hour [default: columns with usual names, such as time or Date/Time]
     #[arg(long, value_name = "COLUMN[,COLUMN]")]
     time: Option<String>,
     /// Time zone, if neither the times nor their column give one, e.g. UTC or Europe/Paris
@@ -33,14 +33,12 @@ pub struct MeasuredFlags {
     /// Number of lines before the header [default: up to the first line with the required names]
     #[arg(long, value_name = "N")]
     skip: Option<String>,
-    /// Numbers and words that mark a missing value, in addition to the usual ones
-    #[arg(
-        long,
-        value_name = "MARK,MARK",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    /// A number or word that marks a missing value, in addition to the usual ones; repeatable
+    #[arg(long, value_name = "MARK", allow_hyphen_values = true, value_parser = mark)]
     missing: Vec<String>,
+    /// Leave out lines that cannot be read, such as a footer, and report how many
+    #[arg(long)]
+    skip_bad: bool,
     /// Leave out values that differ from their neighbours by more than this many standard
     /// deviations of such differences, e.g. 8 [default: none]
     #[arg(long, value_name = "N")]
@@ -57,7 +55,7 @@ pub struct MeasuredFlags {
 /// The same for a file of temperatures that is laid out otherwise than that of the displacements.
 #[derive(Debug, clap::Args)]
 struct TemperatureLayoutFlags {
-    /// Column of times in the temperature file [default: as --time]
+    /// Column of times in the temperature file [default: as --time where that fits, else usual names]
     #[arg(long, value_name = "COLUMN[,COLUMN]", requires = "temperature_file")]
     temperature_time: Option<String>,
     /// Time zone of the temperature file [default: as --zone]
@@ -68,18 +66,18 @@ struct TemperatureLayoutFlags {
         requires = "temperature_file"
     )]
     temperature_zone: Option<String>,
-    /// Order of dates in the temperature file [default: as --dates]
+    /// Order of dates in the temperature file [default: as --dates where that fits]
     #[arg(long, value_name = "ymd|dmy|mdy", requires = "temperature_file")]
     temperature_dates: Option<String>,
     /// Number of lines before the header of that file [default: as --skip]
     #[arg(long, value_name = "N", requires = "temperature_file")]
     temperature_skip: Option<String>,
-    /// Marks of missing values in the temperature file [default: as --missing]
+    /// A mark of missing values in the temperature file; repeatable [default: as --missing]
     #[arg(
         long,
-        value_name = "MARK,MARK",
-        value_delimiter = ',',
+        value_name = "MARK",
         allow_hyphen_values = true,
+        value_parser = mark,
         requires = "temperature_file"
     )]
     temperature_missing: Vec<String>,
@@ -97,18 +95,21 @@ impl MeasuredFlags {
             dates,
             skip,
             missing,
+            skip_bad,
             outliers,
             decimal,
             averaged,
             ..
         } = self;
         let missing = marks(missing);
+        let skip_bad = skip_bad.then(|| "true".to_string());
         let layout = [
             ("time", time),
             ("zone", zone),
             ("dates", dates),
             ("skip", skip),
             ("missing", &missing),
+            ("skip_bad", &skip_bad),
             ("outliers", outliers),
             ("decimal", decimal),
         ];
@@ -153,6 +154,15 @@ fn marks(marks: &[String]) -> Option<String> {
     (!marks.is_empty()).then(|| format!("{marks:?}"))
 }
 
+/// One mark. A comma in it is a decimal mark.
+fn mark(text: &str) -> Result<String, String> {
+    let is_list = text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_err();
+    match is_list {
+        true => Err("write --missing once for each mark".into()),
+        false => Ok(text.to_string()),
+    }
+}
+
 /// What a flag says of a key of the series of a quantity.
 fn given(quantity: &str, flag: &str, key: &str, value: &Option<String>) -> Option<Override> {
     let (value, flag, dotted) = (
@@ -162,7 +172,7 @@ fn given(quantity: &str, flag: &str, key: &str, value: &Option<String>) -> Optio
     );
     // A column may be named 1, and so may its unit; a duration is a number or a text.
     let is_number = ["skip", "outliers", "averaged"].contains(&key) && value.parse::<f64>().is_ok();
-    Some(match is_number || key == "missing" {
+    Some(match is_number || ["missing", "skip_bad"].contains(&key) {
         true => Override::flag(&flag, &dotted, value),
         false => Override::text(&flag, &dotted, value),
     })

@@ -21,7 +21,7 @@ impl Threads {
             .min(MOST_THREADS)
     }
 
-    /// The number, if the system starts so many threads and has these bytes of memory for their
+    /// The number, if the system starts this number of threads and has these bytes of memory for their
     /// work, which a message calls `work`.
     pub fn ready(&self, work: &str, used: f64) -> Result<usize, Failure> {
         let threads = self.number();
@@ -56,7 +56,7 @@ pub fn enough_memory(work: &str, used: f64, threads: usize) -> Result<(), Failur
     )
 }
 
-/// Says why there are not so many threads.
+/// Says why the system does not start this number of threads.
 pub fn refused(error: ThreadsError) -> Failure {
     Failure::usage(format!("--threads: {error}"), ThreadsError::REMEDY)
 }

@@ -6,9 +6,10 @@ use crate::arguments::measurements::Source;
 use crate::output::numbers::parse_duration;
 use crate::report::{self, bearing};
 use crate::session::cost::STUDY_BYTES;
-use crate::{Failure, note, print, stop_on_signals, warn, writable};
+use crate::session::progress::waiting;
+use crate::{Failure, note, print, warn, writable};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::AtomicBool;
 use stickslip::scenario::BridgeScene;
 use stickslip_bearing::calibration::{
     CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
@@ -71,9 +72,13 @@ impl Arguments {
         };
         let question = question.fitting(&self.fit, &scene)?;
         let threads = self.source.threads.ready("this calibration", STUDY_BYTES)?;
-        let stop = stop_on_signals()?;
-        let calibration = calibrate(&record, &question, threads, &stop)
-            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
+        // Nothing that would be saved is lost, so a signal ends the process at once.
+        let stop = AtomicBool::new(false);
+        let calibration = waiting(|begins| {
+            begins("calibrating the bearing");
+            calibrate(&record, &question, threads, &stop)
+        })
+        .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
         for output in &self.output {
             match is_scenario(output) {
@@ -107,11 +112,7 @@ impl Arguments {
                 )),
             }
         }
-        if stop.load(Ordering::Relaxed) {
-            Err(Failure::Interrupted)
-        } else {
-            Ok(())
-        }
+        Ok(())
     }
 }
 

@@ -8,9 +8,9 @@ use crate::session::cost;
 use crate::{Failure, print_data};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
-use stickslip::advice::{Derived, DerivedQuantity};
-use stickslip::scenario::{Measured, Period, Scenario, WrittenForce};
-use stickslip::scheme::{Resolution, Stability};
+use stickslip::advice::DerivedQuantity;
+use stickslip::model::Oscillator;
+use stickslip::scenario::{Measured, Scenario, WrittenForce};
 use stickslip_data::input_unit;
 
 /// Arguments of `mc check`.
@@ -55,10 +55,7 @@ pub fn report(scenario: &Scenario) -> String {
         .iter()
         .filter_map(|measured| Some((measured.input()?, measured)));
     let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
-    let derived = derived(scenario)
-        .into_iter()
-        .map(|(meaning, value)| (meaning.to_string(), value));
-    for (meaning, value) in inputs.chain(derived) {
+    for (meaning, value) in inputs.chain(derived(scenario)) {
         text += &format!("# {meaning:<46}{value}\n");
     }
     text
@@ -144,195 +141,47 @@ fn number(x: f64) -> String {
     significant(x, DIGITS)
 }
 
-fn optional(x: Option<f64>, none: &str) -> String {
-    x.map_or(none.to_string(), number)
-}
-
-/// What a number means, and the number.
-type Line = (&'static str, String);
-
-fn derived(scenario: &Scenario) -> Vec<Line> {
-    let d = scenario.derived();
-    [
-        of_model(scenario, &d),
-        of_noise(&d),
-        of_scheme(&d),
-        of_motion(scenario, &d),
-        of_run(scenario, &d),
-    ]
-    .concat()
-}
-
-fn of_model(scenario: &Scenario, d: &Derived) -> Vec<Line> {
-    let body = scenario.model.oscillator;
-    let mut lines = vec![(
-        "w0 = sqrt(K/m), natural frequency",
-        number(d.natural_frequency),
-    )];
-    if d.natural_frequency > 0.0 {
-        let ratios = d.frequency_ratios.iter();
-        lines.extend(ratios.map(|ratio| ("w/w0, forcing", number(*ratio))));
-    }
-    if body.stiffness > 0.0 {
-        lines.push((
-            "alpha/(m w0), damping ratio",
-            number(body.damping / (body.mass * d.natural_frequency)),
-        ));
-    }
+/// What a number means, and the number, so far as there is one.
+fn derived(scenario: &Scenario) -> Vec<(String, String)> {
+    let shown = |(name, meaning, quantity): (&str, &str, DerivedQuantity)| {
+        let shown = match (name, quantity) {
+            (_, DerivedQuantity::Unknown) => return None,
+            (_, DerivedQuantity::Count(count)) => grouped(count),
+            (_, DerivedQuantity::Reals(all)) => {
+                let all = all.into_iter().filter(|x| x.is_finite()).map(number);
+                Some(all.collect::<Vec<_>>().join(", ")).filter(|all| !all.is_empty())?
+            }
+            ("expected_amplitude", DerivedQuantity::Real(x)) => significant(x, 2),
+            ("output_bytes", DerivedQuantity::Real(x)) => bytes(x),
+            ("resolution_static_force", DerivedQuantity::Real(x)) => x.to_string(),
+            (_, DerivedQuantity::Real(x)) => number(x),
+        };
+        Some((meaning.to_string(), shown))
+    };
+    let mut lines: Vec<_> = scenario
+        .derived()
+        .quantities()
+        .into_iter()
+        .filter_map(shown)
+        .collect();
     if let Some(WrittenForce { without, .. }) = &scenario.written_force {
-        let (stiffness, damping) = (number(body.stiffness), number(body.damping));
+        let Oscillator {
+            stiffness, damping, ..
+        } = scenario.model.oscillator;
         let told = match without {
-            Some(_) => format!("linear: simulated as K = {stiffness}, alpha = {damping}"),
+            Some(_) => {
+                format!(
+                    "linear: simulated as K = {}, alpha = {}",
+                    number(stiffness),
+                    number(damping)
+                )
+            }
             None => "general: slips are simulated to a tolerance".to_string(),
         };
-        lines.push(("g, user-defined force", told));
+        lines.push(("g, user-defined force".into(), told));
     }
-    if scenario.model.has_load() {
-        lines.push((
-            "friction",
-            "depends on a load or direction; f_s and f_d below exclude it".to_string(),
-        ));
-    }
-    let amplitudes = scenario
-        .model
-        .temperature
-        .harmonics
-        .iter()
-        .map(|harmonic| harmonic.amplitude.abs());
-    let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
-    lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
-    lines.push((
-        "f_d/f_s, friction ratio",
-        optional(d.friction_ratio, "none: f_s = 0"),
-    ));
-    lines
-}
-
-fn of_noise(d: &Derived) -> Vec<Line> {
-    let mut lines = vec![(
-        "K beta rho sigma/sqrt(2 theta), noise in b",
-        optional(d.noise_force, "no noise"),
-    )];
-    if d.noise_force.is_some() {
-        lines.push((
-            "f_s/(K beta rho), half width of the stick band in v",
-            optional(d.corridor_half_width, "unbounded"),
-        ));
-        lines.push((
-            "(f_s/(K beta rho sigma))^2, time to cross it",
-            optional(d.corridor_time, "unbounded"),
-        ));
-    }
-    lines
-}
-
-/// What limits the scheme.
-fn of_scheme(d: &Derived) -> Vec<Line> {
-    let mut lines = Vec::new();
-    if let Some(amplitude) = d.runaway_amplitude {
-        lines.push((
-            "amplitude beyond which the motion grows without bound",
-            number(amplitude),
-        ));
-    }
-    lines.extend(d.stability.map(of_stability));
-    if let Some(shift) = d.monitoring_shift {
-        lines.push((
-            "0.5826 K beta rho sigma sqrt(h), shift of f_s",
-            number(shift),
-        ));
-    }
-    if let Some(tolerance) = d.tolerance {
-        lines.push(("tolerance, relative", number(tolerance)));
-    }
-    if let Some(Resolution {
-        static_force,
-        shortest_slip,
-    }) = d.resolution
-    {
-        lines.push((
-            "resolution: shortest slip resolved, about",
-            number(shortest_slip),
-        ));
-        lines.push(("resolution: f_s as simulated", static_force.to_string()));
-    }
-    lines
-}
-
-fn of_stability(stability: Stability) -> Line {
-    let (meaning, limit, why) = match stability {
-        Stability::Growing {
-            critical_amplitude: a,
-        } => (
-            "the same, including the error of the step",
-            a,
-            " (negative damping)",
-        ),
-        Stability::Undamped {
-            critical_amplitude: a,
-        } => (
-            "A_c = 4 f_d/(pi w0 h K), critical amplitude",
-            a,
-            " (no damping)",
-        ),
-        Stability::Underdamped { largest_step: h } => (
-            "2 alpha/K, stability limit of the step",
-            h,
-            " (underdamped)",
-        ),
-        Stability::Overdamped { largest_step: h } => (
-            "2/|lambda_max|, stability limit of the step",
-            h,
-            " (overdamped)",
-        ),
-        Stability::NewVelocity { largest_step: h } => ("stability limit of the step", h, ""),
-    };
-    (meaning, number(limit) + why)
-}
-
-fn of_motion(scenario: &Scenario, d: &Derived) -> Vec<Line> {
-    let without = match d.runaway_amplitude {
-        _ if scenario.model.force.is_some() => " without [force]",
-        Some(limit) if d.expected_amplitude > limit => " if the motion stays bounded",
-        _ => "",
-    };
-    let with_source =
-        |period: Period| format!("{}, {}", number(period.length), period.source.words());
-    vec![
-        (
-            "largest |x| expected, roughly",
-            significant(d.expected_amplitude, 2) + without,
-        ),
-        (
-            "P, period at which displacements are compared",
-            d.period.map_or("none".to_string(), with_source),
-        ),
-        ("whole periods P", number(d.whole_periods)),
-        (
-            "whole periods P that are counted",
-            grouped(d.counted_periods as u64),
-        ),
-    ]
-}
-
-/// What the run takes.
-fn of_run(scenario: &Scenario, d: &Derived) -> Vec<Line> {
-    let none = || {
-        format!(
-            "none; the {} scheme does not use time.step",
-            scenario.scheme.name()
-        )
-    };
     let memory = scenario.run_bytes(scenario.ensemble.paths, crate::cores());
-    let mut lines = vec![("steps of a path", d.steps.map_or_else(none, grouped))];
-    if let Some(steps) = d.path_steps {
-        lines.push(("path-steps in all", significant(steps, 3)));
-    }
-    lines.extend([
-        ("rows of the output grid", grouped(d.rows as u64)),
-        ("memory of the run, about", bytes(memory)),
-        ("output file, about", bytes(d.output_bytes)),
-    ]);
+    lines.push(("memory of the run, about".into(), bytes(memory)));
     lines
 }
 
@@ -346,7 +195,8 @@ fn json(path: &str, scenario: &Scenario) -> String {
     let derived = scenario
         .derived()
         .quantities()
-        .map(|(name, quantity)| (name.to_string(), number(quantity)));
+        .into_iter()
+        .map(|(name, _, quantity)| (name.to_string(), number(quantity)));
     let check = json!({
         "scenario": path,
         "resolved": scenario.to_toml(),

@@ -3,6 +3,7 @@
 use crate::arguments::measurements::MeasuredFlags;
 use crate::output::document::document;
 use crate::report::{bearing, text};
+use crate::session::progress::waiting;
 use crate::{Failure, note, print, warn, writable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub struct Arguments {
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and
-    /// a day, as far as the samples tell them]
+    /// a day, as far as the samples resolve them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<f64>,
     #[command(flatten)]
@@ -67,13 +68,16 @@ impl Arguments {
         } else {
             periods
         };
-        let found = fit(
-            &column.times,
-            &column.values,
-            &periods,
-            usize::from(self.processes),
-            column.averaged,
-        )
+        let found = waiting(|begins| {
+            begins("fitting the temperature model");
+            fit(
+                &column.times,
+                &column.values,
+                &periods,
+                usize::from(self.processes),
+                column.averaged,
+            )
+        })
         .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {

@@ -6,6 +6,7 @@ use crate::output::dataset;
 use crate::output::numbers::parse_share_in;
 use crate::report::{bearing, text};
 use crate::session::cost::STUDY_BYTES;
+use crate::session::progress::waiting;
 use crate::{Failure, note, print, print_data, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -59,14 +60,8 @@ impl Arguments {
                 ));
             }
             if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
-                let problem = format!(
-                    "-o {}: the ending does not tell what to write",
-                    output.display()
-                );
-                return Err(Failure::usage(
-                    problem,
-                    "write a name that ends in .csv or .html",
-                ));
+                let problem = format!("-o {}: unknown file extension", output.display());
+                return Err(Failure::usage(problem, "use .csv or .html"));
             }
             writable(output, self.force, self.source.inputs()?)?;
         }
@@ -81,14 +76,12 @@ impl Arguments {
             share: self.share,
         };
         let record = self.source.record(&scene)?;
-        let foreseen = Foreseen::of(
-            &scene,
-            &record,
-            &question,
-            usize::from(self.processes),
-            threads,
-            &stop,
-        )
+        let foreseen = waiting(|begins| {
+            let processes = usize::from(self.processes);
+            Foreseen::of(
+                &scene, &record, &question, processes, threads, &stop, begins,
+            )
+        })
         .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
         .ok_or(Failure::Interrupted)?;
         let warnings = foreseen.warnings();
@@ -109,7 +102,7 @@ impl Arguments {
                 &Dataset::of_forecast(&scene.title, &scene.text, found),
                 &warnings,
             ))?,
-            false => print(&text(&bearing::forecast(&scene.title, found)))?,
+            false => print(&text(&bearing::forecast(&scene.title, found, false)))?,
         }
         for output in &self.output {
             let has = if is_page(output) {

@@ -67,8 +67,7 @@ impl Arguments {
             .into_iter()
             .chain(title)
             .collect();
-        let title = retitled(start.name, &changes);
-        let scenario = start.parse(&[changes.as_slice(), title.as_slice()].concat())?;
+        let scenario = start.parse(&changes)?;
         let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
         let output = self
             .output
@@ -97,27 +96,6 @@ impl Arguments {
     }
 }
 
-/// A title that lists the changes; none if nothing is changed or the changes contain a title.
-fn retitled(name: &str, changes: &[Override]) -> Option<Override> {
-    let is_needed = !changes.is_empty() && !changes.iter().any(|change| change.sets("title"));
-    is_needed.then(|| {
-        Override::text(
-            "--title",
-            "title",
-            &format!("{name} with {}", listed(changes)),
-        )
-    })
-}
-
-/// The changes as they were typed on the command line.
-fn listed(changes: &[Override]) -> String {
-    changes
-        .iter()
-        .map(Override::to_string)
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
 /// The comment at the head of the file: that of the shipped scenario if nothing is changed, else a
 /// line that lists the changes.
 fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
@@ -128,5 +106,9 @@ fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
             .map(|line| format!("{line}\n"))
             .collect();
     }
-    format!("# The shipped scenario {name}, with {}.\n", listed(changes))
+    let changes: Vec<String> = changes.iter().map(Override::to_string).collect();
+    format!(
+        "# The shipped scenario {name}, with {}.\n",
+        changes.join(" ")
+    )
 }

@@ -49,6 +49,8 @@ impl Arguments {
         );
         let mut page = Page {
             report: Report::default(),
+            lead: String::new(),
+            leading_picture: None,
             warnings: Vec::new(),
             words: vec![("All digits", digits)],
             pictures: Vec::new(),
@@ -152,18 +154,25 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     } = stored;
     let mut report = report::bearing::calibration(title, calibration, true);
     let years =
-        foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
+        foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast, true).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
     let warnings = foreseen.map_or_else(|| stored.warnings.clone(), Foreseen::warnings);
     let program = stored.other_program.clone().unwrap_or_else(crate::version);
     let page = Page {
         report,
+        lead: match foreseen {
+            Some(foreseen) => report::bearing::typical_year(&foreseen.forecast),
+            None => report::bearing::found(calibration),
+        },
+        leading_picture: foreseen
+            .map(|foreseen| stickslip_figure::years(title, &foreseen.forecast, &Style::default())),
         warnings: warnings.into_iter().map(|(_, text)| text).collect(),
         words: vec![
             (
                 "Results from the record",
                 report::bearing::seen(calibration),
             ),
+            ("Symbols", report::bearing::SYMBOLS.into()),
             ("Not included", LEFT_OUT.into()),
         ],
         pictures: pictures(&Subject::Calibration { title, calibration }),

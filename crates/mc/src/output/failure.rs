@@ -92,7 +92,7 @@ pub fn print_data(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::data(text))
 }
 
-/// In `mc ... | head` the reader closes the pipe when it has read enough. That is no failure, and
+/// In `mc ... | head` the reader closes the pipe when it has read enough. That is not a failure, and
 /// the verb goes on to its end, because what else it was asked for does not depend on the reader.
 fn print_as_it_is(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();

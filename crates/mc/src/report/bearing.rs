@@ -14,12 +14,13 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
     let level = percent(calibration.question.level);
     let columns = vec![
         Column::of("quantity", "").not_in(&[Format::Html]),
-        Column::of("words", "").not_in(&[Format::Text, Format::Narrow, Format::Csv, Format::Paper]),
-        Column::of("symbol", ""),
+        Column::of("words", "quantity").not_in(NOT_IN_PAGE),
+        Column::of("symbol", if is_page { "symbol" } else { "" }),
         Column::of("estimate", "estimate"),
-        Column::of("low", format!("{level} from")),
-        Column::of("high", "to"),
-        Column::unit(""),
+        Column::of("low", format!("{level} from")).not_in(&[Format::Html]),
+        Column::of("high", "to").not_in(&[Format::Html]),
+        Column::of("range", format!("{level} range")).not_in(NOT_IN_PAGE),
+        Column::unit("").not_in(&[Format::Html]),
     ];
     let row = |quantity: &Quantity| {
         let ParameterEstimate {
@@ -27,11 +28,8 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
             low,
             high,
         } = calibration.estimate(*quantity);
-        let names = [quantity.words(), quantity.symbol()]
-            .map(Cell::from)
-            .into_iter();
         let (factor, unit) = if is_page {
-            millimetres(quantity.unit())
+            for_people(quantity.unit())
         } else {
             (1.0, quantity.unit().into())
         };
@@ -39,10 +37,11 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
             [estimate, low, high].map(|number| factor * number),
             factor * (high - low) / 4.0,
         );
-        Row::of(
-            quantity.key(),
-            names.chain(numbers).chain([unit.as_str().into()]),
-        )
+        let range = range(&numbers[1], &numbers[2]);
+        let words = with_unit(quantity.words(), &unit);
+        let names = [words.as_str(), quantity.symbol()].map(Cell::from);
+        let last = [range, unit.as_str().into()];
+        Row::of(quantity.key(), names.into_iter().chain(numbers).chain(last))
     };
     let rows = Quantity::ALL.iter().map(row).collect();
     let of_100 = significant(100.0 * calibration.question.level, 4);
@@ -62,6 +61,25 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
         .collect(),
         remarks: sources(calibration),
         ..Report::default()
+    }
+}
+
+/// The formats that leave out what only a page shows.
+const NOT_IN_PAGE: &[Format] = &[Format::Text, Format::Narrow, Format::Csv, Format::Paper];
+
+/// What a quantity is called, with its unit.
+fn with_unit(words: &str, unit: &str) -> String {
+    match unit {
+        "" => words.into(),
+        unit => format!("{words} ({unit})"),
+    }
+}
+
+/// Two ends of a range in one cell.
+fn range(low: &Cell, high: &Cell) -> Cell {
+    match low.number.is_some_and(f64::is_finite) {
+        true => format!("{} to {}", low.text, high.text).as_str().into(),
+        false => "".into(),
     }
 }
 
@@ -227,8 +245,8 @@ fn starts(calibration: &Calibration) -> Table {
     for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
         rows.push(Row::of(name, all.iter().map(|moments| cell(moments[k]))));
     }
-    let below = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
-                 how far the minimum is from the truth.";
+    let below = "The scatter of the starts shows how well the search finds the minimum, but not how far the \
+                 minimum is from the truth.";
     let heading = "Starts of the least squares (err in m2):".into();
     Table {
         heading,
@@ -248,7 +266,7 @@ pub fn seen(calibration: &Calibration) -> String {
     let slips = calibration.slips.len();
     let a_year = |number: f64| significant(number * YEAR / length, 3);
     format!(
-        "{} slips were seen in {}, as many as {} in a year. Together they are {} mm of sliding path, as much as {} mm in a year.",
+        "{} slips were detected in {}, a rate of {} in a year. Together they make a sliding path of {} mm, or {} mm in a year.",
         grouped(slips as u64),
         time(length),
         a_year(slips as f64),
@@ -262,6 +280,15 @@ fn millimetres(unit: &str) -> (f64, String) {
     match unit {
         "m" | "m/K" => (1e3, format!("m{unit}")),
         _ => (1.0, unit.replace('1', "")),
+    }
+}
+
+/// The same for a page, with forces in kilonewtons.
+fn for_people(unit: &str) -> (f64, String) {
+    match unit {
+        "N" => (1e-3, "kN".into()),
+        "N/m" => (1e-6, "MN/m".into()),
+        unit => millimetres(unit),
     }
 }
 
@@ -290,27 +317,99 @@ pub fn truth(values: &Values) -> Report {
     }
 }
 
-/// The report of a forecast.
-pub fn forecast(title: &str, found: &Forecast) -> Report {
-    let mut columns = super::columns([
+/// The first sentences of the page of a forecast.
+pub fn typical_year(found: &Forecast) -> String {
+    let level = |quantity| found.levels.iter().find(|level| level.quantity == quantity);
+    let shown = |quantity: ForecastQuantity, factor: f64| {
+        let level = level(quantity)?;
+        let [low, high] = level.year_interval.map(|end| significant(factor * end, 3));
+        let value = significant(factor * level.expected, 3);
+        Some(move |unit: &str| format!("{value}{unit} ({low} to {high})"))
+    };
+    let path = shown(ForecastQuantity::SlidingPath, 1e3).map(|path| path(" mm"));
+    let slips = shown(ForecastQuantity::Slips, 1.0).map(|slips| slips(""));
+    let force = shown(ForecastQuantity::Force, 1e-3).map_or(String::new(), |force| {
+        format!("; the largest force on the pier is {}", force(" kN"))
+    });
+    format!(
+        "In a typical year the bearing slides {} in {} slips{force}. Typical is the mean of the simulated years; \
+         the numbers in parentheses are the {} range of one year.",
+        path.unwrap_or_default(),
+        slips.unwrap_or_default(),
+        percent(found.question.level)
+    )
+}
+
+/// The first sentences of the page of a calibration.
+pub fn found(calibration: &Calibration) -> String {
+    let shown = |quantity: Quantity, factor: f64, unit: &str| {
+        let of = calibration.estimate(quantity);
+        let [value, low, high] =
+            [of.estimate, of.low, of.high].map(|number| significant(factor * number, 3));
+        format!("{value} {unit} ({low} to {high})")
+    };
+    let hold = match calibration.estimate(Quantity::Static).estimate.is_finite() {
+        true => shown(Quantity::Static, 1e-3, "kN"),
+        false => format!("{} of held movement", shown(Quantity::StaticWay, 1e3, "mm")),
+    };
+    format!(
+        "The joint moves {} per kelvin. The bearing sticks up to a friction force of {hold}, then it slips. The \
+         numbers in parentheses are {} intervals.",
+        shown(Quantity::Dilatation, 1e3, "mm"),
+        percent(calibration.question.level)
+    )
+}
+
+/// What the symbols on the page of a bearing mean.
+pub const SYMBOLS: &str = "z is the reading of the displacement sensor at the bearing and T the temperature. F is the \
+                           friction force in the bearing: it holds the bearing up to f_s, the static friction, and is \
+                           f_d, the dynamic friction, while the bearing slides. K is the stiffness of the structure \
+                           against this movement and beta the movement of the joint per kelvin.";
+
+/// The report of a forecast; for a page in words for readers who did not make it.
+pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
+    let level = percent(found.question.level);
+    let only_text = &[Format::Html];
+    let [name, expected, low, high, least, most] = super::columns([
         ("in_a_year", "in a year"),
-        ("expected", "expected"),
+        ("expected", if is_page { "mean" } else { "expected" }),
         ("low", "from"),
         ("high", "to"),
         ("year_low", "year from"),
         ("year_high", "year to"),
-    ])
-    .to_vec();
-    columns.push(Column::unit(""));
+    ]);
+    let columns = vec![
+        name,
+        expected,
+        low.not_in(only_text),
+        high.not_in(only_text),
+        least.not_in(only_text),
+        most.not_in(only_text),
+        Column::of("range", format!("{level} range of the mean")).not_in(NOT_IN_PAGE),
+        Column::of("year_range", format!("{level} range of one year")).not_in(NOT_IN_PAGE),
+        Column::unit("").not_in(only_text),
+    ];
     let row = |label: String, value: f64, ranges: [[f64; 2]; 2], unit: &str| {
-        let ([[low, high], [least, most]], (factor, unit)) = (ranges, millimetres(unit));
+        let (factor, unit) = if is_page {
+            for_people(unit)
+        } else {
+            millimetres(unit)
+        };
+        let label = if is_page {
+            with_unit(&label, &unit)
+        } else {
+            label
+        };
+        let [[low, high], [least, most]] = ranges;
         let numbers = [value, low, high, least, most].map(|number| factor * number);
-        let mut cells = Cell::all(numbers, factor * (high - low) / 4.0);
+        let mut cells = Cell::all(numbers, factor * (high - low) / 4.0).to_vec();
+        let ranges = [range(&cells[1], &cells[2]), range(&cells[3], &cells[4])];
         cells[3..]
             .iter_mut()
             .filter(|_| least.is_nan())
             .for_each(|cell| cell.text.clear());
-        Row::of(label, cells.into_iter().chain([unit.as_str().into()]))
+        let last = ranges.into_iter().chain([unit.as_str().into()]);
+        Row::of(label, cells.into_iter().chain(last))
     };
     let levels = found.levels.iter().map(|level| {
         let ranges = [level.expected_interval, level.year_interval];
@@ -325,9 +424,15 @@ pub fn forecast(title: &str, found: &Forecast) -> Report {
         let label = format!("|z| exceeded in one of {} years", level.years);
         row(label, level.expected, [level.interval, [f64::NAN; 2]], "m")
     });
+    let [mean, year] = match is_page {
+        true => ["in the first range", "in the second"],
+        false => [
+            "between `from` and `to`",
+            "between `year from` and `year to`",
+        ],
+    };
     let below = format!(
-        "The mean of many years lies between `from` and `to` for {0} of 100 records like this one; {0} of 100 single years lie between \
-         `year from` and `year to`.",
+        "The mean of many years lies {mean} for {0} of 100 records like this one; {0} of 100 single years lie {year}.",
         significant(100.0 * found.question.level, 4)
     );
     let years: usize = found.years.iter().map(Vec::len).sum();

@@ -10,6 +10,9 @@ use stickslip_figure::{Drawing, escaped};
 /// The page of a file.
 pub struct Page<'a> {
     pub report: Report,
+    /// The most important sentences, and a picture of them.
+    pub lead: String,
+    pub leading_picture: Option<Drawing>,
     pub warnings: Vec<String>,
     /// Headings, and a sentence or more.
     pub words: Vec<(&'static str, String)>,
@@ -25,6 +28,8 @@ impl Page<'_> {
     pub fn html(&self) -> String {
         let Page {
             report,
+            lead,
+            leading_picture,
             warnings,
             words,
             pictures,
@@ -44,6 +49,11 @@ impl Page<'_> {
                 "<section class=\"warnings\"><h2>Warnings</h2><ul>{warnings}</ul></section>"
             ),
         };
+        let lead = match lead.is_empty() {
+            true => String::new(),
+            false => format!("<p class=\"lead\">{}</p>", marked(lead)),
+        };
+        let first = leading_picture.iter().map(picture).collect::<String>();
         let tables = report
             .tables
             .iter()
@@ -69,8 +79,14 @@ impl Page<'_> {
             title = escaped(&report.title),
             style = include_str!("style.css"),
             about = escaped(&report.about),
+            lead = lead,
             warnings = warnings,
-            parts = tables.chain([pictures]).chain(words).collect::<String>(),
+            parts = [first]
+                .into_iter()
+                .chain(tables)
+                .chain([pictures])
+                .chain(words)
+                .collect::<String>(),
             scenario = escaped(scenario),
             provenance = terms.collect::<String>(),
         )
@@ -78,30 +94,33 @@ impl Page<'_> {
 }
 
 fn of_table(table: &Table) -> String {
-    let row = |cells: Vec<super::Cell>, tag: &str| {
-        let sign = |text: &str| match text.parse::<f64>() {
-            Ok(_) => text.replace('-', "\u{2212}"),
-            Err(_) => text.replace("+-", "\u{b1}"),
-        };
-        let cells = cells
-            .iter()
-            .map(|cell| format!("<{tag}>{}</{tag}>", escaped(&in_words(&sign(&cell.text)))));
-        format!("<tr>{}</tr>", cells.collect::<String>())
+    let sign = |text: &str| match text.parse::<f64>() {
+        Ok(_) => text.replace('-', "\u{2212}"),
+        Err(_) => text.replace("+-", "\u{b1}"),
     };
+    let words = |cell: &super::Cell| escaped(&in_words(&sign(&cell.text)));
     let mut rows = table.shown(Format::Html).0.into_iter();
-    let head: String = rows
-        .next()
-        .map(|cells| row(cells, "th"))
-        .into_iter()
+    let headings: Vec<String> = rows.next().unwrap_or_default().iter().map(words).collect();
+    let head: String = headings
+        .iter()
+        .map(|heading| format!("<th>{heading}</th>"))
         .collect();
-    let body: String = rows.take(MOST_ROWS).map(|cells| row(cells, "td")).collect();
+    // On a phone each row is a card, in which every number has its heading.
+    let cell = |(heading, cell): (&String, &super::Cell)| {
+        format!("<td data-heading=\"{heading}\">{}</td>", words(cell))
+    };
+    let row = |cells: Vec<super::Cell>| {
+        let cells: String = headings.iter().zip(&cells).map(cell).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let body: String = rows.take(MOST_ROWS).map(row).collect();
     let below = if table.below.is_empty() {
         String::new()
     } else {
         format!("<p class=\"note\">{}</p>", marked(&table.below))
     };
     format!(
-        "<div class=\"wide\"><table><thead>{head}</thead><tbody>{body}</tbody></table></div>{below}"
+        "<div class=\"wide\"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{below}"
     )
 }
 

@@ -191,7 +191,7 @@ impl Cell {
         Cell::number(f64::NAN, text)
     }
 
-    /// A number with so many significant digits.
+    /// A number with this number of significant digits.
     fn significant(number: f64, digits: usize) -> Self {
         Cell::number(number, significant(number, digits))
     }

@@ -71,7 +71,7 @@ pub fn comma_separated(reports: Vec<(String, Report)>) -> String {
 }
 
 /// A text as one cell of comma-separated values. What a spreadsheet would take for a formula, and
-/// is no number, is marked as a text in the way of spreadsheets.
+/// is not a number, is marked as a text in the way of spreadsheets.
 fn quoted(text: &str) -> String {
     let is_formula =
         text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.contains(char::is_alphanumeric);

@@ -280,7 +280,7 @@ fn too_few(summary: &Summary) -> Option<String> {
 /// The number of paths, and how the run ended.
 fn paths(summary: &Summary, info: &RunInfo) -> String {
     let completed = grouped(summary.completed_paths);
-    // Lost paths, which are told in another line, are not completed.
+    // Lost paths, which another line reports, are not completed.
     let done = if summary.diverged.is_empty() {
         "completed"
     } else {

@@ -14,13 +14,13 @@ const PATH_STEP: f64 = 1.5e-9;
 pub const LONG: f64 = 3600.0;
 /// How long paths are simulated to measure the time of a path.
 const MEASURING_TIME: Duration = Duration::from_millis(100);
-/// If the work of a path is not known beforehand, only runs of at least so many paths are timed
+/// If the work of a path is not known beforehand, only runs of at least this number of paths are timed
 /// before they begin.
 const MANY: u64 = 100_000;
 /// Bytes that a calibration or a forecast needs; its record is read before.
 pub const STUDY_BYTES: f64 = 30e6;
 
-/// CPU seconds of so many paths of a scenario on this machine, from the time that some of its paths
+/// CPU seconds of this number of paths of a scenario on this machine, from the time that some of its paths
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
 /// that is not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
@@ -29,7 +29,7 @@ pub fn measured_cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
         .or_else(|| cpu_seconds(scenario, paths))
 }
 
-/// CPU seconds of so many paths. None if the number of steps is not known beforehand.
+/// CPU seconds of this number of paths. None if the number of steps is not known beforehand.
 fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     scenario
         .steps()

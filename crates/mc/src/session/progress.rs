@@ -19,7 +19,7 @@ use stickslip::study::trade::Limits;
 pub struct Progress {
     place: ShownAs,
     watched: Option<Watched>,
-    /// How many paths have ended, and since when it is so many.
+    /// How many paths have ended, and since when.
     ended: Arc<Mutex<(u64, Instant)>>,
 }
 
@@ -224,33 +224,45 @@ pub fn measuring<T>(
     stop: &AtomicBool,
     measure: impl FnOnce(Limits<'_>) -> T,
 ) -> T {
+    let template = format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs());
+    working(&template, quiet, |begins| {
+        measure(Limits {
+            time: None,
+            stop: Some(stop),
+            begins: Some(begins),
+        })
+    })
+}
+
+/// Does some work, and shows meanwhile on a terminal what is being done, as the work says, and for
+/// how long.
+pub fn waiting<T>(work: impl FnOnce(Begins<'_>) -> T) -> T {
+    working("{spinner} {elapsed}  {msg}", false, work)
+}
+
+/// Is called with what begins.
+type Begins<'a> = &'a (dyn Fn(&str) + Sync);
+
+fn working<T>(template: &str, quiet: bool, work: impl FnOnce(Begins<'_>) -> T) -> T {
     let target = if quiet {
         ProgressDrawTarget::hidden()
     } else {
         ProgressDrawTarget::stderr()
     };
     let line = ProgressBar::with_draw_target(None, target);
-    line.set_style(style(&format!(
-        "{{elapsed}} of about {} s: {{msg}}",
-        budget.as_secs()
-    )));
+    line.set_style(style(template));
     // The crate panics where the system starts no thread for it. The line then stands still.
     if check_threads(2).is_ok() {
         line.enable_steady_tick(TICK);
     }
-    let begins = |what: &str| line.set_message(what.to_string());
-    let measured = measure(Limits {
-        time: None,
-        stop: Some(stop),
-        begins: Some(&begins),
-    });
+    let done = work(&|what: &str| line.set_message(what.to_string()));
     line.finish_and_clear();
-    measured
+    done
 }
 
 /// The time between two updates of the elapsed time.
 const TICK: Duration = Duration::from_millis(250);
-/// The time after which a block of paths that has not ended is told.
+/// The time after which a block of paths that has not ended is reported.
 const LONG: Duration = Duration::from_secs(20);
 /// The CPU time after which a path that has not ended is the one that takes long.
 const LONG_PATH: Duration = Duration::from_secs(1);

@@ -203,6 +203,27 @@ fn a_twin_is_calibrated_to_its_truth() {
 }
 
 #[test]
+fn the_heading_lists_what_was_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let set = "friction.static=4.6e5";
+    let changed = [
+        "calibrate",
+        SCENARIO,
+        DATA,
+        "--method",
+        "slips",
+        "--set",
+        set,
+    ];
+    let printed = done(folder.path(), &changed);
+    let heading = printed.lines().next().unwrap_or_default();
+    assert!(
+        heading.ends_with(" (changed: friction.static = 4.6e5)"),
+        "{heading}"
+    );
+}
+
+#[test]
 fn without_the_shear_stiffness_forces_are_null() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = std::fs::read_to_string(SCENARIO)

@@ -240,7 +240,7 @@ fn harmonics_are_those_that_the_samples_tell() {
         path,
         &half,
         1,
-        &["samples are 12 h apart and cannot tell a harmonic of 1 d"],
+        &["samples are 12 h apart, too far to resolve a harmonic of 1 d"],
     );
 }
 

@@ -32,12 +32,7 @@ const MISTAKES: &[Mistake] = &[
     mistake("rum scene.toml", &["'rum'", "'run'"]),
     mistake("run", &["SCENARIO", "--help"]),
     mistake("rho025", &["a shipped scenario", "mc run rho025"]),
-    mistake("list", &["unknown command", "mc init --help"]),
-    mistake("events done.h5", &["record.events=true", "mc replay"]),
-    mistake(
-        "stick_duration_mean done.h5",
-        &["it is a statistic", "mc show"],
-    ),
+    mistake("list", &["'list'", "--help"]),
     mistake(
         "run scene.toml --rho 0.3",
         &[
@@ -47,11 +42,11 @@ const MISTAKES: &[Mistake] = &[
     ),
     mistake(
         "run scene.toml -n 1000",
-        &["unknown option `-n`", "`--paths`"],
+        &["unknown option `-n`", "`--set ensemble.paths=...`"],
     ),
     mistake(
         "show done.h5 --latex",
-        &["unknown option `--latex`", "--format latex"],
+        &["unknown option `--latex`", "--help"],
     ),
     mistake(
         "plot done.h5 --only survival",

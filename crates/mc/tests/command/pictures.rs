@@ -96,7 +96,7 @@ fn the_pictures_of_the_documentation_come_out_again() {
         .map(|entry| entry.expect("readable").path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "png"))
         .collect();
-    assert_eq!(drawn.len(), 27);
+    assert_eq!(drawn.len(), 28);
     for path in drawn {
         let kept = root()
             .join("docs/pictures")
@@ -226,6 +226,11 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (&["scenarios/absent.toml"], 2, "absent.toml"),
         (&["torn.h5"], 1, "torn.h5"),
         (&["never.h5", "--only", "sticks"], 1, "no stick"),
+        (
+            &["never.h5", "--only", "passages"],
+            1,
+            "set statistics.levels",
+        ),
         (&["never.h5", "--only", "sub-phases"], 1, "no slip"),
         (&["run.h5", "-o", "absent/a.svg"], 2, "the directory absent"),
     ] {
@@ -242,6 +247,20 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         std::fs::read_to_string(path.join("old.svg")).expect("kept"),
         "mine"
     );
+}
+
+/// Slips on the belt have one sub-phase, so the share of longer ones is zero everywhere.
+#[test]
+fn a_sweep_draws_no_statistic_that_is_zero_everywhere() {
+    let folder = folder();
+    let vary = "temperature.trend=0.1,0.2";
+    let sweep = [
+        "sweep", "belt", "--vary", vary, "--paths", "20", "--quiet", "-o", "a.h5",
+    ];
+    done(folder.path(), &sweep);
+    done(folder.path(), &["plot", "a.h5", "-o", "a.svg"]);
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).expect("drawn");
+    assert!(svg.contains(": mean stick duration, share of time spent static</title>"));
 }
 
 /// A path of every shipped scene, with its units and scales, can be drawn in both themes, and its

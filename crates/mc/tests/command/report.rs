@@ -110,7 +110,7 @@ fn every_file_has_a_page() {
     ];
     done(path, &[&["forecast", &scenario, &data], &few[..]].concat());
     let of_bearing = [
-        "slips were seen",
+        "slips were detected",
         "2015-08-13 to 2016-06-07",
         "friction force at which the bearing slips",
         "Traffic",

@@ -1,7 +1,7 @@
 //! docs/output-format.md lists every attribute and variable of the files that `mc` writes, with its
 //! axes, type and unit.
 
-use super::markdown::{Page, names, same, spans};
+use super::markdown::{Page, names, root, same, spans};
 use hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use hdf5::{Dataset, File};
 use std::collections::{BTreeMap, BTreeSet};
@@ -173,6 +173,70 @@ fn check(file: &File, page: &Page) -> BTreeSet<String> {
         .collect()
 }
 
+/// What a file says of a variable: its name in full, and what its flags mean.
+fn meaning(dataset: &Dataset) -> String {
+    let name = text(dataset, "long_name").expect("every variable has one");
+    let Some(meanings) = text(dataset, "flag_meanings") else {
+        return name.replace('|', "\\|");
+    };
+    let values = dataset.attr("flag_values").expect("beside the meanings");
+    let values = values.read_raw::<i8>().expect("flags");
+    let flags = values.iter().zip(meanings.split(' '));
+    let flags: Vec<String> = flags
+        .map(|(value, meaning)| format!("{value} {}", meaning.replace('_', " ")))
+        .collect();
+    format!("{name}: {}", flags.join(", "))
+}
+
+/// The tables of variables are generated: a row for each variable, in the order of the page, which
+/// ends with what the files say of it. With `REWRITE_PAGES` set they are written, and else compared.
+fn generate(page: &Page, files: &[File]) {
+    let rows = documented(page);
+    let of = |name: &str| {
+        let Documented { axes, kind, unit } = &rows[name];
+        let held = files.iter().find_map(|file| file.dataset(name).ok());
+        let kind = if kind == "f64" { "" } else { kind };
+        let cells = [
+            format!("`{name}`"),
+            axes.join(", "),
+            kind.to_string(),
+            unit.clone(),
+            meaning(&held.expect("it is in a file")),
+        ];
+        let cells = cells.map(|cell| match cell.is_empty() {
+            true => " ".to_string(),
+            false => format!(" {cell} "),
+        });
+        format!("|{}|", cells.join("|"))
+    };
+    let mut is_table = false;
+    let mut lines = Vec::new();
+    for line in page.text.lines() {
+        is_table = line.starts_with("| Variable |") || is_table && line.starts_with('|');
+        match is_table && line.starts_with("| `") {
+            true => lines.extend(
+                names(line.split(" | ").next().unwrap_or(line))
+                    .iter()
+                    .map(|name| of(name)),
+            ),
+            false => lines.push(line.to_string()),
+        }
+    }
+    let generated = lines.join("\n");
+    if std::env::var_os("REWRITE_PAGES").is_some() {
+        let path = root().join(PAGE);
+        let whole = std::fs::read_to_string(&path).expect("the page");
+        let whole = whole.replace(page.text.trim_end(), generated.trim_end());
+        std::fs::write(path, whole).expect("written");
+    } else {
+        assert!(
+            generated.trim_end() == page.text.trim_end(),
+            "{PAGE} is not as the variables are declared; `REWRITE_PAGES=1 cargo test --release -p \
+             stickslip-mc --test docs output_format -- --test-threads 1` writes it"
+        );
+    }
+}
+
 const UNITS: [&str; 8] = [
     "--set",
     "units.time=s",
@@ -313,15 +377,14 @@ fn of_runs() -> Page {
 fn every_variable_of_a_run_is_listed_with_its_axes_type_and_unit() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = of_runs();
-    let found: BTreeSet<String> = runs(folder.path())
-        .iter()
-        .flat_map(|file| check(file, &page))
-        .collect();
+    let files = runs(folder.path());
+    let found: BTreeSet<String> = files.iter().flat_map(|file| check(file, &page)).collect();
     let listed: BTreeSet<String> = documented(&page)
         .into_keys()
         .chain(bare_dimensions(&page))
         .collect();
     same(&listed, &found);
+    generate(&page, &files);
 }
 
 #[test]
@@ -390,6 +453,7 @@ fn every_variable_and_attribute_of_a_trade_is_listed() {
             "attribute {attribute} of a trade is not in {PAGE}"
         );
     }
+    generate(&page, std::slice::from_ref(&file));
     for constant in ["format_name", "format_version"] {
         let value = text(&file, constant).expect("it is there");
         assert!(
@@ -471,6 +535,7 @@ fn every_variable_and_attribute_of_a_sweep_is_listed() {
     }
     let listed: BTreeSet<String> = documented(&page).into_keys().collect();
     same(&listed, &found.difference(&axes).cloned().collect());
+    generate(&page, &files.map(|(file, _)| file));
     let prose = page.spans();
     for attribute in attributes {
         assert!(

@@ -16,7 +16,7 @@ const SEED: u64 = 4711;
 /// A run of the noisy scene, whose slips have sub-phases, with everything that can be recorded,
 /// unit labels, and a seed that no scenario has; and a replay of its path 11.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    // This is no temporary folder, because a static is never dropped, and the folder would remain.
+    // This is not a temporary folder, because a static is never dropped, and the folder would remain.
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("file_contents");
     std::fs::create_dir_all(&folder).expect("a folder");
     let paths = PATHS.to_string();

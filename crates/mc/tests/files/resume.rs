@@ -336,7 +336,7 @@ fn each_signal_saves_the_run_and_says_how_to_go_on() {
         let resumed = command::mc(here.path(), RESUME);
         assert!(resumed.status.success(), "{}", text(&resumed.stderr));
         assert_finished(here.path(), &LONG_FILE, signal);
-        // A run that is finished cannot be resumed, which is no error.
+        // A run that is finished cannot be resumed, which is not an error.
         assert!(command::mc(here.path(), RESUME).status.success());
     }
 }

@@ -164,7 +164,7 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
                 }
                 work -= EVALUATIONS * nodes;
                 let part = refined(probe, &track, suspect, low, high);
-                // A margin that only comes nearer to zero than elsewhere is no cause.
+                // A margin that only comes nearer to zero than elsewhere is not a cause.
                 probe.at(track.point(part));
                 let size = margins
                     .iter()
@@ -176,7 +176,7 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
             }
         }
     }
-    // What has no value on a whole side is not told as what happens at the edge of it.
+    // What has no value on a whole side is not reported as what happens at the edge of it.
     let told = |(node, (beside, no_value)): (usize, (Option<String>, Option<String>))| {
         Some((
             node,

@@ -75,7 +75,11 @@ fn a_jump_is_found_where_it_is() {
         found("3*sign(sin(t/9))"),
         ["sign(sin(t/9)): the force jumps by 6 at t = 28.27"]
     );
-    assert_eq!(found("(1 + xdot)*sign(x*x)"), [""; 0], "a point is no jump");
+    assert_eq!(
+        found("(1 + xdot)*sign(x*x)"),
+        [""; 0],
+        "a point is not a jump"
+    );
     assert_eq!(
         found("sign(xdot - 0.3*x)"),
         ["sign(xdot - 0.3*x): the force jumps by 2 at x = 0, xdot = 0"]

@@ -247,7 +247,7 @@ impl Kernel {
     }
 
     /// The direction in which friction lets these pulls go, up to an impulse. It is rounded as the
-    /// step rounds it. Pulls that are no numbers are not held.
+    /// step rounds it. Pulls that are not numbers are not held.
     pub(super) fn let_go(&self, [up, down]: [f64; 2], impulse: f64) -> Option<Sign> {
         let h_over_m = self.coefficients.h_over_m;
         if h_over_m * up <= impulse && h_over_m * down >= -impulse {

@@ -5,7 +5,7 @@
 //! B = K beta T_det, and the phase lasts while |b| <= f_s. In a slip, m x'' = B(t) - K x - 2 alpha
 //! x' - eps f_d + n.
 //!
-//! A force of the user's own, g(x, x', t), is added to b in both. Where friction has a load, or the
+//! A user-defined force, g(x, x', t), is added to b in both. Where friction has a load, or the
 //! force a direction, other forces take its place in slips, and each threshold of a stick has its
 //! own limit ([`Force::hold`]).
 

@@ -11,11 +11,11 @@
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
 //!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
-//! - `most_error` bounds what a slip step may leave of the mean of a force of the user's own, and
+//! - `most_error` bounds what a slip step may leave of the mean of a user-defined force, and
 //!   `most_bend` how much noise may bend this force. What the step leaves of it is of order h^2 in
 //!   the law; the default rules are 0.001 and 0.06.
 //!
-//! Without a force of the user's own, the states at the ends of slip steps are exact draws for any
+//! Without a user-defined force, the states at the ends of slip steps are exact draws for any
 //! tolerance.
 
 use super::scene::Scene;
@@ -34,7 +34,7 @@ pub struct StepRules {
     /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0,
     /// or of 1/theta where there is no spring.
     pub shortest_slip: f64,
-    /// What a slip step may leave of the mean of a force of the user's own, as a fraction of f_s.
+    /// What a slip step may leave of the mean of a user-defined force, as a fraction of f_s.
     pub most_error: f64,
     /// How much noise may bend this force on a slip step, as a fraction of the forces.
     pub most_bend: f64,

@@ -31,7 +31,7 @@ pub struct StickStep<L = f64> {
     pub noise: TimeChange<L>,
 }
 
-/// After so many attempts the last time is taken, whether it is accepted or not. This happens only
+/// After this number of attempts the last time is taken, whether it is accepted or not. This happens only
 /// where the start is as close to one threshold as it bends, and the other is met.
 pub const ATTEMPTS: usize = 64;
 

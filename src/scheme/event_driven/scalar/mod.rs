@@ -4,7 +4,7 @@
 //! path           the state of a path, and how it crosses a cell: stick, slip, stick, ..
 //!   stick          does b leave the stick band before the end of the cell?
 //!   slip           steps, each of which is searched for a stop
-//!     own_force      a step under a force of the user's own
+//!     own_force      a step under a user-defined force
 //!     stop_search    bisects a step from left to right
 //!     step_flow      the motion of the step without noise, for feeble noise and for observers
 //! watch          draws the state at instants inside a cell, without changing the path

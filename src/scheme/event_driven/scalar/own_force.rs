@@ -404,7 +404,7 @@ mod tests {
             .collect()
     }
 
-    /// x and x' after so many equal steps under this noise.
+    /// x and x' after this number of equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
         let cell = Cell::new(scene, &noisy.route.ladder, 0);

@@ -1,6 +1,5 @@
 //! A slip of one path in a cell: steps of (x, x', n), given n at their ends, each of which is
-//! searched for the first zero of x'. The steps are exact in law, or follow a force of the user's
-//! own ([`super::own_force`]).
+//! searched for the first zero of x'. The steps are exact in law, or follow a user-defined force ([`super::own_force`]).
 
 use super::super::law::{
     Cell, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity,

@@ -408,7 +408,7 @@ mod tests {
     /// Siegert's integrals, computed by high-precision quadrature. The wide stick band is left rarely
     /// and where its threshold bends most, so it takes more paths.
     #[test]
-    fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
+    fn exit_from_a_fixed_band_has_siegert_s_mean_and_side() {
         // (lower, upper, from, mean, probability of the upper side)
         let cases = [
             (-0.25, 0.25, 0.0, 0.063_824_078_626_031_84, 0.5),

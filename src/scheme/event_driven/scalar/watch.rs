@@ -223,7 +223,7 @@ fn stuck(
         piece.noise,
     );
     let bridge = Bridge { mean, sd, rest };
-    // Where a force of the user's own is not a number, no threshold is met.
+    // Where a user-defined force is not a number, no threshold is met.
     let kind = if rest.is_nan() { StickEnd::Clear } else { kind };
     let drawn = match kind {
         _ if before <= 0.0 || behind <= 0.0 => Stuck {

@@ -14,7 +14,7 @@ const MOST_ODD: usize = 2;
 /// The number of lanes after which the decision for `MOST_ODD` is made.
 const SWEPT: usize = 4096;
 
-/// After so many tasks in one cell it is asked whether the paths are still wanted.
+/// After this number of tasks in one cell, the scheme asks whether the paths are still wanted.
 const LOOK: u32 = 64;
 
 /// A crossing of one cell by all paths, in lanes of one kind.
@@ -206,8 +206,8 @@ impl Vectorised<'_> {
     /// alone, for a closer look, which is for few paths, and where they move at t = 0.
     fn go_alone(&self, cell: &Cell, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
-        let are_thrown = cell.index == 0 && self.noisy.scene.initial_velocity != 0.0;
-        are_odd || are_thrown || glances.iter().any(|glance| glance.is_closer)
+        let have_initial_velocity = cell.index == 0 && self.noisy.scene.initial_velocity != 0.0;
+        are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
     }
 
     /// Marks all lanes to cross the cell alone.

@@ -229,7 +229,7 @@ const MIRRORED: u64 = 1 << 39;
 const SPENT: u32 = 40;
 
 impl<L: Lanes> Count<L> {
-    /// Counters at zero, with the first random number at this place. `flip` tells for which paths
+    /// Counters at zero, with the first random number at this place. `flip` says for which paths
     /// the normals are mirrored.
     #[inline(always)]
     pub fn from(place: u64, flip: L::Bits) -> Self {

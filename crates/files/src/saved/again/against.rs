@@ -168,7 +168,7 @@ impl<'a> Against<'a> {
         let left_out = [left_out, if self.with_layout { &[] } else { &OF_LAYOUT }].concat();
         for name in names.filter(|name| !left_out.contains(&name.as_str())) {
             self.values += 1;
-            // Reals are compared as they are printed, which tells any two of them apart and takes
+            // Reals are compared as they are printed, which distinguishes any two of them and takes
             // one NaN for another.
             let (stored, computed) = (there.get(name), expected.get(name));
             let [stored, computed] = lines_that_differ(stored, computed).unwrap_or_else(|| {

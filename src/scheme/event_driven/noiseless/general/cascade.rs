@@ -41,7 +41,7 @@ const STAIRS: f64 = 4.0 * f64::EPSILON;
 /// The shortest step of a slip, as a fraction of the fastest time scale that is known.
 const SHORTEST: f64 = 1e-12;
 
-/// Pieces in which the motion of a step is told. A step is up to some three of the fastest time
+/// Segments in which the motion of a step is reported. A step is up to some three of the fastest time
 /// scales long.
 const PIECES: u32 = 24;
 

@@ -13,7 +13,7 @@ use super::slip_motion::{Kinematics, SlipMotion};
 /// The largest number of nodes.
 const MOST: usize = 9;
 
-/// The numbers of nodes, and the factor from one step to the next where so many were enough.
+/// The numbers of nodes, and the factor from one step to the next where that number was enough.
 const NODES: [(usize, f64); 4] = [(3, 4.0), (5, 4.0), (7, 2.0), (MOST, 1.0)];
 
 /// Newton steps; where the slopes at the start are those of the whole step, two suffice.

@@ -90,7 +90,7 @@ impl Forces {
     }
 
     /// By how much b at rest and its limit change within some roundings of the time, where there
-    /// are kinks: no time scale tells how steep it is here.
+    /// are kinks: no time scale shows how steep it is here.
     pub fn rounding_of_inputs(&self, x: f64, t: f64) -> f64 {
         if self.kinks.is_empty() {
             return 0.0;
