@@ -351,12 +351,8 @@ mod tests {
                 t
             })
             .collect();
-        let hidden = Motion {
-            reach: 3.0,
-            jump: 0.8,
-            start: 9.0,
-        }
-        .follow(&temperatures);
+        let [reach, jump, start] = [3.0, 0.8, 9.0];
+        let hidden = Motion { reach, jump, start }.follow(&temperatures);
         let noisy = |(i, (xi, t)): (usize, (&f64, &f64))| {
             if i % 50 == 7 {
                 f64::NAN
