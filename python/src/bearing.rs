@@ -277,14 +277,17 @@ fn quantities(py: Python<'_>, keys: &[String]) -> PyResult<Vec<Quantity>> {
 }
 
 fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
-    let (quantity, remedy) = match error {
-        NotHeld::NoNumber(quantity) => (quantity, "fit it too, or give it a value with `set`"),
+    let (value, remedy) = match error {
+        NotHeld::NoNumber(quantity) => {
+            (quantity.key(), "fit it too, or give it a value with `set`")
+        }
         NotHeld::TakesShearStiffness(quantity) => (
-            quantity,
+            quantity.key(),
             "give bearing.stiffness, in the scenario or with `set`",
         ),
+        NotHeld::NeedsLeastSquares(name) => (name, "use method=\"criterion\" or method=\"both\""),
     };
-    errors::of_argument(py, "fit or bounds", quantity.key(), error, remedy)
+    errors::of_argument(py, "fit, bounds or starts", value, error, remedy)
 }
 
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and

@@ -3,12 +3,13 @@
 //!
 //! ```text
 //! calibration  friction, stiffness and dilatation from measured temperatures and displacements,
-//!              and measurements made from known values (a twin)
+//!              and synthetic measurements from known values
 //! weather      harmonics and one or two noise processes fitted to a measured temperature
 //! forecast     displacements, forces and slips of coming years, from a calibration and a weather
 //! linear       small systems of linear equations
 //! moments      mean, variance and correlation of samples
 //! unsound      samples that no study can use
+//! warning      all warnings, in one table
 //! ```
 
 #![deny(missing_docs)]
@@ -18,6 +19,8 @@ pub mod forecast;
 mod linear;
 mod moments;
 mod unsound;
+mod warning;
 pub mod weather;
 
 pub use unsound::Unsound;
+pub use warning::{WARNINGS, WarningKind};

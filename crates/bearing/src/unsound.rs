@@ -22,14 +22,14 @@ pub enum Unsound {
     Constant(&'static str),
 }
 
-/// What to do about a sensor that shows nothing.
-pub const SEE_SENSOR: &str = "see that it is the right column, and that its sensor works";
+/// What to do about a sensor that shows one value only.
+pub const SEE_SENSOR: &str = "check that it is the right column, and that its sensor works";
 
 impl Unsound {
     /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            Unsound::Absurd { .. } => "correct the sample, or remove it",
+            Unsound::Absurd { .. } => "fix the sample, or remove it",
             Unsound::Constant(_) => SEE_SENSOR,
         }
     }

@@ -1,7 +1,7 @@
 //! The steps from a record to a calibration.
 
 use super::by_slips::BySlips;
-use super::misfit::FitObjective;
+use super::objective::FitObjective;
 use super::prepared::{check, upright};
 use super::quantity::Quantity;
 use super::question::{CalibrationError, CalibrationMethod, CalibrationQuestion};
@@ -60,30 +60,36 @@ fn fit(
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     let mut steel = Steel::new(&record, question.lag);
-    let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
-    let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
-    if let Some(slips) = slips {
+    if let Some(slips) = &steel.slips {
         slips.check_resolution(resolution(&record.samples().readings))?;
     }
+    let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
+    let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
     if slips.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
     let zero = by_slips
         .as_ref()
         .map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
-    let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked());
+    let objective = FitObjective::new(&steel.record.without(&zero), steel.overlooked());
     let starts = match question.method {
         CalibrationMethod::Slips => Vec::new(),
         CalibrationMethod::Err | CalibrationMethod::Both => starts(
-            &misfit,
+            &objective,
             &search(by_slips.as_ref(), question),
             question,
             threads,
             stop,
         ),
     };
-    let mut calibration =
-        Calibration::new(question, record, &steel, by_slips.as_ref(), &misfit, starts);
+    let mut calibration = Calibration::new(
+        question,
+        record,
+        &steel,
+        by_slips.as_ref(),
+        &objective,
+        starts,
+    );
     if let Some((quantity, value)) = calibration.response.impossible(question.shear_stiffness) {
         return Err(CalibrationError::NoBearing { quantity, value });
     }

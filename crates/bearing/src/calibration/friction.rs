@@ -1,9 +1,8 @@
 //! What slips say beyond the one bearing with constant friction under the measured temperature that
-//! the estimates assume: friction that changes over the record, slips that begin at other temperatures than
-//! the measured one explains, and jumps of two sizes.
+//! the estimates assume: friction that changes over the record, and slips that begin at other
+//! temperatures than the measured one explains.
 
 use super::bearing::Response;
-use super::samples::spread;
 use super::slips::{DetectedSlips, Reversal};
 use super::zero::Zero;
 use crate::linear::Normal;
@@ -24,8 +23,6 @@ pub struct SlipStatistics {
     pub red: f64,
     /// Twice the logarithm of the likelihood that the movements of the zero gain.
     pub zero_gain: f64,
-    /// The two sizes of jumps, in the unit of displacement, if there are two.
-    pub sizes: Option<[f64; 2]>,
 }
 
 /// A parabola over time, by least squares.
@@ -97,7 +94,6 @@ impl DetectedSlips {
             early: self.early(),
             red: self.noise(response, zero).red,
             zero_gain: self.zero.gain(&self.middles()),
-            sizes: self.two_sizes(),
             ..SlipStatistics::default()
         };
         let Some((kinetic, jump)) = Parabola::of(&changes).zip(Parabola::of(&jumps)) else {
@@ -119,39 +115,4 @@ impl DetectedSlips {
             ..plain
         }
     }
-
-    /// The two sizes of jumps, if there are two: the split that leaves the least squares has two groups
-    /// that are far apart against their widths with little between them, and the larger jumps are no two at
-    /// once.
-    fn two_sizes(&self) -> Option<[f64; 2]> {
-        let mut sizes = self.sizes();
-        sizes.sort_by(f64::total_cmp);
-        let least = FEWEST.max(sizes.len() / 8);
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
-        let between = |k: &usize| {
-            let (low, high) = sizes.split_at(*k);
-            (low.len() * high.len()) as f64 * (mean(high) - mean(low)).powi(2)
-        };
-        let split = (least..sizes.len().saturating_sub(least))
-            .max_by(|a, b| between(a).total_cmp(&between(b)))?;
-        let (low, high) = sizes.split_at(split);
-        let middles = [mean(low), mean(high)];
-        let ratio = middles[1] / middles[0];
-        let wide = middles[1] - middles[0];
-        let is_apart = wide > APART * spread(low).max(spread(high));
-        let between = [middles[0] + wide / 3.0, middles[1] - wide / 3.0];
-        let between = sizes
-            .iter()
-            .filter(|size| (between[0]..between[1]).contains(size))
-            .count();
-        (is_apart && 8 * between < split.min(sizes.len() - split) && !TWO_AT_ONCE.contains(&ratio))
-            .then_some(middles)
-    }
 }
-
-/// Two sizes are apart if their difference is as many standard deviations of each. The halves of a normal
-/// law are 3.2 apart.
-const APART: f64 = 5.0;
-
-/// The ratio of the sizes of two slips at once and one.
-const TWO_AT_ONCE: std::ops::Range<f64> = 1.8..2.2;

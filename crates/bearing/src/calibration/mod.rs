@@ -3,11 +3,12 @@
 //!
 //! ```text
 //! Record         a thermometer and a displacement sensor (prepared, samples)
-//!   -> Evidence    slips: jumps of z that temperature does not explain (steel, detect,
-//!                  stick_analysis, slips)
-//!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (by_slips, fit) ...
-//!     -> Start       ... or by the paper's least squares, in a box around those (misfit, starts)
-//!       -> Estimate    each quantity with an interval (quantity, uncertainty)
+//!   -> DetectedSlips  jumps of z that temperature does not explain (steel, detect,
+//!                     stick_analysis, slips)
+//!     -> Response       A, G, xi(0), z0 and two slopes, computed from the slips (fit)
+//!       -> Replicates     bias and errors from synthetic records (synthetic, uncertainty, by_slips)
+//!     -> SearchStart    the paper's least squares, in a box around those (objective, starts)
+//!       -> Calibration    each quantity with an interval (quantity, report)
 //! ```
 //!
 //! The model is that of [`Motion`] and [`Sensor`]: quasi-static, and exact from sample to sample.
@@ -25,8 +26,8 @@ mod hold;
 mod lag;
 mod level;
 mod lowest;
-mod misfit;
 mod motion;
+mod objective;
 mod possible;
 mod prepared;
 mod quantity;
@@ -42,22 +43,21 @@ mod sticks;
 mod synthetic;
 mod twin;
 mod uncertainty;
-mod warning;
 mod warnings;
 mod zero;
 
+pub use crate::warning::CalibrationWarning;
 pub use air::Air;
 pub use bearing::{Response, Sensor};
 pub use calibrate::{calibrate, calibrate_again};
 pub(super) use course::farthest;
 pub use lag::LagProfile;
-pub use misfit::FitObjective;
 pub use motion::Motion;
+pub use objective::FitObjective;
 pub use quantity::{Held, Quantity, Values, response_of, values};
 pub use question::{CalibrationError, CalibrationMethod, CalibrationQuestion, Lag, NotHeld};
 pub use report::{Calibration, ParameterEstimate, Residuals, SeenSlip};
 pub use samples::MeasuredRecord;
 pub use starts::SearchStart;
 pub use twin::{Flaws, Twin, twin};
-pub use warning::CalibrationWarning;
 pub use zero::Zero;

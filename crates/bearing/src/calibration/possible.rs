@@ -43,103 +43,60 @@ mod tests {
     use super::*;
     use crate::calibration::{Motion, Sensor};
 
+    const MOTION: Motion = Motion {
+        reach: 4.0,
+        jump: 1.0,
+        start: 15.0,
+    };
+    const SENSOR: Sensor = Sensor {
+        offset: 0.0,
+        moving: 9e-4,
+        still: 1e-4,
+    };
+
+    fn first_impossible(
+        [reach, jump]: [f64; 2],
+        [moving, still]: [f64; 2],
+        shear_stiffness: Option<f64>,
+    ) -> Option<Quantity> {
+        let response = Response {
+            motion: Motion {
+                reach,
+                jump,
+                ..MOTION
+            },
+            sensor: Sensor {
+                moving,
+                still,
+                ..SENSOR
+            },
+        };
+        let found = response.impossible(shear_stiffness);
+        found.map(|(quantity, _)| quantity)
+    }
+
     /// A possible bearing, and the same with one number out of its range after the other.
     #[test]
     fn every_condition_is_one_of_its_own() {
-        let motion = Motion {
-            reach: 4.0,
-            jump: 1.0,
-            start: 15.0,
-        };
-        let sensor = Sensor {
-            offset: 0.0,
-            moving: 9e-4,
-            still: 1e-4,
-        };
-        let of = |motion: Motion, sensor: Sensor| {
-            Response { motion, sensor }
-                .impossible(Some(2e9))
-                .map(|(quantity, _)| quantity)
-        };
-        assert_eq!(of(motion, sensor), None);
-        assert_eq!(
-            of(
-                Motion {
-                    reach: -4.0,
-                    ..motion
-                },
-                sensor
-            ),
-            Some(Quantity::Reach)
-        );
-        assert_eq!(
-            of(
-                Motion {
-                    reach: 0.04,
-                    jump: 0.01,
-                    ..motion
-                },
-                sensor
-            ),
-            Some(Quantity::Reach)
-        );
-        assert_eq!(
-            of(
-                Motion {
-                    reach: f64::NAN,
-                    ..motion
-                },
-                sensor
-            ),
-            Some(Quantity::Reach)
-        );
-        for jump in [-1.0, 0.0, f64::INFINITY] {
-            assert_eq!(of(Motion { jump, ..motion }, sensor), Some(Quantity::Jump));
+        let slopes = [SENSOR.moving, SENSOR.still];
+        let cases = [
+            ([4.0, 1.0], slopes, None),
+            ([-4.0, 1.0], slopes, Some(Quantity::Reach)),
+            ([0.04, 0.01], slopes, Some(Quantity::Reach)),
+            ([f64::NAN, 1.0], slopes, Some(Quantity::Reach)),
+            ([4.0, -1.0], slopes, Some(Quantity::Jump)),
+            ([4.0, 0.0], slopes, Some(Quantity::Jump)),
+            ([4.0, f64::INFINITY], slopes, Some(Quantity::Jump)),
+            ([4.0, 8.1], slopes, Some(Quantity::DynamicWay)),
+            ([4.0, 1.0], [-9e-4, 1e-4], Some(Quantity::Dilatation)),
+            ([4.0, 1.0], [-0.5e-4, 1e-4], Some(Quantity::Shear)),
+            ([4.0, 1.0], [9e-4, -1e-5], Some(Quantity::Shear)),
+        ];
+        for (motion, slopes, expected) in cases {
+            let found = first_impossible(motion, slopes, Some(2e9));
+            assert_eq!(found, expected, "{motion:?} {slopes:?}");
         }
-        assert_eq!(
-            of(
-                Motion {
-                    jump: 8.1,
-                    ..motion
-                },
-                sensor
-            ),
-            Some(Quantity::DynamicWay)
-        );
-        assert_eq!(
-            of(
-                motion,
-                Sensor {
-                    moving: -9e-4,
-                    ..sensor
-                }
-            ),
-            Some(Quantity::Dilatation)
-        );
-        assert_eq!(
-            of(
-                motion,
-                Sensor {
-                    moving: -0.5e-4,
-                    ..sensor
-                }
-            ),
-            Some(Quantity::Shear)
-        );
         // A little below zero is noise where no force is asked for.
-        let unsheared = Response {
-            motion,
-            sensor: Sensor {
-                still: -1e-5,
-                ..sensor
-            },
-        };
-        assert_eq!(
-            unsheared
-                .impossible(Some(2e9))
-                .map(|(quantity, _)| quantity),
-            Some(Quantity::Shear)
-        );
-        assert_eq!(unsheared.impossible(None), None);
+        assert_eq!(first_impossible([4.0, 1.0], [9e-4, -1e-5], None), None);
     }
 }

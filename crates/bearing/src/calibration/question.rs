@@ -82,7 +82,7 @@ impl CalibrationQuestion {
         CalibrationQuestion {
             method: CalibrationMethod::Slips,
             shear_stiffness: scene.shear_stiffness,
-            starts: 10,
+            starts: STARTS,
             lag: Lag::Auto,
             level: 0.9,
             held: Vec::new(),
@@ -92,9 +92,18 @@ impl CalibrationQuestion {
     }
 
     /// The same with only some quantities fitted, if any are named. The others are held at the
-    /// values of the scenario. Fails if the scenario has no number for one of them, or if K_BP is
-    /// needed and missing.
+    /// values of the scenario. Fails if the scenario has no number for one of them, if K_BP is needed
+    /// and missing, or if bounds or another number of starts are given and the method does not use them.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
+        if self.method == CalibrationMethod::Slips {
+            let unused = [
+                ("bounds", !self.bounds.is_empty()),
+                ("starts", self.starts != STARTS),
+            ];
+            if let Some((name, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
+                return Err(NotHeld::NeedsLeastSquares(name));
+            }
+        }
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
         let held = Quantity::FITTED
             .into_iter()
@@ -128,20 +137,21 @@ impl CalibrationQuestion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotHeld {
     /// The scenario has no value at which to hold it.
-    #[error("{} is left out of what is fitted, and is not a number in the scenario", .0.key())]
+    #[error("{} is not fitted, and is not a number in the scenario", .0.key())]
     NoNumber(Quantity),
     /// It can be known only together with K_BP.
-    #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
+    #[error("{} cannot be held or bounded without K_BP", .0.key())]
     TakesShearStiffness(Quantity),
+    /// It is for the least squares, which were not asked for.
+    #[error("{0} are for the least squares, and method = slips does not use them")]
+    NeedsLeastSquares(&'static str),
 }
 
 /// Why a record cannot be calibrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The record has too few samples.
-    #[error(
-        "{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}"
-    )]
+    #[error("need at least {LEAST} samples with a displacement and a temperature, got {0}")]
     TooShort(usize),
     /// The temperature or the displacement cannot be used.
     #[error(transparent)]
@@ -162,20 +172,20 @@ pub enum CalibrationError {
     },
     /// The jumps that were found are too few, or too different, to determine a bearing.
     #[error(
-        "the {jumps} jumps that were found tell no bearing: {impossible} of {all} times, other weights of the same days \
-             give numbers that no bearing can have, which has {CONDITION}"
+        "the {jumps} jumps that were found do not constrain the bearing: {impossible} of {all} synthetic records like this one \
+             give impossible values, and a bearing has {CONDITION}"
     )]
     Undetermined {
         /// Number of jumps.
         jumps: usize,
-        /// Number of random weights with which no bearing was found.
+        /// Number of synthetic records from which no bearing was found.
         impossible: usize,
-        /// Number of random weights that were tried.
+        /// Number of synthetic records.
         all: usize,
     },
     /// The sensor shows steps that may be as large as jumps.
     #[error(
-        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be told \
+        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be distinguished \
              from steps of the sensor", 1e3 * resolution, 1e3 * jump
     )]
     Coarse {
@@ -210,22 +220,24 @@ impl CalibrationError {
             }
             CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
-                "measure for longer, until tens of slips are in the record; the method `criterion` needs none, but beware of its \
-                 estimates"
+                "measure for longer, until the record has tens of slips; the method `criterion` needs none, but is less accurate"
             }
             CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
-                "measure for longer, until tens of slips are in the record"
+                "measure for longer, until the record has tens of slips"
             }
             CalibrationError::Coarse { .. } => {
                 "store the displacement with more digits, or take a sensor whose resolution is a fifth of a slip or better"
             }
             CalibrationError::NotSlips { .. } => {
-                "see that columns, units and K_BP are right; then the jumps have another cause, such as a crack that \
-                 opens or a sensor that was moved"
+                "check columns, units and K_BP; if they are right, the jumps have another cause, such as a crack that opens or a \
+                 sensor that was moved"
             }
         }
     }
 }
+
+/// Number of starts of the least squares, if no other is asked for.
+const STARTS: u32 = 10;
 
 /// Fewest samples of a record.
 pub(super) const LEAST: usize = 200;

@@ -3,16 +3,16 @@
 use super::bearing::Response;
 use super::by_slips::BySlips;
 use super::lag::LagProfile;
-use super::misfit::FitObjective;
+use super::objective::FitObjective;
 use super::quantity::{Quantity, Values, values};
 use super::question::{CalibrationMethod, CalibrationQuestion};
 use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Slip;
 use super::starts::SearchStart;
 use super::steel::Steel;
-use super::warning::CalibrationWarning;
 use super::zero::Zero;
 use crate::moments::mean;
+use crate::warning::CalibrationWarning;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.
@@ -130,7 +130,7 @@ impl Calibration {
         record: MeasuredRecord,
         steel: &Steel,
         by_slips: Option<&BySlips>,
-        misfit: &FitObjective,
+        objective: &FitObjective,
         starts: Vec<SearchStart>,
     ) -> Calibration {
         let mut calibration = Calibration {
@@ -144,7 +144,7 @@ impl Calibration {
             record,
             ..Calibration::default()
         };
-        calibration.estimate_all(by_slips, misfit);
+        calibration.estimate_all(by_slips, objective);
         if let Some(by_slips) = by_slips {
             calibration.add_slips(by_slips, steel.is_estimated);
         }
@@ -161,13 +161,13 @@ impl Calibration {
     }
 
     /// Set the estimates by the method that was asked for.
-    fn estimate_all(&mut self, by_slips: Option<&BySlips>, misfit: &FitObjective) {
+    fn estimate_all(&mut self, by_slips: Option<&BySlips>, objective: &FitObjective) {
         let best = self.starts.iter().min_by(|a, b| a.err.total_cmp(&b.err));
         let best = best.map(|start| start.response);
         let motion = self.question.guess;
         let guess = Response {
             motion,
-            sensor: misfit.of(&motion).1,
+            sensor: objective.of(&motion).1,
         };
         let fitted = by_slips.map(|by_slips| by_slips.response);
         let wanted = fitted.filter(|_| self.question.method != CalibrationMethod::Err);

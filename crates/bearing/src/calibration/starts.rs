@@ -3,8 +3,8 @@
 use super::bearing::Response;
 use super::evolve;
 use super::hold::row;
-use super::misfit::FitObjective;
 use super::motion::Motion;
+use super::objective::FitObjective;
 use super::quantity::{Quantity, values};
 use super::question::CalibrationQuestion;
 use std::convert::Infallible;
@@ -61,7 +61,7 @@ pub struct SearchStart {
 /// Run all starts of a question on these threads. Each is a search of its own, with its own random
 /// numbers. One that is stopped is left out.
 pub fn starts(
-    misfit: &FitObjective,
+    objective: &FitObjective,
     search: &Search,
     question: &CalibrationQuestion,
     threads: usize,
@@ -75,14 +75,14 @@ pub fn starts(
     let shear = question.shear_stiffness.unwrap_or(1.0);
     let best = |motion: &Motion| {
         if question.held.is_empty() {
-            return misfit.of(motion);
+            return objective.of(motion);
         }
         let rows: Vec<_> = question
             .held
             .iter()
             .map(|held| row(held, motion, shear))
             .collect();
-        misfit.held(motion, &rows)
+        objective.held(motion, &rows)
     };
     let outside = |response: &Response| {
         let values = values(response, Some(shear));
@@ -110,7 +110,7 @@ pub fn starts(
         let (at, _) = evolve::lowest(search, number, leap, value, || stop.load(Ordering::Relaxed))?;
         let (err, sensor) = best(&motion(at));
         Some(SearchStart {
-            err: err / misfit.duration(),
+            err: err / objective.duration(),
             response: Response {
                 motion: motion(at),
                 sensor,

@@ -206,19 +206,6 @@ impl Steel {
         noise: SensorNoise,
     ) -> Synthetic<'_> {
         let motion = response.motion;
-        if std::env::var("DEBUG").is_ok() {
-            eprintln!(
-                "Noise {:?} rough {:.3e} white {:?} shown {:.3e}, early {:.3}",
-                noise,
-                self.air.roughness,
-                self.air.hidden.as_ref().map(|h| (h.white, h.times.len())),
-                {
-                    let [t, x] = self.air.record.thermometer();
-                    shown_roughness(&t, &x)
-                },
-                slips.early()
-            );
-        }
         Synthetic {
             record: &self.air.record,
             hidden: self.air.hidden.as_ref(),

@@ -6,6 +6,7 @@ use super::air::Air;
 use super::bearing::Response;
 use super::course::{Course, STEP, course};
 use super::fit::SensorNoise;
+use super::motion::Motion;
 use super::samples::MeasuredRecord;
 use crate::weather::HiddenTemperature;
 use stickslip::noise::{Stream, Transition};
@@ -28,8 +29,9 @@ pub struct Synthetic<'a> {
     pub noise: SensorNoise,
 }
 
-/// Seed of the random numbers.
+/// Seeds of the random numbers.
 const SEED: u64 = 0xCA11;
+const SHIFT_SEED: u64 = 0x51F7;
 
 /// The longest step in which the temperature is followed without a lag, in seconds. The farthest
 /// temperature within a step has its exact law.
@@ -60,11 +62,23 @@ fn seen([times, values]: [&[f64]; 2], when: &[f64], over: f64) -> Vec<f64> {
 }
 
 impl Synthetic<'_> {
+    /// By how much xi(0) of the record of this number is larger: by up to G/2 to either side, as far as
+    /// friction holds the body there. All slips come at other temperatures then, as if A were another
+    /// one; otherwise they would come between the same two samples in every record.
+    pub fn shift(&self, number: u64) -> f64 {
+        let Motion { reach, jump, start } = self.response.motion;
+        let first = self.record.temperatures.first().copied().unwrap_or(start);
+        let share = Stream::new(SHIFT_SEED, number).uniform() - 0.5;
+        (start + share * jump).clamp(first - reach, first + reach) - start
+    }
+
     /// The record of this number, and its jumps: the time of the first reading after each, and its
     /// size.
     pub fn draw(&self, number: u64) -> (MeasuredRecord, Vec<[f64; 2]>) {
         let [mut temperature, mut sensor, friction, between] =
             std::array::from_fn(|i| Stream::new(SEED, 4 * number + i as u64));
+        let mut response = self.response;
+        response.motion.start += self.shift(number);
         let air = match self.hidden.filter(|_| self.roughness > 0.0) {
             Some(hidden) => Air {
                 roughness: self.roughness,
@@ -81,7 +95,7 @@ impl Synthetic<'_> {
         let Course {
             steel, positions, ..
         } = course(
-            &self.response,
+            &response,
             &air,
             self.lag,
             self.scatter,
@@ -104,7 +118,7 @@ impl Synthetic<'_> {
         let z: Vec<f64> = positions
             .iter()
             .zip(&steel)
-            .map(|(xi, steel)| self.response.sensor.reading(*xi, *steel))
+            .map(|(xi, steel)| response.sensor.reading(*xi, *steel))
             .collect();
         let mut readings = seen([&air.times, &z], &when, self.record.averaged[1]);
         self.add_noise(&when, &mut readings, &mut sensor);

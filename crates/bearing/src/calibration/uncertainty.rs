@@ -64,8 +64,10 @@ impl Replicates {
     ) -> Self {
         let synthetic = steel.synthetic(slips, response, noise);
         let make = |piece: u64| {
-            let (lag, found) = steel.slips_of(slips, synthetic.draw(numbers.start + piece))?;
-            let (fit, zero) = found.fit()?;
+            let number = numbers.start + piece;
+            let (lag, found) = steel.slips_of(slips, synthetic.draw(number))?;
+            let (mut fit, zero) = found.fit()?;
+            fit.motion.start -= synthetic.shift(number);
             fit.impossible(None)
                 .is_none()
                 .then(|| (values(&fit, Some(1.0)), lag, found.statistics(&fit, &zero)))

@@ -3,13 +3,12 @@
 //! A warning is one row of the list below: its name, and the function that says it where it is due.
 
 use super::by_slips::BySlips;
-use super::friction::SlipStatistics;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
 use super::samples::{HOUR, interval};
-use super::warning::CalibrationWarning;
+use crate::warning::CalibrationWarning;
 
 /// A calibration, and the slips from which it was computed, if any were seen.
 struct Case<'a> {
@@ -24,7 +23,7 @@ type Says = fn(&Case) -> Option<String>;
 const ALL: &[(&str, Says)] = &[
     ("no_shear_stiffness", no_shear_stiffness),
     ("no_slips", no_slips),
-    ("misfit", misfit),
+    ("poor_fit", poor_fit),
     ("large_dilatation", large_dilatation),
     ("gap_not_identified", gap_not_identified),
     ("few_slips", few_slips),
@@ -32,7 +31,6 @@ const ALL: &[(&str, Says)] = &[
     ("scatter", scatter),
     ("friction_changes", friction_changes),
     ("temperature_elsewhere", temperature_elsewhere),
-    ("two_sizes", two_sizes),
     ("saturated", saturated),
     ("lag", lag),
     ("lag_beyond", lag_beyond),
@@ -78,8 +76,8 @@ impl Case<'_> {
 
 /// K_BP is not known.
 fn no_shear_stiffness(case: &Case) -> Option<String> {
-    let text = "the shear stiffness of the bearing is not known, so the data tell beta, f_s/K and f_d/K and no force; \
-                give bearing.stiffness to know K, f_s and f_d";
+    let text = "bearing.stiffness is not given, so beta, f_s/K and f_d/K are estimated, but no force; give bearing.stiffness to \
+                estimate K, f_s and f_d";
     case.calibration
         .question
         .shear_stiffness
@@ -89,8 +87,8 @@ fn no_shear_stiffness(case: &Case) -> Option<String> {
 
 /// No slips can be distinguished from noise.
 fn no_slips(case: &Case) -> Option<String> {
-    let text = "no slips are visible, so the parameters are those of the least squares alone, searched from the \
-                scenario's values, and have no intervals";
+    let text = "no slips are visible: the estimates are those of the least squares, started from the scenario's values, and have no \
+                intervals; measure for longer";
     case.by_slips.is_none().then(|| text.into())
 }
 
@@ -100,7 +98,7 @@ fn no_slips(case: &Case) -> Option<String> {
 const A_SLIP_AWAY: f64 = 1.15;
 
 /// The model does not follow the measurement.
-fn misfit(case: &Case) -> Option<String> {
+fn poor_fit(case: &Case) -> Option<String> {
     let Calibration {
         residuals,
         response,
@@ -110,9 +108,8 @@ fn misfit(case: &Case) -> Option<String> {
     case.by_slips
         .filter(|_| residuals.rms > A_SLIP_AWAY * jump)?;
     Some(format!(
-        "no single bearing of this kind moves so: measurement and model differ by {:.2} mm (root mean square), where a slip \
-         moves the sensor by {:.2} mm; does the sensor see several bearings, or is the temperature that of another place? \
-         The intervals say nothing of this",
+        "the model does not fit: it differs from the measurement by {:.2} mm (root mean square), and a slip is {:.2} mm; check \
+         whether the sensor sees several bearings, or the thermometer is at another place; do not use the intervals",
         1e3 * residuals.rms,
         1e3 * jump
     ))
@@ -127,8 +124,8 @@ fn large_dilatation(case: &Case) -> Option<String> {
     let beta = case.estimate(Quantity::Dilatation).estimate;
     (beta.abs() > LONGEST).then(|| {
         format!(
-            "{beta:.3} m for a kelvin is the movement of {:.0} km of steel: is the column of displacements in the unit that \
-             its name says? Name it e.g. displacement_mm",
+            "beta = {beta:.3} m/K is the dilatation of {:.0} km of steel; check the unit of the displacements, and name the column \
+             e.g. displacement_mm",
             beta.abs() / 1.2e-5 / 1e3
         )
     })
@@ -149,8 +146,8 @@ fn gap_not_identified(case: &Case) -> Option<String> {
     let explained = case.by_slips.map_or(1.0, |by_slips| {
         by_slips.slips.explained(&case.calibration.response)
     });
-    let text = "f_s - f_d is not identified: slips are too few, or do not explain all of the way, because they are \
-                hardly larger than the noise, the body slides without them, or the sensor sees several bearings";
+    let text = "f_s - f_d cannot be estimated well: slips are few, hardly larger than the noise, or do not explain all of the motion; \
+                measure for longer, and check whether the sensor sees several bearings";
     (!is_identified || explained < EXPLAINED).then(|| text.into())
 }
 
@@ -165,8 +162,7 @@ fn few_slips(case: &Case) -> Option<String> {
         .map(|_| case.calibration.slips.len())
         .filter(|slips| *slips < FEW)?;
     Some(format!(
-        "{slips} slips are few: from 14 to 17 slips of synthetic records, intervals of 90 % held the truth in three \
-         quarters of the records; measure for longer"
+        "only {slips} slips: intervals from so few may contain the truth less often than stated; measure for longer"
     ))
 }
 
@@ -182,8 +178,8 @@ fn sparse_samples(case: &Case) -> Option<String> {
     let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
         format!(
-            "the temperature moves by {moved:.2} K from one sample to the next, where a slip releases {jump:.2} K: f_s and \
-             f_d may be too small by 1 %, which is not in their intervals; sample more often"
+            "the temperature moves by {moved:.2} K from one sample to the next, and a slip releases {jump:.2} K: f_s and f_d may \
+             be off by 1 %, beyond their intervals; sample more often"
         )
     })
 }
@@ -198,9 +194,8 @@ fn scatter(case: &Case) -> Option<String> {
         .map(|by_slips| by_slips.slips.excess_scatter())
         .filter(|scatter| *scatter > SCATTER)?;
     Some(format!(
-        "slips differ in size by {:.0} % more than noise explains: f_s changes from slip to slip, or the body slides \
-         without slips. So the estimates are those of the mean f_s, the interval of f_s - f_d is too narrow, and the \
-         slips are more accurate than the least squares, which assume a constant f_s",
+        "slips differ in size by {:.0} % more than noise explains: f_s varies from slip to slip, or the body slides without \
+         slips; the estimates are those of the mean f_s, and the interval of f_s - f_d is too narrow",
         100.0 * share
     ))
 }
@@ -227,38 +222,18 @@ const ELSEWHERE: f64 = 1.8;
 /// The temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
     let by_slips = case.by_slips?;
-    let SlipStatistics { scatter, sizes, .. } = by_slips.statistics;
-    if sizes.is_some() || case.calibration.friction_range.is_some() {
+    let scatter = by_slips.statistics.scatter;
+    if case.calibration.friction_range.is_some() {
         return None;
     }
     let expected = by_slips.replicates.mean_of(|shown| shown.scatter);
     (scatter > ELSEWHERE * expected).then(|| {
         format!(
-            "half of the change of temperature between slips to either side scatters by {scatter:.2} K, and noise explains \
-             {expected:.2} K: the thermometer does not show the temperature of the steel, as one at another place or slower \
-             than the steel; f_s and f_d may be too small by 5 to 20 %, which is not in their intervals; put the thermometer \
-             on the steel"
+            "the temperatures of slips scatter by {scatter:.2} K, and noise explains {expected:.2} K: the thermometer may be at \
+             another place, or slower than the steel; f_s and f_d may be 5 to 20 % too small, beyond their intervals; put the \
+             thermometer on the steel"
         )
     })
-}
-
-/// What the temperature may move between two samples, as a share of the jump G, so that two slips at once
-/// are rare.
-const ONE_AT_ONCE: f64 = 0.3;
-
-/// Jumps have two sizes.
-fn two_sizes(case: &Case) -> Option<String> {
-    let jump = case.estimate(Quantity::Jump).estimate;
-    let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
-    let [small, large] = case
-        .by_slips
-        .and_then(|by_slips| by_slips.statistics.sizes)
-        .filter(|_| is_clear)?
-        .map(|size| 1e3 * size);
-    Some(format!(
-        "jumps have two sizes, {small:.2} and {large:.2} mm, as if the sensor saw two bearings: K, f_s and f_d are those of \
-         neither; measure each bearing with a sensor of its own"
-    ))
 }
 
 /// A sensor at the end of its range stays there for as many samples.
@@ -294,8 +269,8 @@ fn saturated(case: &Case) -> Option<String> {
     };
     let (count, reading) = [1.0, -1.0].into_iter().find_map(end)?;
     Some(format!(
-        "{count} readings are {:.3} mm, beyond which there is none: the sensor seems to be at the end of its range, and slips \
-         there are not seen; leave these readings out, and move the sensor",
+        "{count} readings are {:.3} mm, and none is beyond: the sensor may be at the end of its range, where slips are not seen; \
+         remove these readings, and move the sensor",
         1e3 * reading
     ))
 }
@@ -310,8 +285,8 @@ fn lag_beyond(case: &Case) -> Option<String> {
     let longest = profile.profile.last()?.0 / HOUR;
     (case.calibration.question.lag == Lag::Auto).then(|| {
         format!(
-            "a lag of {longest:.0} h or more behind the thermometer fits best, which is no lag of steel: it is not used, and \
-             f_s, f_d and K may be far off; measure the temperature of the steel"
+            "a lag of {longest:.0} h or more fits best, which is too long for steel; it is not used, and f_s, f_d and K may be far \
+             off; measure the temperature of the steel"
         )
     })
 }
@@ -321,8 +296,7 @@ fn lag(case: &Case) -> Option<String> {
     let lag = case.calibration.lag.estimate;
     (case.calibration.question.lag == Lag::Auto && lag > 0.0).then(|| {
         format!(
-            "steel is {:.1} minutes behind the thermometer; the estimates take that into account, and give --lag if it \
-             is known (without it K comes out too small, by 7 to 12 % for 15 minutes)",
+            "the steel lags {:.1} minutes behind the thermometer; this is included in the estimates; give --lag if it is known",
             lag / 60.0
         )
     })
@@ -340,7 +314,7 @@ fn other_lag(case: &Case) -> Option<String> {
         .filter(|profile| profile.against(given) > CONVINCING)?;
     let [likeliest, given] = [profile.likeliest, given].map(|seconds| seconds / 60.0);
     Some(format!(
-        "the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"
+        "a lag of {likeliest:.1} minutes fits better than {given:.1} minutes; use --lag auto"
     ))
 }
 
@@ -356,11 +330,10 @@ fn clocks(case: &Case) -> Option<String> {
     };
     let taken = match is_small(seconds) {
         true => {
-            "the two clocks seem to differ; this is fitted and taken out, to five minutes, and is no lag of steel; correct \
-                 the clock that is wrong"
+            "the clocks may differ; this is corrected to five minutes; set the clock that is wrong"
         }
         false => {
-            "see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals before"
         }
     };
     Some(format!(
@@ -376,7 +349,7 @@ fn zero_set(case: &Case) -> Option<String> {
     let steps: Vec<String> = case.calibration.zero.steps.iter().map(of).collect();
     (!steps.is_empty()).then(|| {
         format!(
-            "the sensor jumps where no slip does, as if its zero had been set: {}; this is fitted and taken out",
+            "the sensor jumps where no slip does: {}; this is fitted and removed; check whether its zero was set",
             steps.join(", ")
         )
     })
@@ -387,7 +360,7 @@ fn zero_drift(case: &Case) -> Option<String> {
     let drift = case.calibration.zero.drift_per_year();
     (drift != 0.0).then(|| {
         format!(
-            "the sensor drifts by {:+.2} mm a year; this is fitted and taken out, from the first sample on",
+            "the sensor drifts by {:+.2} mm a year; this is fitted and removed, from the first sample on; check the sensor",
             1e3 * drift
         )
     })
@@ -409,8 +382,8 @@ fn methods_apart(case: &Case) -> Option<String> {
         .collect();
     (!apart.is_empty()).then(|| {
         format!(
-            "slips and least squares are farther apart than their intervals in {}: trust the slips, since least squares \
-             take the model for exact between samples",
+            "the intervals by slips and by least squares do not overlap for {}: use the slips, because the least squares ignore the \
+             temperature between samples",
             apart.join(", ")
         )
     })
@@ -425,8 +398,8 @@ fn starts_disagree(case: &Case) -> Option<String> {
     let excess = errs().fold(0.0, f64::max) / errs().min_by(f64::total_cmp)? - 1.0;
     (excess > AGREE).then(|| {
         format!(
-            "the starts of the least squares differ by {:.2} % of err: some of them did not find the minimum, so give \
-             more with --starts",
+            "the starts of the least squares differ by {:.2} % of err, so some did not find the minimum; use the estimates by slips, \
+             or raise --starts",
             100.0 * excess
         )
     })
@@ -434,8 +407,7 @@ fn starts_disagree(case: &Case) -> Option<String> {
 
 /// The displacement falls as the temperature rises, so its sign was changed.
 fn mirrored(case: &Case) -> Option<String> {
-    let text = "the displacement falls as the temperature rises, so it was taken with the other sign; z0 is that of the \
-                other sign";
+    let text = "the displacement falls as the temperature rises, so its sign was changed; z0 has the changed sign";
     case.calibration.is_mirrored.then(|| text.into())
 }
 

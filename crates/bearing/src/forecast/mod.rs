@@ -103,13 +103,8 @@ impl Foreseen {
             .warnings
             .iter()
             .map(|warning| (warning.name().into(), warning.to_string()));
-        let of_weather = self
-            .weather
-            .warnings()
-            .into_iter()
-            .map(|text| ("weather".to_string(), text));
         of_bearing
-            .chain(of_weather)
+            .chain(self.weather.named_warnings())
             .chain(self.forecast.warnings())
             .collect()
     }

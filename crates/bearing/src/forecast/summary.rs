@@ -4,6 +4,7 @@ use super::question::{ForecastError, ForecastQuestion};
 use super::year::{ForecastQuantity, YEAR, Year, YearAndRecord};
 use crate::calibration::Calibration;
 use crate::moments::{mean, variance};
+use crate::warning::named;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// The forecast of one quantity.
@@ -182,22 +183,20 @@ impl Forecast {
         let another = (slips < low || slips > high).then(|| {
             format!(
                 "the record shows {slips:.0} slips in {:.0} days, and nearly all simulated records of the same days between {low:.0} and \
-                 {high:.0}: the model does not describe all of this weather or of this bearing, and the intervals do not hold",
+                 {high:.0}: the model does not describe this weather or this bearing, so do not use the intervals",
                 duration / 86_400.0
             )
         });
         let redrawn = (self.redrawn > 0).then(|| {
             format!(
-                "{} posterior samples were unphysical, for example with a negative A or G, and were drawn again, because \
-                 the record does not constrain the bearing; the intervals are those of possible bearings",
+                "{} sampled parameter sets were unphysical, for example with a negative A or G, and were drawn again: the record \
+                 hardly constrains the bearing; measure for longer",
                 self.redrawn
             )
         });
-        let named = |name: &str, text: Option<String>| text.map(|text| (name.to_string(), text));
-        named("record_unlike_forecast", another)
-            .into_iter()
-            .chain(named("draws_redrawn", redrawn))
-            .collect()
+        let another = another.map(|text| named("record_unlike_forecast", text));
+        let redrawn = redrawn.map(|text| named("draws_redrawn", text));
+        another.into_iter().chain(redrawn).collect()
     }
 
     /// The forecast of a quantity, if it can be known.

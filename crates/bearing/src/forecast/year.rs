@@ -163,18 +163,9 @@ pub fn year(
 ) -> YearAndRecord {
     let Response { mut motion, sensor } = bearing.response;
     let Motion { reach, jump, .. } = motion;
-    let normals = |random: &mut Stream| -> States {
-        std::array::from_fn(|i| {
-            if i < steel.states {
-                random.normal()
-            } else {
-                0.0
-            }
-        })
-    };
     let burnt_in = (BURN_IN / steel.step) as usize;
     let ends = ((BURN_IN + end) / steel.step) as usize;
-    let mut state = times(&steel.factors[0], &normals(random));
+    let mut state = times(&steel.factors[0], &normals(steel.states, random));
     let mut before = steel.mean[0] + dot(&state, &steel.seen);
     motion.start = before;
     let [
@@ -188,7 +179,7 @@ pub fn year(
     for (i, mean) in steel.mean.iter().enumerate() {
         let (carried, gained) = (
             times(&steel.passage.carry, &state),
-            times(&steel.factors[1], &normals(random)),
+            times(&steel.factors[1], &normals(steel.states, random)),
         );
         state = std::array::from_fn(|k| carried[k] + gained[k]);
         let temperature = mean + dot(&state, &steel.seen);
@@ -234,4 +225,9 @@ pub fn year(
         ],
         within,
     }
+}
+
+/// Independent normals for so many states, and zeros for the others.
+fn normals(states: usize, random: &mut Stream) -> States {
+    std::array::from_fn(|i| if i < states { random.normal() } else { 0.0 })
 }

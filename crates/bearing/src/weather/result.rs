@@ -1,6 +1,7 @@
 //! A model of a measured temperature, with the errors of its parameters.
 
 use crate::linear::{Matrix, times as product};
+use crate::warning::named;
 use std::f64::consts::TAU;
 use stickslip::model::{Harmonic, InitialNoise, Noise, Temperature};
 use stickslip::noise::Stream;
@@ -107,42 +108,55 @@ impl Estimates {
 const MOVED: f64 = 3.0;
 
 impl WeatherFit {
-    /// What is to be known of the fit, in sentences.
+    /// Reasons to be careful with the fit, in sentences.
     pub fn warnings(&self) -> Vec<String> {
+        self.named_warnings()
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect()
+    }
+
+    /// The same, each with its name.
+    pub fn named_warnings(&self) -> Vec<(String, String)> {
         let one = self.is_one_of_two.then(|| {
-            "one process was fitted, because the samples do not support a second one".to_string()
+            let text =
+                "one noise process was fitted, because the samples do not determine a second one";
+            named("one_process", text.to_string())
         });
         let held = self.held_memory.map(|memory| {
-            format!(
-                "the slow weather has a memory that is not short against the record, so it is held at {:.3} h, a tenth of the record, \
-                 within a factor of 2; a longer record of the temperature determines it better",
+            let text = format!(
+                "the slow noise is held at a correlation time of {:.3} h, a tenth of the record, within a factor of 2, because the \
+                 record is too short for it; measure the temperature for longer",
                 memory / 3600.0
-            )
+            );
+            named("held_memory", text)
         });
         let smoothed = self.smoothing().map(|(tau, _)| {
-            format!(
-                "the temperature is smoother than air, as that of steel or of a shaded box is; it is described as air that \
-                 something with a time constant of {:.2} h follows",
+            let text = format!(
+                "the temperature is smoother than air, as that of steel or of a shaded box; it is modelled as air followed with a \
+                 time constant of {:.2} h",
                 tau / 3600.0
-            )
+            );
+            named("smooth_temperature", text)
         });
-        let moved = self.thinned.iter().filter_map(|(every, other)| {
+        let varied = self.thinned.iter().find_map(|(every, other)| {
             let [here, there] = [self, other].map(|fit| fit.processes()[0]);
             let off = libm::log(there.relaxation_rate / here.relaxation_rate).abs();
-            (off > MOVED * there.rate_error.hypot(here.rate_error)).then(|| {
-                let hours = |process: Process| 1.0 / process.relaxation_rate / 3600.0;
+            let hours = |process: Process| 1.0 / process.relaxation_rate / 3600.0;
+            let text = || {
                 format!(
-                    "the fast weather has a memory of {:.3} h, and of {:.3} h in every {every}th sample, which is farther apart than \
-                     their errors: the model does not describe this temperature at all times",
+                    "the fast noise has a correlation time of {:.3} h, but {:.3} h in every {every}th sample, which is more than their \
+                     errors explain: use a forecast with care",
                     hours(here),
                     hours(there)
                 )
-            })
+            };
+            (off > MOVED * there.rate_error.hypot(here.rate_error))
+                .then(|| named("memory_varies", text()))
         });
-        one.into_iter()
-            .chain(held)
-            .chain(smoothed)
-            .chain(moved.take(1))
+        [one, held, smoothed, varied]
+            .into_iter()
+            .flatten()
             .collect()
     }
 

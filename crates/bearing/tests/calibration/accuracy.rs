@@ -106,32 +106,6 @@ fn intervals_hold_what_they_promise() {
     }
 }
 
-/// The factor by which intervals would have to be wider, so that they hold the truth in 90 % of 400
-/// synthetic measurements with red noise (seeds 20 000 to 20 399, which nothing else uses).
-#[test]
-#[ignore = "two minutes; prints what `report::WIDENING` is to be multiplied with"]
-fn widening() {
-    let mut all = by_slips(&RED_CAMPAIGN, 20_000..20_200);
-    all.extend(by_slips(
-        &Campaign {
-            between: Between::Lines,
-            ..RED_CAMPAIGN
-        },
-        20_200..20_400,
-    ));
-    for quantity in Quantity::ALL {
-        let mut off: Vec<f64> = (all.iter())
-            .map(|(fit, truth)| {
-                let estimate = fit.estimate(quantity);
-                2.0 * (estimate.estimate - truth[quantity as usize]).abs()
-                    / (estimate.high - estimate.low)
-            })
-            .collect();
-        off.sort_by(f64::total_cmp);
-        println!("{:22} {:.3}", quantity.key(), off[all.len() * 9 / 10]);
-    }
-}
-
 /// On three synthetic measurements with red noise, ten starting points of the least squares end
 /// within 0.1 % of err of each other, at A and G within 1 % of the truth, and below the err of the
 /// true parameters. That A and G are right shows that the global minimum was found; the error of K

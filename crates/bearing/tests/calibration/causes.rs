@@ -44,10 +44,9 @@ fn fit(record: &MeasuredRecord) -> Calibration {
     ask(record, &question(CalibrationMethod::Slips))
 }
 
-const CAUSES: [&str; 5] = [
+const CAUSES: [&str; 4] = [
     "friction_changes",
     "temperature_elsewhere",
-    "two_sizes",
     "saturated",
     "lag_beyond",
 ];
@@ -159,7 +158,7 @@ fn two_bearings_as_one_are_not_taken_for_one() {
             2,
             &Default::default(),
         ) {
-            let told = ["misfit", "gap_not_identified", "two_sizes"]
+            let told = ["poor_fit", "gap_not_identified"]
                 .into_iter()
                 .filter(|name| warns(&found, name));
             assert!(told.count() > 0, "{:?}", found.warnings);

@@ -79,19 +79,7 @@ pub fn kept_of(
         ..RED_CAMPAIGN
     };
     let air = weather(seed, &campaign, logger.processes());
-    let mut steel = air.clone();
-    if lag > 0.0 {
-        let follows = |warm: &mut f64, t: &f64| {
-            *warm += (t - *warm) / (lag + 0.5);
-            Some(*warm)
-        };
-        let temperatures = air
-            .temperatures
-            .iter()
-            .scan(air.temperatures[0], follows)
-            .collect();
-        steel = Air::straight(air.times.clone(), temperatures);
-    }
+    let steel = behind_air(&air, lag);
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
     response.motion.start = steel.temperatures[0] + 0.9 * response.motion.reach * place;
@@ -140,6 +128,20 @@ pub fn kept_of(
         MeasuredRecord { averaged, ..both },
         values(&response, Some(bearing.shear_stiffness)),
     )
+}
+
+/// The steel that a low pass delays by so many minutes behind the air.
+fn behind_air(air: &Air, lag: f64) -> Air {
+    if lag == 0.0 {
+        return air.clone();
+    }
+    let follows = |warm: &mut f64, t: &f64| {
+        *warm += (t - *warm) / (lag + 0.5);
+        Some(*warm)
+    };
+    let temperatures = air.temperatures.iter();
+    let steel = temperatures.scan(air.temperatures[0], follows).collect();
+    Air::straight(air.times.clone(), steel)
 }
 
 /// The displacement of a bearing under steel that is known every minute, by slips one after the other.

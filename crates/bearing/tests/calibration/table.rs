@@ -33,10 +33,10 @@ const HOURLY: Logger = Logger {
     ..PLAIN
 };
 
-/// A bearing that slips some 900 times in 300 days.
+/// A bearing that slips more often.
 const FREQUENT: Bearing = Bearing {
     f_s: 2.3e5,
-    f_d: 2.1e5,
+    f_d: 2.0e5,
     ..BRIDGE
 };
 
@@ -198,6 +198,7 @@ const KNOWN: [Situation; 21] = [
             "steel 6 hours behind, f_s of 230 kN",
             Logger {
                 lag: 360.0,
+                red: 0.0,
                 ..PLAIN
             },
         )
@@ -219,9 +220,8 @@ const KNOWN: [Situation; 21] = [
         },
     ),
     Situation {
-        name: "f_s of 230 kN, many slips",
         bearing: FREQUENT,
-        ..SOUND
+        ..kept("f_s of 230 kN, many slips", Logger { red: 0.0, ..PLAIN })
     },
     wrong("displacement in steps of 0.05 mm", |record, _| {
         MeasuredRecord {

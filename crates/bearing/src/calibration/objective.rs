@@ -7,7 +7,7 @@
 //! evaluation is therefore proportional to the number of slips and not to the number of samples.
 //!
 //! A body under a temperature that is rough between samples slips before a sample is beyond A. So A
-//! is compared with the samples less `overlooked` kelvin ([`super::Thermometer::overlooked`]).
+//! is compared with the samples less `overlooked` kelvin (`roughness.rs`).
 
 use super::bearing::Sensor;
 use super::motion::Motion;
@@ -301,8 +301,8 @@ mod tests {
             readings,
             ..MeasuredRecord::default()
         };
-        let misfit = FitObjective::new(&record, 0.0);
-        let (least, best) = misfit.of(&motion);
+        let objective = FitObjective::new(&record, 0.0);
+        let (least, best) = objective.of(&motion);
         let at =
             |sensor: Sensor| values(&crate::calibration::Response { motion, sensor }, Some(1e3));
         for quantity in [
@@ -314,7 +314,8 @@ mod tests {
         ] {
             for factor in [1.0, 1.2] {
                 let target = factor * at(best)[quantity as usize];
-                let (err, sensor) = misfit.held(&motion, &[row(&(quantity, target), &motion, 1e3)]);
+                let (err, sensor) =
+                    objective.held(&motion, &[row(&(quantity, target), &motion, 1e3)]);
                 let got = at(sensor)[quantity as usize];
                 assert!(
                     (got / target - 1.0).abs() < 1e-3,
@@ -350,12 +351,8 @@ mod tests {
                 t
             })
             .collect();
-        let hidden = Motion {
-            reach: 3.0,
-            jump: 0.8,
-            start: 9.0,
-        }
-        .follow(&temperatures);
+        let [reach, jump, start] = [3.0, 0.8, 9.0];
+        let hidden = Motion { reach, jump, start }.follow(&temperatures);
         let noisy = |(i, (xi, t)): (usize, (&f64, &f64))| {
             if i % 50 == 7 {
                 f64::NAN
@@ -376,7 +373,7 @@ mod tests {
             readings,
             ..MeasuredRecord::default()
         };
-        let misfit = FitObjective::new(&record, 0.05);
+        let objective = FitObjective::new(&record, 0.05);
         let shares = record.shares();
         for (reach, jump) in [
             (3.0, 0.8),
@@ -391,7 +388,7 @@ mod tests {
                 jump,
                 start: 9.3,
             };
-            let (err, sensor) = misfit.of(&Motion {
+            let (err, sensor) = objective.of(&Motion {
                 reach: reach + 0.05,
                 ..motion
             });
