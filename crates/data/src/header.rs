@@ -54,17 +54,7 @@ pub(super) fn open<'a>(
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem, remedy));
     };
-    let of_line = |line: &Line| {
-        let below = below(&lines, line);
-        let names = &line.names;
-        Sought {
-            file,
-            names,
-            below,
-            layout,
-        }
-        .columns(wanted)
-    };
+    let of_line = |line: &Line| sought(file, &lines, line, layout).columns(wanted);
     if let Some(line) = naming(&lines, |line| of_line(line).is_ok()) {
         let (times, values) = of_line(line)?;
         let skipped = lines
@@ -115,14 +105,7 @@ pub(super) fn open<'a>(
     };
     let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
-    let error = match (Sought {
-        file,
-        names: &best.names,
-        below: below(&lines, best),
-        layout,
-    })
-    .no_zone()
-    {
+    let error = match sought(file, &lines, best, layout).no_zone() {
         Some(zone) => error.and(zone),
         None => error,
     };
@@ -188,6 +171,16 @@ fn is_date(cell: &str) -> bool {
     stamp(cell, None).is_some() || needs_order(cell)
 }
 
+/// The columns that are sought in a line.
+fn sought<'a>(file: &'a str, lines: &'a [Line], line: &'a Line, layout: &'a Layout) -> Sought<'a> {
+    Sought {
+        file,
+        names: &line.names,
+        below: below(lines, line),
+        layout,
+    }
+}
+
 /// The lines below another one that may hold units, down to the first measurements.
 fn below<'l>(lines: &'l [Line], line: &Line) -> &'l [Line] {
     let first = lines.iter().position(|other| other.number > line.number);
@@ -207,12 +200,7 @@ fn likeliest<'l>(
 ) -> Option<&'l Line> {
     let width = lines.last()?.names.len();
     let found = |line: &Line| {
-        let sought = Sought {
-            file,
-            names: &line.names,
-            below: below(lines, line),
-            layout,
-        };
+        let sought = sought(file, lines, line, layout);
         wanted
             .iter()
             .filter(|one| sought.value(one).is_ok())
