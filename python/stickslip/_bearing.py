@@ -41,7 +41,9 @@ class Layout:
             or the order in which all of them are dates and the rows in order.
         skip: number of lines before the names of the columns; by default up to the first line with
             the names that are wanted.
+        skip_bad: leave out lines that cannot be read; a warning counts them.
         missing: numbers and words that mark a missing value, besides the usual ones.
+        skip_bad: leave out lines that cannot be read, such as a footer, and report how many.
         outliers: leave out values that differ from their neighbours by more than this many standard
             deviations of such differences, e.g. 8; by default none is left out. Arrays may have it.
         decimal: the decimal mark of numbers, "." or ","; by default inferred from all numbers.
@@ -58,7 +60,9 @@ class Layout:
     zone: str | None = None
     dates: str | None = None
     skip: int | None = None
+    skip_bad: bool = False
     missing: Sequence[str | float] = ()
+    skip_bad: bool = False
     outliers: int | None = None
     decimal: str | None = None
     averaged: Time | None = None
@@ -88,8 +92,6 @@ def calibrate(
 ) -> xr.Dataset:
     """Estimate friction, stiffness and dilatation of a bearing from its measured temperature and
     displacement, like `mc calibrate`.
-
-    After Ctrl-C the least squares use the starting points that are done, with a `StickSlipWarning`.
 
     Args:
         scenario: as for `run`, in SI units: the stiffness K_BP of the bearing, where a search
@@ -168,8 +170,7 @@ def forecast(
 
     The bearing is calibrated from the slips in its measurement, and the weather is fitted to the
     temperatures of the same measurement. Years are simulated for the estimated parameters, and for
-    parameters drawn from the distribution of their errors. After Ctrl-C the draws that are done are
-    returned with a `StickSlipWarning`.
+    parameters drawn from the distribution of their errors.
 
     Args:
         scenario, data, displacement, layout, set, threads: as for `calibrate`.
@@ -195,7 +196,7 @@ def forecast(
         ScenarioError: the scenario is invalid.
         ArgumentError: an argument, or the data, are invalid.
         RunError: the measurement does not determine the parameters of bearing or weather.
-        KeyboardInterrupt: Ctrl-C came before two draws were done.
+        KeyboardInterrupt: within a second after Ctrl-C; nothing is returned.
     """
     ready()
     within(0.5, 0.999, interval=interval)
@@ -264,8 +265,7 @@ def fit_temperature(
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
-    The fit maximises the restricted likelihood, which is exact for samples at any times. It cannot
-    be interrupted, but takes only seconds.
+    The fit maximises the restricted likelihood, which is exact for samples at any times.
 
     Args:
         data: the path of a CSV file, a pandas DataFrame, or temperatures over time in degrees

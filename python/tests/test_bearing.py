@@ -183,7 +183,7 @@ def test_arrays_and_tables_have_the_same_repairs():
     same(by_array, by_frame)
     for words in (of_array, of_frame):
         assert f"left out {silent} cells without a value in `temperature" in words, words
-        assert "left out 2 values that differ strongly" in words, words
+        assert "left out 2 outliers" in words, words
     weather, of_weather = said(
         lambda: ss.fit_temperature((time, temperatures), processes=1, layout=strict)
     )

@@ -72,6 +72,15 @@ def test_ctrl_c_before_the_first_point_of_a_sweep_is_an_interrupt_too():
         ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, paths=10**7, threads=1)
 
 
+def test_ctrl_c_ends_a_forecast_within_a_second():
+    bridge = pathlib.Path(__file__).parents[2] / "examples" / "bridge"
+    begun = time.monotonic()
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        ss.forecast(bridge / "bridge.toml", bridge / "twin.csv", draws=1000, years=1000)
+    assert time.monotonic() - begun < 1.5
+
+
 def test_other_threads_of_python_run_meanwhile():
     """The interpreter lock is released: another thread continues to count."""
     counted, stop = [0], threading.Event()

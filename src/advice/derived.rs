@@ -24,10 +24,10 @@ pub struct Derived {
     pub noise_force: Option<f64>,
     /// f_s / (K |beta| rho), in units of the stationary standard deviation of v: how far the noise
     /// must move to end a centred stick.
-    pub corridor_half_width: Option<f64>,
+    pub stick_band_half_width: Option<f64>,
     /// (f_s / (K beta rho sigma))^2: the time that the noise takes to cross that half-width by
     /// diffusion.
-    pub corridor_time: Option<f64>,
+    pub stick_band_time: Option<f64>,
     /// A of [`Model::runaway_amplitude`], if the damping is negative.
     pub runaway_amplitude: Option<f64>,
     /// Limits of the step, if the scheme has a step.
@@ -128,18 +128,18 @@ impl Derived {
                 self.noise_force.into(),
             ),
             (
-                "corridor_half_width",
-                "f_s/(K beta rho), half width of the stick band in v",
-                self.corridor_half_width.into(),
+                "stick_band_half_width",
+                "f_s/(K beta rho), half stick band in v",
+                self.stick_band_half_width.into(),
             ),
             (
-                "corridor_time",
+                "stick_band_time",
                 "(f_s/(K beta rho sigma))^2, time to cross it",
-                self.corridor_time.into(),
+                self.stick_band_time.into(),
             ),
             (
                 "runaway_amplitude",
-                "amplitude beyond which the motion grows without bound",
+                "amplitude beyond which the motion grows",
                 self.runaway_amplitude.into(),
             ),
             ("critical_amplitude", meaning, critical.into()),
@@ -231,15 +231,14 @@ impl Scenario {
                 * temperature
                     .harmonics
                     .iter()
-                    .map(|harmonic| harmonic.amplitude.abs())
-                    .sum::<f64>(),
+                    .fold(0.0, |sum, harmonic| sum + harmonic.amplitude.abs()),
             friction_ratio: (friction.static_force > 0.0)
                 .then(|| friction.dynamic_force / friction.static_force),
             noise_force,
-            corridor_half_width: noise_force
+            stick_band_half_width: noise_force
                 .filter(|c| *c > 0.0)
                 .map(|c| friction.static_force / c),
-            corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
+            stick_band_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
             runaway_amplitude: self.model.runaway_amplitude(0.0),
             stability: self.scheme.stability(&self.model),
             monitoring_shift: match self.scheme.discretisation() {

@@ -197,8 +197,8 @@ fn derived_quantities_of_the_noisy_scene() {
     assert_eq!(derived.natural_frequency, 1.0);
     assert_eq!(derived.frequency_ratios, [0.25]);
     assert!((derived.noise_force.unwrap() - 1.5 / 2f64.sqrt()).abs() < 1e-15);
-    assert!((derived.corridor_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
-    assert!((derived.corridor_time.unwrap() - 0.64).abs() < 1e-15);
+    assert!((derived.stick_band_half_width.unwrap() - 0.8 * 2f64.sqrt()).abs() < 1e-15);
+    assert!((derived.stick_band_time.unwrap() - 0.64).abs() < 1e-15);
     assert_eq!(
         (derived.whole_periods, derived.steps, derived.rows),
         (2.0, Some(6000), 121)

@@ -69,8 +69,6 @@ enum Kind {
     Numbers { unit: Option<InputUnit> },
     /// Dates.
     Stamps,
-    /// Dates as whole numbers with this number of digits, such as 2025010123.
-    Compact(usize),
     /// So many of them in a second, since 1970 in UTC.
     Epoch(f64),
     /// Days that a program counts, as it calls them.
@@ -88,7 +86,7 @@ pub(super) struct Clock {
     first: Option<Timestamp>,
     previous: Option<Timestamp>,
     /// The form of the first stamp.
-    form: Option<(bool, Option<char>, bool)>,
+    form: Option<(usize, Option<char>, bool)>,
     /// Number of instants that are later than the one before, and of those that are earlier.
     up: u64,
     down: u64,
@@ -236,12 +234,6 @@ impl Clock {
                 .filter(|(same, _)| *same == name)
                 .and_then(|(_, days)| stamp::day(days))
                 .ok_or_else(|| as_before(name))?,
-            Kind::Compact(digits) => {
-                let read = Some(cell)
-                    .filter(|cell| cell.len() == digits)
-                    .and_then(stamp::compact);
-                read.ok_or_else(|| as_before(&format!("a date of {digits} digits")))?
-            }
             Kind::Stamps => match stamp::instant(cell) {
                 Some(instant) => return Ok(self.since_first(instant)),
                 None => match stamp::stamp(cell, self.order) {
@@ -320,17 +312,9 @@ impl Clock {
             (Some(offset), _) => (offset.to_timestamp(stamp.local).map_err(beyond)?, false),
             (None, Some(zone)) => in_zone(stamp.local, zone, self.previous, self.wording)?,
             (None, None) => {
-                let what = match self.kind {
-                    Kind::Stamps => "is a stamp without a zone".to_string(),
-                    _ => format!("is the date {} without a zone", stamp.local),
-                };
-                let [utc, paris] =
-                    ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
                 return wrong(
-                    what,
-                    format!(
-                        "give the time zone of the clock: {utc}, {paris} or an offset such as +01:00"
-                    ),
+                    format!("is the date {} without a zone", stamp.local),
+                    zone_remedy(self.wording),
                 );
             }
         };
@@ -372,7 +356,7 @@ fn kind(
         return Ok(Kind::Numbers { unit: Some(unit) });
     }
     if compact.is_some() {
-        return Ok(Kind::Compact(first.len()));
+        return Ok(Kind::Stamps);
     }
     if let Some(per_second) = per_second_since_epoch(number) {
         return Ok(Kind::Epoch(per_second));
@@ -408,9 +392,15 @@ fn without_unit(column: &str) -> &str {
         .unwrap_or("time")
 }
 
+/// What to do about dates without a zone.
+pub(super) fn zone_remedy(wording: Wording) -> String {
+    let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| wording.option("zone", zone));
+    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00")
+}
+
 /// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
 /// (UTC)`, `time_utc`.
-fn zone_in(column: &str) -> Option<TimeZone> {
+pub(super) fn zone_in(column: &str) -> Option<TimeZone> {
     let upper = column.to_uppercase();
     let at = ["UTC", "GMT"]
         .iter()

@@ -102,6 +102,11 @@ fn dialects_of_loggers_and_services_are_read() {
         ),
         ("Davis, names in two lines", davis, PLAIN),
         ("year, month, day, hour", parts, PLAIN),
+        (
+            "the same, named",
+            parts,
+            timed("year,month,day,hour", "temperature"),
+        ),
         ("a buoy with minutes below mm", &buoy, PLAIN),
         (
             "date and hour without names",
@@ -205,11 +210,11 @@ fn what_was_left_out_is_counted() {
     for (rest, says) in [
         (
             "End\nMaximum\n",
-            "left out 2 lines that cannot be read, the first is line 6",
+            "left out 2 lines that cannot be read, the first in line 6",
         ),
         (
             "2023-03-04 09:00,warm\n",
-            "left out 1 line that cannot be read, line 6",
+            "left out 1 line that cannot be read, the first in line 6",
         ),
         (
             "2023-03-04 09:00,-999\n",
@@ -380,6 +385,20 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
         );
         assert!(error.remedy.contains(remedy), "{error}");
     }
+    // A column and the zone are asked for at once.
+    let asked = Asked {
+        no_zone: true,
+        ..PLAIN
+    };
+    let error = read_as(asked, b"time,T\n2023-03-04 05:00,12\n")
+        .unwrap_err()
+        .to_string();
+    let both = [
+        "no column has a name",
+        "its dates have no time zone",
+        "--zone UTC",
+    ];
+    assert!(both.iter().all(|part| error.contains(part)), "{error}");
     let huge = format!("{head}2023-03-04 06:00,{}\n", "9".repeat(1_000_000));
     let error = read_as(PLAIN, huge.as_bytes()).unwrap_err().to_string();
     assert!(error.len() < 300 && error.contains("not finite"), "{error}");

@@ -1,10 +1,11 @@
 //! The line of a CSV file that names its columns, and which of them are wanted.
 
+use super::clock::{zone_in, zone_remedy};
 use super::error::DataError;
 use super::parts::Parts;
-use super::query::{Layout, Name, Wanted};
+use super::query::{DateOrder, Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
-use super::stamp::{compact, is_time_of_day, needs_order, stamp};
+use super::stamp::{is_time_of_day, needs_order, stamp};
 use super::unit::{self, ColumnQuantity};
 use std::cmp::Reverse;
 
@@ -114,6 +115,17 @@ pub(super) fn open<'a>(
     };
     let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
+    let error = match (Sought {
+        file,
+        names: &best.names,
+        below: below(&lines, best),
+        layout,
+    })
+    .no_zone()
+    {
+        Some(zone) => error.and(zone),
+        None => error,
+    };
     Err(if best.number == first.number {
         error
     } else {
@@ -173,7 +185,7 @@ fn is_datum(cell: &str) -> bool {
 }
 
 fn is_date(cell: &str) -> bool {
-    stamp(cell, None).is_some() || needs_order(cell) || compact(cell).is_some()
+    stamp(cell, None).is_some() || needs_order(cell)
 }
 
 /// The lines below another one that may hold units, down to the first measurements.
@@ -374,7 +386,7 @@ impl Sought<'_> {
             .split(',')
             .map(|part| (part.trim(), self.called(part.trim())))
             .collect();
-        let is_list = matches!(parts.len(), 2 | 3);
+        let is_list = matches!(parts.len(), 2..=6);
         match whole[..] {
             [field] => Ok(vec![field]),
             [] => match parts.iter().find(|(_, found)| !is_list || found.len() != 1) {
@@ -394,7 +406,7 @@ impl Sought<'_> {
 
     /// The columns of times that a file has under a usual name.
     fn usual_times(&self) -> Result<Vec<usize>, DataError> {
-        let (names, wording) = (self.names, self.layout.wording);
+        let names = self.names;
         if let [field] = self.called("time")[..]
             && names[field] == "time"
         {
@@ -411,31 +423,24 @@ impl Sought<'_> {
                     .any(|word| name.to_lowercase().starts_with(word))
             })
         };
-        let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
         let (time, date) = (one_of(&TIME), one_of(&DATE));
         let hour = self.fields(Parts::is_hour);
-        match (&both[..], &time[..], &date[..], &beginning[..]) {
-            ([field], ..) => Ok(vec![*field]),
-            ([], [time], [date], _) => Ok(vec![*date, *time]),
-            ([], [], [date], []) if !hour.is_empty() => Ok(vec![*date, hour[0]]),
-            ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
-            ([], [], [], []) => Err(self.no_time(Name::Exactly("time"))),
+        let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
+        let all = [&both, &time, &beginning, &date];
+        let found = all
+            .into_iter()
+            .find(|found| !found.is_empty())
+            .unwrap_or(&both);
+        match (&found[..], &date[..], &hour[..]) {
+            ([], ..) => Err(self.no_time(Name::Exactly("time"))),
+            ([one], [date], _) if time == [*one] => Ok(vec![*date, *one]),
+            ([one], [date], [hour, ..]) if date == one => Ok(vec![*one, *hour]),
+            ([one], ..) => Ok(vec![*one]),
             _ => {
-                let first = both
-                    .iter()
-                    .chain(&time)
-                    .chain(&beginning)
-                    .chain(&date)
-                    .next()
-                    .copied()
-                    .unwrap_or(0);
-                let example = wording.option("time", &names[first]);
-                let remedy = format!(
-                    "name one, e.g. {example}; the columns are {}",
-                    listed(names)
-                );
-                let count = both.len() + time.len().max(beginning.len()).max(date.len());
-                Err(self.several(Name::Beginning("time"), count, remedy))
+                let example = self.layout.wording.option("time", &names[found[0]]);
+                let listed = listed(names);
+                let remedy = format!("name one, e.g. {example}; the columns are {listed}");
+                Err(self.several(Name::Beginning("time"), found.len(), remedy))
             }
         }
     }
@@ -445,20 +450,32 @@ impl Sought<'_> {
     fn no_time(&self, name: Name<'_>) -> DataError {
         let first = self.below.last().map_or(&[][..], |line| &line.names);
         let date = first.iter().position(|cell| is_date(cell));
-        let called = |field: usize| self.names.get(field).map(String::as_str);
-        let is_hour = |name: &&str| Parts::is_hour(name);
-        let example = match date.map(|date| (called(date), called(date + 1).filter(is_hour))) {
-            Some((Some(date), Some(hour))) => format!("{date},{hour}"),
-            Some((Some(date), None)) => date.to_string(),
-            _ => self
-                .names
-                .iter()
-                .find(|name| !name.is_empty())
-                .map_or("NAME", |name| name)
-                .into(),
-        };
+        let called = |field: usize| self.names.get(field).filter(|name| !name.is_empty());
+        let hour = date
+            .and_then(|date| called(date + 1))
+            .filter(|name| Parts::is_hour(name));
+        let date = (0..)
+            .skip(date.unwrap_or(0))
+            .take(self.names.len())
+            .find_map(called);
+        let example = date.into_iter().chain(hour).map(String::as_str);
+        let example = example.collect::<Vec<_>>().join(",");
         let example = self.layout.wording.option("time", &example);
         self.none(name, &format!("name the right one, e.g. {example}"))
+    }
+
+    /// The error of dates without a zone, which is said together with that of a missing column.
+    fn no_zone(&self) -> Option<DataError> {
+        let time = *self.times().ok()?.first()?;
+        let cell = self.below.last()?.names.get(time)?;
+        let dates = DateOrder::WORDS
+            .iter()
+            .filter_map(|(_, order)| stamp(cell, Some(*order)));
+        let is_local = dates.map(|date| date.offset.is_none()).next()?;
+        let is_known = self.layout.zone.is_some() || zone_in(&self.names[time]).is_some();
+        let remedy = zone_remedy(self.layout.wording);
+        let error = || DataError::file(self.file, "its dates have no time zone", remedy);
+        (is_local && !is_known).then(error)
     }
 
     /// The place of a wanted column; if there is not exactly one, the error lists the names.

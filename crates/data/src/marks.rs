@@ -43,12 +43,7 @@ const NINES: [f64; 4] = [999.0, 9_999.0, 99_999.0, 999_999.0];
 pub(super) fn likely(name: &str, values: impl Iterator<Item = (f64, u64)>) -> Option<String> {
     let mut found = values.filter(|(value, _)| NINES.contains(&value.abs()));
     let (value, line) = found.next()?;
-    let more = many(
-        found.count() as u64,
-        ", as does 1 other",
-        ", as do # others",
-    )
-    .unwrap_or_default();
+    let more = many(found.count() as u64, ", and # other{s}").unwrap_or_default();
     Some(format!(
         "kept `{name}` = {value} in line {line}, which often marks a missing value{more}"
     ))

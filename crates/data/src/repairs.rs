@@ -52,12 +52,13 @@ pub struct ColumnRepairs {
     pub averaged: Option<String>,
 }
 
-pub(super) fn many(count: u64, one: &str, more: &str) -> Option<String> {
-    match count {
-        0 => None,
-        1 => Some(one.replace('#', "1")),
-        _ => Some(more.replace('#', &count.to_string())),
-    }
+/// A sentence with a count in place of `#`, and `{s}` as the plural of what is counted; none for 0.
+pub(super) fn many(count: u64, sentence: &str) -> Option<String> {
+    let plural = if count == 1 { "" } else { "s" };
+    let said = sentence
+        .replace('#', &count.to_string())
+        .replace("{s}", plural);
+    (count > 0).then_some(said)
 }
 
 impl Repairs {
@@ -71,57 +72,33 @@ impl Repairs {
 
     /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
+        let bad = self.bad.and_then(|(count, line)| {
+            let said = "left out # line{s} that cannot be read";
+            Some(format!("{}, the first in line {line}", many(count, said)?))
+        });
+        let zone = self.zone.as_ref();
         let at_first = [
-            many(
-                self.skipped,
-                "skipped # line before the header",
-                "skipped # lines before the header",
-            ),
+            many(self.skipped, "skipped # line{s} before the header"),
             many(
                 self.unit_rows,
-                "took # line below the header as units",
-                "took # lines below the header as units and notes",
+                "took # line{s} below the header as units and notes",
             ),
-            many(
-                self.repeated_headers,
-                "left out # repeated header",
-                "left out # repeated headers",
-            ),
-            self.bad.and_then(|(count, line)| {
-                let one = format!("left out # line that cannot be read, line {line}");
-                let more =
-                    format!("left out # lines that cannot be read, the first is line {line}");
-                many(count, &one, &more)
-            }),
+            many(self.repeated_headers, "left out # repeated header{s}"),
+            bad,
             self.encoding.map(|name| format!("read the text as {name}")),
             self.order
                 .as_ref()
                 .map(|order| format!("took dates as {order}")),
-            self.zone
-                .as_ref()
-                .map(|zone| format!("took times in {zone}, from the name of their column")),
-            many(
-                self.unsorted,
-                "sorted # row that was out of order",
-                "sorted # rows that were out of order",
-            ),
-            many(
-                self.repeated,
-                "left out # duplicate row",
-                "left out # duplicate rows",
-            ),
+            zone.map(|zone| format!("took times in {zone}, from the name of their column")),
+            many(self.unsorted, "sorted # row{s} out of order"),
+            many(self.repeated, "left out # duplicate row{s}"),
             many(
                 self.folds,
-                "resolved # ambiguous stamp (clocks set back) by the order of rows",
-                "resolved # ambiguous stamps (clocks set back) by the order of rows",
+                "resolved # ambiguous stamp{s} (clocks set back) by the order of rows",
             ),
         ];
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
-        let commas = many(
-            self.decimal_commas,
-            "read # decimal comma",
-            "read # decimal commas",
-        );
+        let commas = many(self.decimal_commas, "read # decimal comma{s}");
         at_first
             .into_iter()
             .flatten()
@@ -134,20 +111,11 @@ impl Repairs {
 impl ColumnRepairs {
     fn sentences(&self) -> Vec<String> {
         let name = &self.name;
-        let missing = many(
-            self.missing,
-            "left out # cell without a value",
-            "left out # cells without a value",
-        );
-        let outliers = many(
-            self.outliers,
-            "left out # value that differs strongly from those around it",
-            "left out # values that differ strongly from those around them",
-        );
+        let missing = many(self.missing, "left out # cell{s} without a value");
+        let outliers = many(self.outliers, "left out # outlier{s}");
         let cold = many(
             self.cold,
-            "treated # value below absolute zero as missing",
-            "treated # values below absolute zero as missing",
+            "treated # value{s} below absolute zero as missing",
         );
         let counted = [missing, cold, outliers]
             .into_iter()

@@ -46,6 +46,9 @@ pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
     {
         return Some(Stamp::at(local));
     }
+    if let Some(stamp) = compact(text) {
+        return Some(stamp);
+    }
     let (date, rest) = date(text)?;
     let of = |order: DateOrder| {
         let [a, b, c] = date.parts;
@@ -267,20 +270,19 @@ pub(super) fn needs_order(text: &str) -> bool {
             .any(|(_, order)| stamp(text, Some(*order)).is_some())
 }
 
-/// The form of a date: whether the year is first, with four digits, the sign behind the first
-/// number, and whether the year is last, with four digits. Two forms in one column may mean two
-/// orders. `None` for a text that begins with no number.
-pub(super) fn form(text: &str) -> Option<(bool, Option<char>, bool)> {
-    let (first, rest) = digits(text.trim())?;
+/// The form of a date: the number of digits at its beginning, where one is as two, the sign behind
+/// them, and whether the year is last, with four digits. Two forms in one column may mean two orders.
+/// `None` for a text that begins with no number.
+pub(super) fn form(text: &str) -> Option<(usize, Option<char>, bool)> {
+    let text = text.trim();
+    let first = text.bytes().take_while(u8::is_ascii_digit).count();
+    let rest = &text[first..];
     let sign = rest.chars().next().filter(|sign| "-/.".contains(*sign));
     let is_long = |sign| {
-        rest.split(sign)
-            .nth(2)
-            .and_then(digits)
-            .is_some_and(|(last, _)| last.len() == 4)
+        let last = rest.split(sign).nth(2).and_then(digits);
+        last.is_some_and(|(last, _)| last.len() == 4)
     };
-    let is_first = first.len() > 2;
-    Some((is_first, sign, !is_first && sign.is_some_and(is_long)))
+    (first > 0).then_some((first.max(2), sign, first <= 2 && sign.is_some_and(is_long)))
 }
 
 /// Whether a text is a time of day without a date, such as 13:10.

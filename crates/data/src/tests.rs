@@ -371,7 +371,7 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         .sentences();
     assert_eq!(
         marked,
-        ["kept `value` = -999 in line 5, which often marks a missing value, as does 1 other"]
+        ["kept `value` = -999 in line 5, which often marks a missing value, and 1 other"]
     );
     // Values of which the scenario gives the step: all numbers, or those of a column.
     let read = |text: &str, column| {
@@ -496,10 +496,7 @@ fn columns_of_one_pass_share_their_time_and_nothing_else() {
 fn rows_are_sorted_and_taken_once_and_that_is_counted() {
     let table = read_t("time,T\n5,1\n3,2\n9,3\n3,2\n4,\n9,3\n7,NA\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 2.0), (2.0, 1.0), (6.0, 3.0)]);
-    let said = [
-        "sorted 2 rows that were out of order",
-        "left out 2 duplicate rows",
-    ];
+    let said = ["sorted 2 rows out of order", "left out 2 duplicate rows"];
     assert_eq!(table.repairs.sentences()[..2], said);
     assert_eq!(table.repairs.columns[0].missing, 2);
     let text = "time,T\n5,1\n3,2\n5,1.5\n";

@@ -23,7 +23,7 @@ pub(super) struct NoisyStep {
 impl NoisyStep {
     /// None without noise, and none without friction, where there are no sticks.
     pub fn of(model: &Model, derived: &Derived, h: f64) -> Option<Self> {
-        let crossing_time = derived.corridor_time.filter(|time| *time > 0.0)?;
+        let crossing_time = derived.stick_band_time.filter(|time| *time > 0.0)?;
         let friction_ratio = derived.friction_ratio?;
         Some(NoisyStep {
             h,

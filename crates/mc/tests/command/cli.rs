@@ -474,6 +474,7 @@ fn check_derives_and_warns() {
     for part in [
         "w/w0, forcing                                 0.25\n",
         "critical amplitude   127.324",
+        "half stick band in v        1.13137",
         "6e7",
         "roughly",
     ] {

@@ -81,6 +81,28 @@ fn two_files_say_what_one_says() {
     refused(path, &arguments, 2, &["t.csv"]);
 }
 
+/// A footer is refused with its line and a fix, left out and counted where that is asked for; a list
+/// of marks is refused.
+#[test]
+fn a_footer_is_left_out_where_that_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let text = columns(&[0, 1], 0);
+    let rows: Vec<&str> = text.lines().take(2000).collect();
+    fs::write(path.join("t.csv"), rows.join("\n") + "\nEnd of record\n").expect("written");
+    let plain = ["fit-temperature", "t.csv", "--periods", "none"];
+    let footer = ["t.csv:2001: 1 cell", "`--skip-bad`"];
+    refused(path, &plain, 2, &footer);
+    let skipping = done(path, &[&plain[..], &["--skip-bad"]].concat());
+    let said = String::from_utf8_lossy(&skipping.stderr);
+    assert!(
+        said.contains("left out 1 line that cannot be read, the first in line 2001"),
+        "{said}"
+    );
+    let marks = [&plain[..], &["--missing=-999,-9999"]].concat();
+    refused(path, &marks, 2, &["write --missing once for each mark"]);
+}
+
 /// Two loggers with their own separators, names, dates, marks, units and encodings say what the one
 /// file says, by flags and by a scenario, and two refusals are enough to learn how.
 #[test]
