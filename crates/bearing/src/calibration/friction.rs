@@ -3,7 +3,6 @@
 //! temperatures than the measured one explains.
 
 use super::bearing::Response;
-use super::samples::spread;
 use super::slips::{DetectedSlips, Reversal};
 use super::zero::Zero;
 use crate::linear::Normal;
