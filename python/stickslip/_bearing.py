@@ -41,7 +41,6 @@ class Layout:
             or the order in which all of them are dates and the rows in order.
         skip: number of lines before the names of the columns; by default up to the first line with
             the names that are wanted.
-        skip_bad: leave out lines that cannot be read; a warning counts them.
         missing: numbers and words that mark a missing value, besides the usual ones.
         skip_bad: leave out lines that cannot be read, such as a footer, and report how many.
         outliers: leave out values that differ from their neighbours by more than this many standard
@@ -60,7 +59,6 @@ class Layout:
     zone: str | None = None
     dates: str | None = None
     skip: int | None = None
-    skip_bad: bool = False
     missing: Sequence[str | float] = ()
     skip_bad: bool = False
     outliers: int | None = None

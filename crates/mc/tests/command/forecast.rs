@@ -1,6 +1,6 @@
 //! `mc fit-temperature`, `mc forecast` and measurements in two files, as a person uses them.
 
-use crate::command::{self, done, json, refused};
+use crate::command::{self, done, json, mc, refused};
 use serde_json::Value;
 use std::fs;
 
@@ -93,7 +93,7 @@ fn a_footer_is_left_out_where_that_is_asked_for() {
     let plain = ["fit-temperature", "t.csv", "--periods", "none"];
     let footer = ["t.csv:2001: 1 cell", "`--skip-bad`"];
     refused(path, &plain, 2, &footer);
-    let skipping = done(path, &[&plain[..], &["--skip-bad"]].concat());
+    let skipping = mc(path, &[&plain[..], &["--skip-bad"]].concat());
     let said = String::from_utf8_lossy(&skipping.stderr);
     assert!(
         said.contains("left out 1 line that cannot be read, the first in line 2001"),
