@@ -47,8 +47,8 @@ impl ParameterEstimate {
     }
 }
 
-/// The factors for the paper's least squares, from 150 such records. The intervals around its
-/// estimates come from the same standard deviations.
+/// Factors of the standard deviations of the estimates by slips, with which intervals around those of
+/// the paper's least squares contain the truth in 90 % of 150 synthetic records of the paper's bridge.
 ///
 /// Least squares determines A and G far better if friction is always the same. It determines K, f_s
 /// and f_d far worse, because it takes red noise for independent.
