@@ -101,7 +101,9 @@ fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     asked(walk, &mut calibration.question)?;
     found(walk, calibration)?;
     calibration.response = response_of(&calibration.estimates.map(|estimate| estimate.estimate));
-    calibration.question.starts = calibration.starts.len() as u32;
+    if !calibration.starts.is_empty() {
+        calibration.question.starts = calibration.starts.len() as u32;
+    }
     measured(walk, calibration)
 }
 

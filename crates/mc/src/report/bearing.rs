@@ -134,7 +134,7 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
     };
     let rest = significant(calibration.residuals.rms, 3);
     let (hour, day) = (correlation(1.0), correlation(24.0));
-    let method = format!("{method}; intervals: blocks of three days weighted at random");
+    let method = format!("{method}; intervals: synthetic records");
     let rest = format!(
         "{rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day"
     );
@@ -567,7 +567,7 @@ mod tests {
         };
         calibration.slips = vec![slip(0.01), slip(-0.01)];
         assert!(
-            seen(&calibration).contains("Together they are 40 mm of sliding path"),
+            seen(&calibration).contains("a sliding path of 40 mm"),
             "{}",
             seen(&calibration)
         );

@@ -171,7 +171,13 @@ fn a_fit_of_any_series_ends() {
         csv(here.path(), &temperatures);
         for verb in [
             &["fit-temperature", "data.csv", "--periods", "1d"][..],
-            &["calibrate", &bridge, "data.csv", "--starts", "2"],
+            &[
+                "calibrate",
+                &bridge,
+                "data.csv",
+                "--method=both",
+                "--starts=2",
+            ],
             &[
                 "forecast", &bridge, "data.csv", "--draws", "2", "--years", "2",
             ],

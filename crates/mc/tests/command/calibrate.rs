@@ -248,10 +248,22 @@ fn without_the_shear_stiffness_forces_are_null() {
         "calibrate",
         "rigid.toml",
         DATA,
-        "--bounds",
-        "friction.static=4e5:6e5",
+        "--method=criterion",
+        "--bounds=friction.static=4e5:6e5",
     ];
     refused(folder.path(), &bounded, 2, &["bearing.stiffness"]);
+    let unused = [
+        "calibrate",
+        "rigid.toml",
+        DATA,
+        "--bounds=friction.static=4e5:6e5",
+    ];
+    refused(
+        folder.path(),
+        &unused,
+        2,
+        &["method = slips", "--method both"],
+    );
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn two_files_say_what_one_says() {
         "--set",
         "temperature.series.time=time_s",
     ];
-    refused(path, &arguments, 2, &["t.csv"]);
+    refused(path, &arguments, 2, &["n.csv: its times are numbers"]);
 }
 
 /// A footer is refused with its line and a fix, left out and counted where that is asked for; a list

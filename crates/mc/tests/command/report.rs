@@ -45,7 +45,10 @@ fn a_page_is_whole_and_asks_for_nothing() {
     );
     for statistic in stickslip::stats::Statistic::asked_by(&stickslip::stats::Record::NOTHING) {
         assert!(
-            page.contains(&format!("<td>{}</td>", statistic.words())),
+            page.contains(&format!(
+                "<td data-heading=\"statistic\">{}</td>",
+                statistic.words()
+            )),
             "{}",
             statistic.name()
         );
@@ -152,7 +155,7 @@ fn every_file_has_a_page() {
     }
     let other = mc(path, &["forecast", &scenario, &data, "-o", "years.txt"]);
     assert_eq!(other.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&other.stderr).contains("ends in .csv or .html"));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("use .csv or .html"));
 }
 
 #[test]
