@@ -285,7 +285,7 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
             quantity.key(),
             "give bearing.stiffness, in the scenario or with `set`",
         ),
-        NotHeld::NeedsLeastSquares(name) => (name, "use method=\"criterion\" or method=\"both\""),
+        NotHeld::UnusedBounds => ("bounds", "use method=\"criterion\" or method=\"both\""),
     };
     errors::of_argument(py, "fit, bounds or starts", value, error, remedy)
 }

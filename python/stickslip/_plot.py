@@ -120,8 +120,8 @@ def plot(
             `merge`, `trade`, `sweep` or `calibrate` returned, or `load` of a file of them; or
             several data sets of sweeps over the same key, as a dictionary by name.
         only: the name of one figure, or of one of its panels by its letter, e.g. "sticks.B". Of a
-            scenario: "path". Of a run: "overview", "path", "fan", "sticks", "sub-phases" or
-            "drift", and "laws", "density" or "spectrum" if recorded. Of a trade: "trade". Of
+            scenario: "path". Of a run: "overview", "path", "fan", "sticks", "sub-phases",
+            "passages" or "drift", and "laws", "density" or "spectrum" if recorded. Of a trade: "trade". Of
             sweeps: "sweep", "section" for deterministic scenarios, or "tornado" for elasticities.
             Of a calibration: "calibration", "loops" or "residuals".
         path: number of the path that is drawn, from 0, of a scenario or a run.

@@ -93,16 +93,10 @@ impl CalibrationQuestion {
 
     /// The same with only some quantities fitted, if any are named. The others are held at the
     /// values of the scenario. Fails if the scenario has no number for one of them, if K_BP is needed
-    /// and missing, or if bounds or another number of starts are given and the method does not use them.
+    /// and missing, or if there are bounds and the method does not use them.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
-        if self.method == CalibrationMethod::Slips {
-            let unused = [
-                ("bounds", !self.bounds.is_empty()),
-                ("starts", self.starts != STARTS),
-            ];
-            if let Some((name, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
-                return Err(NotHeld::NeedsLeastSquares(name));
-            }
+        if self.method == CalibrationMethod::Slips && !self.bounds.is_empty() {
+            return Err(NotHeld::UnusedBounds);
         }
         let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
         let held = Quantity::FITTED
@@ -143,8 +137,8 @@ pub enum NotHeld {
     #[error("{} cannot be held or bounded without K_BP", .0.key())]
     TakesShearStiffness(Quantity),
     /// It is for the least squares, which were not asked for.
-    #[error("{0} are for the least squares, and method = slips does not use them")]
-    NeedsLeastSquares(&'static str),
+    #[error("bounds are for the least squares, and method = slips does not use them")]
+    UnusedBounds,
 }
 
 /// Why a record cannot be calibrated.

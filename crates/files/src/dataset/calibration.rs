@@ -101,9 +101,7 @@ fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     asked(walk, &mut calibration.question)?;
     found(walk, calibration)?;
     calibration.response = response_of(&calibration.estimates.map(|estimate| estimate.estimate));
-    if !calibration.starts.is_empty() {
-        calibration.question.starts = calibration.starts.len() as u32;
-    }
+    calibration.question.starts = calibration.starts.len() as u32;
     measured(walk, calibration)
 }
 

@@ -171,7 +171,7 @@ impl From<NotHeld> for Failure {
             NotHeld::TakesShearStiffness(_) => {
                 "give bearing.stiffness, in the scenario or with --set".to_string()
             }
-            NotHeld::NeedsLeastSquares(_) => "add --method criterion or --method both".to_string(),
+            NotHeld::UnusedBounds => "add --method criterion or --method both".to_string(),
         };
         Failure::usage(error.to_string(), remedy)
     }
