@@ -287,7 +287,7 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
         ),
         NotHeld::UnusedBounds => ("bounds", "use method=\"criterion\" or method=\"both\""),
     };
-    errors::of_argument(py, "fit, bounds or starts", value, error, remedy)
+    errors::of_argument(py, "fit or bounds", value, error, remedy)
 }
 
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and

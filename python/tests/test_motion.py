@@ -123,6 +123,17 @@ def test_a_motion_refuses_what_it_cannot_compute():
         ss.Motion("shaw", path=-1)
 
 
+@pytest.mark.parametrize("scheme", ["discrete-vi", "corrected-vi", "event-driven"])
+def test_a_motion_is_that_of_the_rows_of_a_replay(scheme):
+    """Sticks included, where the velocity is 0. The events of a noiseless path have all digits, and
+    rows of the scheme without a step are off by the polynomial between them."""
+    replay = ss.replay(ss.run("shaw", scheme=scheme, paths=1), 0)
+    x, v = ss.Motion("shaw", scheme=scheme).at(replay.time.values)
+    assert np.abs(x - replay.trajectory_displacement.values[0]).max() < 1e-9
+    assert np.abs(v - replay.trajectory_velocity.values[0]).max() < 1e-9
+    assert 0.1 < np.mean(v == 0) < 0.2
+
+
 def test_a_body_that_never_moves_is_at_rest():
     x, v = ss.Motion("never-slips", until=10).at([0, 5, 10])
     assert (x == x[0]).all() and (v == 0).all()

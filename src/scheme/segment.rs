@@ -51,15 +51,21 @@ impl Segment {
         self.start + self.length
     }
 
-    /// x and x' at a time, which is held to the segment.
+    /// x and x' at a time from its start on. Behind its end the body is at rest. A time that differs
+    /// from the end by rounding is the end.
     pub fn state(&self, time: f64) -> [f64; 2] {
-        let part = if self.length > 0.0 {
-            ((time - self.start) / self.length).clamp(0.0, 1.0)
+        let behind = time - self.end();
+        let rounding = 4.0 * f64::EPSILON * time;
+        if behind < -rounding {
+            let [way, velocity, _] = self.at((time - self.start) / self.length);
+            return [self.displacement + way, velocity];
+        }
+        let velocity = if behind > rounding {
+            0.0
         } else {
-            1.0
+            self.velocity[1]
         };
-        let [way, velocity, _] = self.at(part);
-        [self.displacement + way, velocity]
+        [self.displacement + self.way, velocity]
     }
 
     /// The distance from the start, x' and x'' at a place, as a part of the length from 0 to 1. In

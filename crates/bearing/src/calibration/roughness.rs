@@ -19,8 +19,8 @@ pub fn overlooked(roughness: f64, interval: f64) -> f64 {
     }
 }
 
-/// The roughness of samples at these times, from how far a sample is from the straight line between those one before and
-/// one after it, and between those two before and two after it.
+/// The roughness of samples at these times, from how far each sample is from the straight line
+/// between its two neighbours, and from that between the samples two before and two after it.
 ///
 /// For a diffusion, the mean square of that distance grows with the time between the samples, g
 /// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
