@@ -15,7 +15,9 @@ use stickslip_files::store::{self, FileSink, RunQuestion};
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder");
-    std::fs::create_dir(folder.path().join("run.h5.partial")).expect("room");
+    let partial = folder.path().join("run.h5.partial");
+    std::fs::create_dir(&partial).expect("room");
+    std::fs::write(partial.join("made-by-mc"), "").expect("room");
     folder
 });
 static TARGET: LazyLock<PathBuf> = LazyLock::new(|| FOLDER.path().join("run.h5"));
@@ -40,12 +42,10 @@ fuzz_target!(|bytes: &[u8]| {
     // The first byte decides whether the bytes are one block, or blocks as they are.
     let (how, bytes) = bytes.split_first().unwrap_or((&0, &[]));
     let mut log = bytes.to_vec();
-    let mut checksum = 0;
     if how % 2 == 0 {
         log.splice(0..0, (bytes.len() as u64).to_le_bytes());
-        checksum = crc32fast::hash(&log);
-        log.extend(checksum.to_le_bytes());
     }
+    let checksum = crc32fast::hash(&log);
     let (head, tail) = &*STATE;
     let mut state = head.clone();
     (log.len() as u64).write(&mut state);

@@ -38,7 +38,7 @@ mod _native {
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
     #[pymodule_export]
-    use super::verify::{sealed, verify};
+    use super::verify::{checksum, verify};
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -7,7 +7,7 @@ use crate::watched::watched;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use stickslip_files::saved::{Difference, again_in_memory, seal};
+use stickslip_files::saved::{Difference, again_in_memory, checksum::is_right};
 
 /// Fields of `stickslip.VerificationError`, and the place of the difference in words.
 #[derive(IntoPyObject)]
@@ -63,6 +63,6 @@ pub fn verify(
 /// Whether the checksum of a file is right; None if it has none. Without `is_compared` it is only
 /// looked for.
 #[pyfunction]
-pub fn sealed(path: PathBuf, is_compared: bool) -> std::io::Result<Option<bool>> {
-    seal::is_right(&path, if is_compared { u64::MAX } else { 0 })
+pub fn checksum(path: PathBuf, is_compared: bool) -> std::io::Result<Option<bool>> {
+    is_right(&path, if is_compared { u64::MAX } else { 0 })
 }

@@ -81,7 +81,7 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
     import xarray as xr
 
     path = Path(file)
-    if path.is_file() and _native.sealed(str(path), False) is None:
+    if path.is_file() and _native.checksum(str(path), False) is None:
         cause = "another program changed it, or an earlier version of mc wrote it"
         warn([f"{path} has no checksum: {cause}"])
     return xr.open_dataset(os.fspath(file), decode_times=False, decode_timedelta=False)

@@ -64,7 +64,7 @@ def verify(
         return _verified(run, threads, None, "data set")
     path = Path(run)
     path.stat()
-    is_right = _native.sealed(str(path), True)
+    is_right = _native.checksum(str(path), True)
     if is_right is False:
         problem = f"{path} is damaged: its checksum does not match"
         remedy = "restore it from a copy, or run its scenario again"

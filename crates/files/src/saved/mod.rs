@@ -10,18 +10,15 @@
 //! ```
 
 mod again;
-mod checksum;
+pub mod checksum;
 mod error;
-mod part;
 mod parts;
 mod rows;
-pub mod seal;
 mod state;
 
 pub use again::{Difference, Verified, again_in_memory, rerun};
 pub use error::SavedError;
-pub use part::PartRecorder;
-pub use parts::{Parts, PartsError};
+pub use parts::{PartRecorder, Parts, PartsError};
 pub use state::RunQuestion;
 
 #[cfg(all(test, feature = "store"))]
@@ -29,8 +26,7 @@ pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
     again::{Against, compare},
-    checksum::checksum,
     parts::each_block,
     rows::{Position, read_rows},
-    state::{MAGIC, State, of_bytes, to_bytes},
+    state::{MAGIC, State, first_difference, lines, of_bytes, to_bytes},
 };

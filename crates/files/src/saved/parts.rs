@@ -3,18 +3,19 @@
 
 use super::SavedError;
 use super::rows::Position;
-use super::state::{RunQuestion, State, of_bytes};
+use super::state::{RunQuestion, State, of_bytes, to_bytes};
 use crate::dataset::layout::Variable;
 use crate::dataset::{Dataset, ElementType, Source};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use stickslip::engine::SoFar;
+use stickslip::engine::{Asked, Moment, Sink, SinkError, SoFar};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;
 use stickslip::stats::column::{Columns as _, values_of};
 use stickslip::stats::{
-    BlockRows, EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows,
+    BlockResult, BlockRows, EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals,
+    TrajectoryRows,
 };
 
 /// Why parts cannot be joined.
@@ -292,4 +293,58 @@ fn events(
     let events =
         EventColumns::read(|variable, kind| from.rows(variable.name, kind, &rows_of(variable)))?;
     Ok((events, next))
+}
+
+/// A sink that makes the state of a part of a run: the bytes by which it is joined to the others.
+/// The file of the same part has the same bytes.
+#[derive(Debug, Default)]
+pub struct PartRecorder {
+    question: Option<RunQuestion>,
+    rows: Position,
+    bytes: Vec<u8>,
+    state: Option<Vec<u8>>,
+}
+
+impl PartRecorder {
+    /// The state; none for a run that is not a part.
+    pub fn into_state(self) -> Option<Vec<u8>> {
+        self.state
+    }
+}
+
+impl Sink for PartRecorder {
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        let question = || RunQuestion {
+            scenario: scenario.clone(),
+            asked: asked.clone(),
+            note: String::new(),
+        };
+        self.question = asked.part.map(|_| question());
+        Ok(())
+    }
+
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+        if self
+            .question
+            .as_ref()
+            .is_some_and(|question| question.scenario.record != Record::NOTHING)
+        {
+            self.bytes.clear();
+            self.rows = self.rows.after(&block.rows, &mut self.bytes);
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
+        if let Some(question) = self.question.as_ref().filter(|_| moment.is_last) {
+            // The time that was spent is left out, so that equal parts are equal.
+            self.state = Some(to_bytes(
+                question,
+                &moment.state(),
+                Duration::ZERO,
+                self.rows,
+            ));
+        }
+        Ok(())
+    }
 }

@@ -21,13 +21,11 @@ impl Position {
         let start = out.len();
         out.extend([0; 8]);
         write_rows(rows, out);
-        let length = (out.len() - start - 8) as u64;
-        out[start..start + 8].copy_from_slice(&length.to_le_bytes());
-        let checksum = checksum(self.checksum, &out[start..]);
-        out.extend(checksum.to_le_bytes());
+        let length = (out.len() - start) as u64;
+        out[start..start + 8].copy_from_slice(&(length - 8).to_le_bytes());
         Position {
-            length: self.length + (out.len() - start) as u64,
-            checksum,
+            length: self.length + length,
+            checksum: checksum(self.checksum, &out[start..]),
         }
     }
 }

@@ -18,7 +18,7 @@ use stickslip::sums::{Codec, Damaged, Reader};
 /// The first bytes of a state.
 pub(crate) const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of the contents.
-const VERSION: u64 = 6;
+const VERSION: u64 = 7;
 
 /// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,24 +35,9 @@ impl RunQuestion {
     /// The first difference between this question and another one, in words; `None` if they are
     /// equal.
     pub(crate) fn difference_from(&self, other: &RunQuestion) -> Option<String> {
-        let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
-        let lines = || {
-            mine.lines()
-                .zip(theirs.lines())
-                .filter(|(mine, theirs)| mine != theirs)
-        };
-        let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
-        // A title lists what was changed, so the changed key says more.
-        let changed = lines().find(|(mine, _)| !mine.starts_with("title = "));
-        if let Some((mine, theirs)) = changed.or_else(|| lines().next()) {
-            return Some(format!(
-                "it has `{}`, but this one has `{}`",
-                said(mine),
-                said(theirs)
-            ));
-        }
-        if mine != theirs {
-            return Some("its scenario differs".into());
+        let [mine, theirs] = [self, other].map(|question| lines(&question.scenario.to_toml()));
+        if let Some([mine, theirs]) = first_difference(&mine, &theirs) {
+            return Some(format!("it has `{mine}`, but this one has `{theirs}`"));
         }
         (self.asked != other.asked).then(|| "its goals, limits or options differ".into())
     }
@@ -70,6 +55,25 @@ impl RunQuestion {
             Duration::ZERO,
             Position::default(),
         )
+    }
+}
+
+/// The lines of a text without comments and empty lines.
+pub(crate) fn lines(text: &str) -> Vec<String> {
+    let lines = text.lines();
+    let lines = lines.map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
+    lines.filter(|line| !line.is_empty()).collect()
+}
+
+/// The first lines that differ. A title lists what was changed, so the changed key says more.
+pub(crate) fn first_difference(first: &[String], second: &[String]) -> Option<[String; 2]> {
+    let at = |list: &[String], i| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
+    let differing = (0..first.len().max(second.len())).filter(|&i| first.get(i) != second.get(i));
+    let mut pairs = differing.map(|i| [at(first, i), at(second, i)]);
+    let any = pairs.next()?;
+    match any[0].starts_with("title = ") {
+        true => pairs.next().or(Some(any)),
+        false => Some(any),
     }
 }
 

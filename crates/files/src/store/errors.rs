@@ -142,7 +142,7 @@ pub enum StoreError {
         "{}: it has no checksum, because another program wrote or changed it; its points are not used\n  fix: \
          use the file as mc wrote it, or move it", path.display()
     )]
-    NotSealed {
+    NoChecksum {
         /// The file.
         path: PathBuf,
     },

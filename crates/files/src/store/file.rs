@@ -8,18 +8,19 @@
 //! flush     writes what the library still holds, and its result is looked at
 //! close     has nothing left to write
 //! compare   the file is opened anew, and everything in it is compared with what was written
-//! seal      a checksum of the whole file, synced to the disk with it
+//! checksum  of the whole file, appended and synced to the disk with it
 //! ```
 //!
 //! After a failed write or flush the handles are leaked on purpose, and the file is never touched
 //! again. Closing such a file crashes some versions of the library, and others report success.
 
-use super::StoreError;
 use super::errors::{WriteFailure, cause};
+use super::staging::{RESULTS, Staging};
 use super::variables::OpenFile;
+use super::{StoreError, system};
 use crate::dataset::{ColumnView, Dataset, ElementType, Entry, Source as _, layout};
-use crate::saved::seal::{self, superblock};
-use crate::saved::{Against, checksum};
+use crate::saved::Against;
+use crate::saved::checksum::{self, checksum, superblock};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
@@ -30,41 +31,43 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(super) struct StagedFile {
     path: PathBuf,
-    /// The open file; `None` after a failure.
-    place: Option<OpenFile>,
+    /// The open file, or why nothing can be written any more.
+    place: Result<OpenFile, WriteFailure>,
 }
 
 impl StagedFile {
-    /// Create a file, which must not exist.
-    pub fn create(path: &Path) -> Result<StagedFile, StoreError> {
-        let file = create(path).map_err(|error| StoreError::NotCreated {
-            partial: path.to_owned(),
-            cause: cause(&error),
-        })?;
-        Ok(StagedFile {
-            path: path.to_owned(),
-            place: Some(OpenFile::new(file)),
-        })
+    /// Create the results in a staging directory; those of an earlier attempt are removed.
+    pub fn create(staging: &Staging) -> Result<StagedFile, StoreError> {
+        staging.check(None)?;
+        let path = staging.path(RESULTS);
+        system::remove(&path).map_err(|error| staging.failed(&error))?;
+        StagedFile::at(path)
     }
 
-    /// Do something with the file. After the first failure nothing is done any more.
+    fn at(path: PathBuf) -> Result<StagedFile, StoreError> {
+        let file = create(&path).map_err(|error| StoreError::NotCreated {
+            partial: path.clone(),
+            cause: cause(&error),
+        })?;
+        let place = Ok(OpenFile::new(file));
+        Ok(StagedFile { path, place })
+    }
+
+    /// Do something with the file. After the first failure, every call returns that failure.
     pub fn write(
         &mut self,
         work: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>,
     ) -> Result<(), WriteFailure> {
-        let closed = || WriteFailure {
-            cause: "the file is closed".into(),
-            full: false,
-        };
-        let done = work(self.place.as_mut().ok_or_else(closed)?);
-        done.map_err(|error| {
-            std::mem::forget(self.place.take());
-            error.into()
+        let place = self.place.as_mut().map_err(|failure| failure.clone())?;
+        work(place).map_err(|error| {
+            let failure = WriteFailure::from(error);
+            std::mem::forget(std::mem::replace(&mut self.place, Err(failure.clone())));
+            failure
         })
     }
 
     /// Close the file, of which every variable must be flushed, compare it with what was to be
-    /// written, and seal it.
+    /// written, and append its checksum.
     pub fn finish(mut self) -> Result<(), WriteFailure> {
         let mut written = Written::default();
         self.write(|place| {
@@ -72,17 +75,18 @@ impl StagedFile {
             written = std::mem::take(&mut place.written);
             Ok(())
         })?;
-        drop(self.place.take());
+        let not_closed = WriteFailure {
+            cause: "HDF5 could not close the file".into(),
+            full: false,
+        };
+        self.place = Err(not_closed.clone());
         if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open)
         {
-            return Err(WriteFailure {
-                cause: "HDF5 could not close the file".into(),
-                full: false,
-            });
+            return Err(not_closed);
         }
         written.compare(&self.path)?;
         // Some file systems report only at this point that they are full.
-        Ok(seal::seal(&self.path)?)
+        Ok(checksum::append(&self.path)?)
     }
 }
 
@@ -223,7 +227,7 @@ mod tests {
         for (i, change) in changes.into_iter().enumerate() {
             let here = tempfile::tempdir().expect("a folder");
             let path = here.path().join("a.h5");
-            let mut draft = StagedFile::create(&path).expect("made");
+            let mut draft = StagedFile::at(path).expect("made");
             let mut dataset = Dataset::new(&Units::default());
             dataset.set_attribute("title", "a title");
             dataset.set_attribute("program_version", "1");

@@ -4,7 +4,7 @@ use super::StoreError;
 use super::errors::{cause, not_opened, system_error};
 use super::lock::Lock;
 use super::log::read_state;
-use super::staging::{STATE, file_of, partial_path};
+use super::staging::{POINTS, STATE, file_of, partial_path};
 use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
 use crate::dataset::header::{FORMAT, Format};
 use crate::dataset::sweep::{self, SWEEP_FORMAT};
@@ -13,7 +13,7 @@ use crate::dataset::{
     Column, Dataset, ElementType, Source as _, StoredCalibration, StoredRun as Stored, StoredSweep,
     StoredTrade, layout, read_attribute,
 };
-use crate::saved::seal::{self, superblock};
+use crate::saved::checksum::{self, superblock};
 use crate::saved::{Verified, compare};
 use hdf5::File;
 use std::io;
@@ -28,7 +28,7 @@ const LARGEST: u64 = 1 << 30;
 
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
 /// folder in which the run is saved.
-pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
+pub(super) fn unfinished_run(path: &Path) -> Option<PathBuf> {
     let target = if path.is_dir() {
         file_of(path)
     } else {
@@ -63,29 +63,39 @@ fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
 
 /// Read the header and the statistics of a finished file, or of a run that is not finished.
 pub fn read(path: &Path) -> Result<Stored, StoreError> {
-    if let Some(target) = unfinished(path) {
+    if let Some(target) = unfinished_run(path) {
         return read_unfinished(&target);
     }
     read_kind(path, FORMAT, |file| Stored::read(file))
 }
 
-/// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
+/// The file to read: the points of a sweep, given the folder that holds them.
+fn located(path: &Path) -> PathBuf {
+    let points = path.join(POINTS);
+    if points.is_file() {
+        points
+    } else {
+        path.to_owned()
+    }
+}
+
+/// Check a file before the HDF5 library opens it, and return whether it has a checksum. The
 /// library gives the same error for a missing, an unreadable and a foreign_file, and it follows
 /// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     check_is_hdf5(path)?;
-    check_seal(path, LARGEST)
+    check_checksum(path, LARGEST)
 }
 
-/// Compare a file with its seal, and return whether it has one. A wrong seal is an error. In larger
-/// files than these the seal is found but the checksum is not computed.
-pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
-    let sealed = seal::is_right(path, largest);
-    match sealed.map_err(not_opened(path))? {
+/// Compare a file with its checksum, and return whether it has one. A wrong one is an error. In larger
+/// files than these it is found but not computed.
+pub(super) fn check_checksum(path: &Path, largest: u64) -> Result<bool, StoreError> {
+    let found = checksum::is_right(path, largest);
+    match found.map_err(not_opened(path))? {
         Some(false) => Err(damaged(path)(
             "its checksum does not match its contents".to_string(),
         )),
-        sealed => Ok(sealed.is_some()),
+        found => Ok(found.is_some()),
     }
 }
 
@@ -108,9 +118,10 @@ pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
 
 /// Whether a file has a checksum, right or wrong; its readers compare it. A file that another
 /// program has changed has none. A file that is not an HDF5 file is an error.
-pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
+pub fn has_checksum(path: &Path) -> Result<bool, StoreError> {
+    let path = &located(path);
     check_is_hdf5(path)?;
-    seal::is_there(path).map_err(not_opened(path))
+    checksum::is_there(path).map_err(not_opened(path))
 }
 
 /// Read a file of the kind and the format of this name and version.
@@ -119,6 +130,7 @@ pub(super) fn read_kind<T>(
     (name, (reads, _)): Format,
     read: impl FnOnce(&File) -> Result<T, String>,
 ) -> Result<T, StoreError> {
+    let path = &located(path);
     check_file(path)?;
     let file = open(path)?;
     if read_attribute::<String>(&file, "format_name")
@@ -211,11 +223,11 @@ kinds! {
     Calibration: CALIBRATION_FORMAT, read_calibration -> StoredCalibration = calibration::read;
 }
 
-/// Check that there is a finished file of this name: every byte is that of its seal, and it can be
-/// read. Whether a file without a seal was changed cannot be known.
+/// Check that there is a finished file of this name: every byte is what was written, and it can be
+/// read. Whether a file without a checksum was changed cannot be known.
 pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
     check_file(target)?;
-    check_seal(target, u64::MAX)?;
+    check_checksum(target, u64::MAX)?;
     let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 {
         path: target.to_owned(),
     })?;
@@ -225,9 +237,10 @@ pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
 /// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
 /// another program is an error, and so is a damaged one.
 pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
-    if unfinished(path).is_some() {
+    if unfinished_run(path).is_some() {
         return Ok(Some(FileKind::Run));
     }
+    let path = &located(path);
     match check_file(path) {
         Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
         other => other?,
@@ -309,7 +322,7 @@ pub fn verify(path: &Path, again: &Dataset) -> Result<Verified, StoreError> {
 
 /// The result of checking a file against its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sealed {
+pub struct CheckedBytes {
     /// Size of the file in bytes.
     pub bytes: u64,
     /// Whether the file has a checksum, which is then right. It has none if another program has
@@ -319,11 +332,12 @@ pub struct Sealed {
 
 /// Check all bytes of a file against its checksum, however large the file is. A wrong checksum is
 /// an error.
-pub fn check_bytes(path: &Path) -> Result<Sealed, StoreError> {
+pub fn check_bytes(path: &Path) -> Result<CheckedBytes, StoreError> {
+    let path = &located(path);
     check_file(path)?;
-    let has_checksum = check_seal(path, u64::MAX)?;
+    let has_checksum = check_checksum(path, u64::MAX)?;
     let there = std::fs::metadata(path).map_err(not_opened(path))?;
-    Ok(Sealed {
+    Ok(CheckedBytes {
         bytes: there.len(),
         has_checksum,
     })

@@ -1,16 +1,16 @@
 //! A run as it is saved: its state, and the log with the rows of its single paths, to which blocks
 //! are only ever appended.
 //!
-//! A block is stored as its length in bytes, its bytes, and a checksum of everything in the log up
-//! to there. Therefore the state of a run needs to contain only the length of the log that is valid
-//! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
-//! this length is cut off.
+//! A block is stored as its length in bytes and its bytes. The state of a run contains the length of
+//! the log that is valid, and its checksum ([`Position`]). Anything that an interrupted write has
+//! left beyond this length is cut off.
 
 use super::errors::not_opened;
 use super::{StoreError, system};
-use crate::saved::{MAGIC, Position, SavedError, State, checksum, of_bytes, read_rows};
+use crate::saved::checksum::checksum;
+use crate::saved::{MAGIC, Position, SavedError, State, of_bytes, read_rows};
 use std::fs::File;
-use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use stickslip::stats::BlockRows;
 use stickslip::sums::Reader;
@@ -21,8 +21,7 @@ const BUFFER: usize = 1 << 20;
 /// A log that is open for writing.
 #[derive(Debug)]
 pub(super) struct Log {
-    file: File,
-    waiting: Vec<u8>,
+    file: BufWriter<File>,
     /// The end of the log, including the bytes that still wait in memory.
     end: Position,
 }
@@ -30,12 +29,7 @@ pub(super) struct Log {
 impl Log {
     /// Create a new log. One that a killed process has left is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
-        let file = system::create(path)?;
-        Ok(Log {
-            file,
-            waiting: Vec::new(),
-            end: Position::default(),
-        })
+        Ok(Log::of(system::create(path)?, Position::default()))
     }
 
     /// Open a log to continue it; everything beyond `end` is cut off.
@@ -43,149 +37,75 @@ impl Log {
         let mut file = system::open(path, File::options().write(true))?;
         file.set_len(end.length)?;
         file.seek(SeekFrom::End(0))?;
-        Ok(Log {
-            file,
-            waiting: Vec::new(),
-            end,
-        })
+        Ok(Log::of(file, end))
+    }
+
+    fn of(file: File, end: Position) -> Log {
+        let file = BufWriter::with_capacity(BUFFER, file);
+        Log { file, end }
     }
 
     /// The open file, so that the caller can check that it still is the one of this name.
     pub fn file(&self) -> &File {
-        &self.file
+        self.file.get_ref()
     }
 
     /// Append the rows of the next block.
     pub fn append(&mut self, rows: &BlockRows) -> io::Result<()> {
-        self.end = self.end.after(rows, &mut self.waiting);
-        if self.waiting.len() >= BUFFER {
-            self.write()
-        } else {
-            Ok(())
-        }
+        let mut bytes = Vec::new();
+        self.end = self.end.after(rows, &mut bytes);
+        self.file.write_all(&bytes)
     }
 
     /// Write everything to the disk and return the position that is valid now.
     pub fn sync(&mut self) -> io::Result<Position> {
-        self.write()?;
-        self.file.sync_data()?;
+        self.file.flush()?;
+        self.file().sync_data()?;
         Ok(self.end)
     }
-
-    fn write(&mut self) -> io::Result<()> {
-        self.file.write_all(&self.waiting)?;
-        self.waiting.clear();
-        Ok(())
-    }
 }
 
-/// A log that is read block by block.
-struct LogReading<'a> {
-    path: &'a Path,
-    file: BufReader<File>,
-    /// The position after what was read.
-    at: Position,
-    /// The end of the valid part.
-    end: Position,
-    bytes: Vec<u8>,
-}
-
-impl<'a> LogReading<'a> {
-    fn open(path: &'a Path, end: Position) -> Result<Self, StoreError> {
-        let file = system::open(path, File::options().read(true)).map_err(not_opened(path))?;
-        // The claimed length is compared with that of the file before any memory is allocated.
-        if file.metadata().map_err(not_opened(path))?.len() < end.length {
-            return Err(SavedError::Damaged {
-                path: path.to_owned(),
-            }
-            .into());
-        }
-        let file = BufReader::with_capacity(BUFFER, file);
-        Ok(LogReading {
-            path,
-            file,
-            at: Position::default(),
-            end,
-            bytes: Vec::new(),
-        })
-    }
-
-    /// Return the next block. Damage is an error.
-    fn block(&mut self) -> Result<BlockRows, StoreError> {
-        let mut head = [0; 8];
-        self.exactly(&mut head)?;
-        let length = u64::from_le_bytes(head);
-        let left = self.end.length - self.at.length;
-        // The claimed length of the block is compared with what is left before memory is allocated.
-        if left < 12 || length > left - 12 {
-            return Err(self.damaged());
-        }
-        let (mut bytes, mut tail) = (std::mem::take(&mut self.bytes), [0; 4]);
-        bytes.resize(length as usize, 0);
-        self.exactly(&mut bytes)?;
-        self.exactly(&mut tail)?;
-        let sum = checksum(checksum(self.at.checksum, &head), &bytes);
-        if u32::from_le_bytes(tail) != sum {
-            return Err(self.damaged());
-        }
-        self.at = Position {
-            length: self.at.length + length + 12,
-            checksum: sum,
-        };
-        let mut from = Reader::new(&bytes);
-        let rows = read_rows(&mut from)
-            .ok()
-            .filter(|_| from.left() == 0)
-            .ok_or_else(|| self.damaged())?;
-        self.bytes = bytes;
-        Ok(rows)
-    }
-
-    fn exactly(&mut self, bytes: &mut [u8]) -> Result<(), StoreError> {
-        self.file
-            .read_exact(bytes)
-            .map_err(|source| match source.kind() {
-                io::ErrorKind::UnexpectedEof => self.damaged(),
-                _ => not_opened(self.path)(source),
-            })
-    }
-
-    fn damaged(&self) -> StoreError {
-        SavedError::Damaged {
-            path: self.path.to_owned(),
-        }
-        .into()
-    }
-}
-
-/// Read the log up to this end, and pass every block to `visit`.
+/// Read the log up to this end, and pass every block to `visit`. Damage is an error, found at the
+/// end at the latest.
 pub(super) fn read(
     path: &Path,
     end: Position,
     mut visit: impl FnMut(BlockRows) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let mut log = LogReading::open(path, end)?;
-    while log.at.length < end.length {
-        visit(log.block()?)?;
+    let damaged = || SavedError::Damaged {
+        path: path.to_owned(),
+    };
+    let file = system::open(path, File::options().read(true)).map_err(not_opened(path))?;
+    let mut log = BufReader::with_capacity(BUFFER, file).take(end.length);
+    let mut sum = 0;
+    while log.limit() > 0 {
+        // A claimed length may be wrong, so no memory is allocated before the bytes are there.
+        let mut next = |length: u64| {
+            let mut bytes = Vec::new();
+            let read = (&mut log).take(length).read_to_end(&mut bytes);
+            read.map_err(not_opened(path))?;
+            sum = checksum(sum, &bytes);
+            match bytes.len() as u64 == length {
+                true => Ok::<_, StoreError>(bytes),
+                false => Err(damaged().into()),
+            }
+        };
+        let mut length = [0; 8];
+        length.copy_from_slice(&next(8)?);
+        let bytes = next(u64::from_le_bytes(length))?;
+        let mut from = Reader::new(&bytes);
+        let rows = read_rows(&mut from).ok().filter(|_| from.left() == 0);
+        visit(rows.ok_or_else(damaged)?)?;
     }
-    if log.at == end {
-        Ok(())
-    } else {
-        Err(log.damaged())
+    match sum == end.checksum {
+        true => Ok(()),
+        false => Err(damaged().into()),
     }
 }
 
 /// Size limit in bytes; a larger file is reported as damaged without being read. The largest state,
 /// with 100 000 rows of the output grid, is smaller.
 const LARGEST: u64 = 1 << 31;
-
-/// Whether a file begins as only states of this program do, damaged or not.
-pub(super) fn has_mark(path: &Path) -> bool {
-    let mut bytes = [0; MAGIC.len()];
-    let read = system::open(path, File::options().read(true))
-        .and_then(|mut file| file.read_exact(&mut bytes));
-    read.is_ok() && bytes == *MAGIC
-}
 
 /// Read the state of a run from a file.
 pub(super) fn read_state(path: &Path) -> Result<State, StoreError> {

@@ -29,8 +29,8 @@ pub use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, St
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use errors::{StoreError, take_leftovers};
 pub use kinds::{
-    Content, FileKind, Sealed, check_bytes, content, is_sealed, kind, read, read_calibration,
-    read_path, read_sweep, read_trade, verify,
+    CheckedBytes, Content, FileKind, check_bytes, content, has_checksum, kind, read,
+    read_calibration, read_path, read_sweep, read_trade, verify,
 };
 pub use lock::lock_path;
 pub use parts::PartError;

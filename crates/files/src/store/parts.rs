@@ -6,7 +6,7 @@ use super::system::parent;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::header::FORMAT;
 use crate::dataset::{Source as _, header, layout, read_variable};
-use crate::saved::{Parts, PartsError, RunQuestion, State, each_block, of_bytes};
+use crate::saved::{Parts, PartsError, State, each_block, of_bytes};
 use std::path::{Path, PathBuf};
 use stickslip::engine::{Asked, Outcome, Sink, SinkError, Status};
 use stickslip::scenario::Scenario;
@@ -75,7 +75,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
             path: path.to_owned(),
             status,
         }),
-        Err(_) if super::kinds::unfinished(path).is_some() => Err(PartError::Unfinished {
+        Err(_) if super::kinds::unfinished_run(path).is_some() => Err(PartError::Unfinished {
             path: path.to_owned(),
         }),
         Err(error) => Err(error.into()),
@@ -109,15 +109,20 @@ impl Sink for PartsSink<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(());
         }
-        let RunQuestion {
-            scenario, asked, ..
-        } = &self.parts.question;
-        let header = asked.provenance(scenario);
-        let mut writer = Writer::within(staging, &header, &scenario.record)?;
-        for (path, state) in &self.parts.parts {
-            copy_rows(path, state, &mut writer)?;
-        }
-        Ok(writer.finish(&outcome.summary, outcome.status)?)
+        let Parts {
+            question, parts, ..
+        } = self.parts;
+        Ok(Writer::assemble(
+            staging,
+            question,
+            outcome,
+            None,
+            |writer| {
+                parts
+                    .iter()
+                    .try_for_each(|(path, state)| copy_rows(path, state, writer))
+            },
+        )?)
     }
 }
 

@@ -3,23 +3,16 @@
 use super::kinds::check_finished;
 
 use super::log::{self, Log, read_state};
-use super::staging::{self, ROWS, STATE, Staging, lock, partial_path};
+use super::staging::{self, INTERVAL, Partial, ROWS, STATE, Staging, lock, partial_path};
 use super::system::parent;
 
 use super::{StoreError, Writer, check_space};
-use crate::saved::{Position, RunQuestion, State, to_bytes};
+use crate::saved::{RunQuestion, State, to_bytes};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use stickslip::engine::{Asked, Moment, Outcome, Part, Sink, SinkError, SoFar, Status};
+use stickslip::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
 use stickslip::scenario::Scenario;
 use stickslip::stats::{BlockResult, Record};
-
-/// Shortest time between two saves of a run.
-const INTERVAL: Duration = Duration::from_millis(200);
-
-/// Saving takes at most one part in this many of the time, so that a run is saved less often
-/// on a slow disk.
-const ONE_PART_IN: u32 = 50;
 
 /// Writes a run to a file, which gets its name only when the run is over.
 ///
@@ -52,10 +45,7 @@ pub struct FileSink {
 struct Open {
     staging: Staging,
     question: RunQuestion,
-    /// The log; `None` if nothing is recorded of single paths.
-    log: Option<Log>,
-    /// How much of the log is on the disk.
-    rows: Position,
+    log: Log,
     /// When the run is to be saved next.
     due: Instant,
 }
@@ -108,41 +98,31 @@ impl FileSink {
             target: target.to_owned(),
             partial: partial.clone(),
         };
-        let is_ours = |found| {
-            use staging::Partial::{Foreign, Nothing, Unsealed};
-            !matches!(found, Nothing | Foreign | Unsealed)
-        };
+        let is_ours = |left| !matches!(left, Partial::Nothing | Partial::Foreign);
         if !is_there && !is_ours(staging::unfinished(target)) {
-            return Err(match staging::unfinished(target) {
-                staging::Partial::Unsealed => StoreError::NotSealed { path: partial },
-                _ => nothing(),
-            });
+            return Err(nothing());
         }
         // A lock file that a killed process has left is removed together with this lock.
         let lock = lock(target)?;
         match staging::unfinished(target) {
-            staging::Partial::Folder { is_saved: true } if is_there && !force => {
-                return Err(StoreError::Appeared {
-                    partial,
-                    target: target.to_owned(),
-                });
+            Partial::Run if is_there && !force => {
+                let target = target.to_owned();
+                return Err(StoreError::Appeared { partial, target });
             }
-            staging::Partial::Folder { is_saved: true } => {}
-            staging::Partial::File => {
-                return Err(StoreError::LeftOver {
-                    partial,
-                    target: target.to_owned(),
-                });
+            Partial::Run => {}
+            Partial::Sweep => {
+                let target = target.to_owned();
+                return Err(StoreError::LeftOver { partial, target });
             }
             // The run was finished, and at most its folder was left to be removed.
-            found if is_there => {
+            left if is_there => {
                 check_finished(target)?;
-                if is_ours(found) {
+                if is_ours(left) {
                     staging::clear(target)?;
                 }
                 return Ok(None);
             }
-            staging::Partial::Folder { is_saved: false } => {
+            Partial::Empty => {
                 staging::clear(target)?;
                 return Err(nothing());
             }
@@ -153,22 +133,21 @@ impl FileSink {
         let state = read_state(&path)?;
         state.check_program(&path)?;
         staging.saved_paths = state.paths();
-        let log = match is_logged(&state.question.scenario.record) {
-            true => Some(go_on_with_log(&staging, state.rows)?),
-            false => None,
-        };
         let State {
             question,
             so_far,
             rows,
             ..
         } = state;
+        // Damage is an error before anything is simulated.
+        let path = staging.path(ROWS);
+        log::read(&path, rows, |_| Ok(()))?;
+        let log = Log::go_on(&path, rows).map_err(|error| staging.failed(&error))?;
         let open = Open {
             staging,
             question: question.clone(),
             log,
-            rows,
-            due: Instant::now() + INTERVAL,
+            due: Instant::now(),
         };
         let sink = FileSink {
             open: Some(open),
@@ -203,29 +182,14 @@ impl FileSink {
             StoreError::LeftOver { partial, target } => left_over(partial, target, &question),
             error => error,
         })?;
-        let log = is_logged(&scenario.record)
-            .then(|| Log::create(&staging.path(ROWS)))
-            .transpose();
-        let log = log.map_err(|error| staging.failed(&error))?;
+        let log = Log::create(&staging.path(ROWS)).map_err(|error| staging.failed(&error))?;
         Ok(Open {
             staging,
             question,
             log,
-            rows: Position::default(),
-            due: Instant::now() + INTERVAL,
+            due: Instant::now(),
         })
     }
-}
-
-/// Whether anything is recorded of single paths.
-pub(super) fn is_logged(record: &Record) -> bool {
-    *record != Record::NOTHING
-}
-
-/// Check the log up to its end, and open it to continue it.
-fn go_on_with_log(staging: &Staging, end: Position) -> Result<Log, StoreError> {
-    log::read(&staging.path(ROWS), end, |_| Ok(()))?;
-    Log::go_on(&staging.path(ROWS), end).map_err(|error| staging.failed(&error))
 }
 
 /// The error for a folder that already contains a run: the same run, another run, or something that
@@ -251,15 +215,12 @@ fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> Store
 impl Open {
     /// Write everything to the disk: first the rows, then the state, which refers to them.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
-        let start = Instant::now();
-        let file = self.log.as_ref().map(|log| (ROWS, log.file()));
-        self.staging.check(file)?;
-        if let Some(log) = &mut self.log {
-            self.rows = log.sync().map_err(|error| self.staging.failed(&error))?;
-        }
-        let state = to_bytes(&self.question, &moment.state(), moment.spent, self.rows);
+        self.staging.check(Some((ROWS, self.log.file())))?;
+        let rows = self.log.sync();
+        let rows = rows.map_err(|error| self.staging.failed(&error))?;
+        let state = to_bytes(&self.question, &moment.state(), moment.spent, rows);
         self.staging.save(&state, moment.paths)?;
-        self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
+        self.due = Instant::now() + INTERVAL;
         Ok(())
     }
 
@@ -268,31 +229,21 @@ impl Open {
         let Open {
             staging,
             question,
-            log,
-            rows,
+            mut log,
             ..
         } = self;
-        let RunQuestion {
-            scenario, asked, ..
-        } = &question;
-        let header = asked.provenance(scenario);
+        let rows = log.sync().map_err(|error| staging.failed(&error))?;
         let [log_path, state] = [ROWS, STATE].map(|name| staging.path(name));
-        let mut writer = Writer::within(staging, &header, &scenario.record)?;
-        if log.is_some() {
-            log::read(&log_path, rows, |block| writer.append(&block))?;
-        }
         // The state of a part contains a checksum of its rows, which is checked when parts are
         // merged. It does not say how long the part took, so that equal parts are equal files.
-        let of_part = |part| -> Result<(Part, Vec<u8>), StoreError> {
-            let totals = read_state(&state)?.so_far.totals;
-            Ok((
-                part,
-                to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows),
-            ))
+        let of_part = |_| {
+            let totals = read_state(&state)?.so_far.totals.to_bytes();
+            Ok::<_, StoreError>(to_bytes(&question, &totals, Duration::ZERO, rows))
         };
-        let part = asked.part.map(of_part).transpose()?;
-        writer.about(outcome.ended_by.as_ref().map(ToString::to_string), part)?;
-        writer.finish(&outcome.summary, outcome.status)
+        let part = question.asked.part.map(of_part).transpose()?;
+        Writer::assemble(staging, &question, outcome, part, |writer| {
+            log::read(&log_path, rows, |block| writer.append(&block))
+        })
     }
 }
 
@@ -313,9 +264,9 @@ impl Sink for FileSink {
         let Some(open) = &mut self.open else {
             return Ok(());
         };
-        if let Some(log) = &mut open.log {
-            log.append(&block.rows)
-                .map_err(|error| open.staging.failed(&error))?;
+        if open.question.scenario.record != Record::NOTHING {
+            let appended = open.log.append(&block.rows);
+            appended.map_err(|error| open.staging.failed(&error))?;
         }
         Ok(())
     }

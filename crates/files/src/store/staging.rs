@@ -4,26 +4,29 @@
 //! ```text
 //! NAME.partial/state        how far a run has come
 //! NAME.partial/rows         rows of its single paths
-//! NAME.partial/results.h5   the file itself, while it is written
+//! NAME.partial/points.h5    the points of a sweep that are done, as a whole file
+//! NAME.partial/results.h5   a file while it is written
 //! NAME.partial/made-by-mc   the mark of the folder: what has these names in it is ours
 //! ```
 //!
-//! A folder without the mark is not touched, unless it is empty or has a saved state, which begins
-//! with a mark of its own.
+//! A folder without the mark is not touched, unless it is empty. What is saved is replaced at fixed intervals, in one step.
 //!
-//! `results.h5` gets its final name by a hard link, because a link cannot replace another file. If
+//! The file gets its final name by a hard link, because a link cannot replace another file. If
 //! the process is interrupted after that, the two names of one file show that only the folder is
 //! left to be removed.
 
+use super::StoreError;
 use super::errors::{is_full, stays};
 use super::lock::Lock;
 use super::system::{self, give_name, has_name, identity, parent, sync_folder};
-use super::{StoreError, kinds, log};
-use crate::saved::seal;
 use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Time between two saves of a run or of a sweep: what a kill may lose.
+pub(super) const INTERVAL: Duration = Duration::from_secs(2);
 
 /// The folder for writing one file, with the lock.
 #[derive(Debug)]
@@ -39,11 +42,16 @@ pub(super) struct Staging {
 }
 
 impl Staging {
-    /// Create an empty folder. If the folder exists and contains a saved run, this is an error,
-    /// unless `force` lets it be removed.
+    /// Create an empty folder. If the folder exists and contains a saved run or sweep, this is an
+    /// error, unless `force` lets it be removed.
     pub fn open(target: &Path, force: bool) -> Result<Staging, StoreError> {
         let lock = lock(target)?;
         make_room(target, force)?;
+        Staging::create(target, force, lock)
+    }
+
+    /// The same, where there is room for it.
+    pub fn create(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
         let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
         let mark =
@@ -53,18 +61,11 @@ impl Staging {
             partial: folder.clone(),
             cause: error.to_string(),
         })?;
-        Staging::of(target, force, lock)
+        Staging::enter(target, force, lock)
     }
 
     /// Take over the folder that an unfinished run has left, which must exist and be ours.
     pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
-        let staging = Staging::of(target, force, lock)?;
-        // Where the state alone shows whose the folder is, it is not the first file to be removed.
-        system::create(&staging.path(MARK)).map_err(|error| staging.failed(&error))?;
-        Ok(staging)
-    }
-
-    fn of(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
         let gone = || StoreError::TakenAway {
             partial: folder.clone(),
@@ -104,17 +105,22 @@ impl Staging {
 
     /// Replace the saved state by a new one in a single step that survives a power failure.
     pub fn save(&mut self, state: &[u8], paths: u64) -> Result<(), StoreError> {
-        let new = self.path(NEW_STATE);
         let write = || {
-            let mut file = system::create(&new)?;
+            let mut file = system::create(&self.path(NEW_STATE))?;
             file.write_all(state)?;
-            file.sync_all()?;
-            fs::rename(&new, self.path(STATE))?;
-            sync_folder(&self.folder)
+            file.sync_all()
         };
         write().map_err(|error| self.failed(&error))?;
+        self.replace(NEW_STATE, STATE)?;
         self.saved_paths = paths;
         Ok(())
+    }
+
+    /// Let a file of the folder, which is on the disk, replace another one.
+    pub fn replace(&self, new: &str, old: &str) -> Result<(), StoreError> {
+        fs::rename(self.path(new), self.path(old))
+            .and_then(|()| sync_folder(&self.folder))
+            .map_err(|error| self.failed(&error))
     }
 
     /// Turn an error of the system into an error that names the remedy.
@@ -146,18 +152,12 @@ impl Staging {
         }
     }
 
-    /// Give the results, which must be complete and on the disk, their final name, and remove the
-    /// folder. Nothing is replaced except a regular file, and that only with `force`.
-    pub fn publish(&self) -> Result<(), StoreError> {
+    /// Give a file of the folder, which must be complete and on the disk, its final name, and remove
+    /// the folder. Nothing is replaced except a regular file, and that only with `force`.
+    pub fn publish(&self, name: &str) -> Result<(), StoreError> {
         self.check(None)?;
-        let (results, link) = (self.path(RESULTS), self.path(LINK));
-        let named = give_name(
-            &results,
-            Some(&link),
-            &self.target,
-            &self.folder,
-            self.force,
-        );
+        let (results, link) = (self.path(name), self.path(LINK));
+        let named = give_name(&results, &link, &self.target, &self.folder, self.force);
         named.map_err(|error| match error {
             // Without a saved state, the folder and the results in it go.
             StoreError::Appeared { target, .. } if !self.is_saved() => {
@@ -170,9 +170,9 @@ impl Staging {
         Ok(())
     }
 
-    /// Whether a state is saved in the folder, which then stays after a failure.
+    /// Whether anything is saved in the folder, which then stays after a failure.
     fn is_saved(&self) -> bool {
-        fs::exists(self.path(STATE)).unwrap_or(true)
+        is_there(&self.folder, STATE) || is_there(&self.folder, POINTS)
     }
 
     /// Remove the folder. If it contains files that are not of this program, they stay, and the
@@ -186,7 +186,7 @@ impl Staging {
 }
 
 impl Drop for Staging {
-    /// Remove the folder if no state was saved in it.
+    /// Remove the folder if nothing was saved in it.
     fn drop(&mut self) {
         if self.check(None).is_ok() && !self.is_saved() {
             self.discard();
@@ -223,7 +223,7 @@ pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(
         .map(write)
         .collect::<Result<Vec<_>, StoreError>>()?;
     for (done, (staging, _)) in written.iter().enumerate() {
-        if let Err(error) = staging.publish() {
+        if let Err(error) = staging.publish(RESULTS) {
             let ours = written[..done]
                 .iter()
                 .filter(|(named, made)| !force && identity(&named.target) == Some(*made));
@@ -262,7 +262,9 @@ pub(super) fn lock(target: &Path) -> Result<Lock, StoreError> {
 pub(super) const STATE: &str = "state";
 /// The rows of its single paths.
 pub(super) const ROWS: &str = "rows";
-/// The file itself, while it is written.
+/// The points of a sweep that are done.
+pub(super) const POINTS: &str = "points.h5";
+/// A file while it is written.
 pub(super) const RESULTS: &str = "results.h5";
 /// A new state, before it replaces the old one.
 const NEW_STATE: &str = "state.new";
@@ -274,7 +276,7 @@ const MARK: &str = "made-by-mc";
 
 /// The files of the folder in the order of their removal. If the process is interrupted in between,
 /// the files that remain still show what the folder was.
-const NAMES: [&str; 6] = [ROWS, NEW_STATE, LINK, STATE, RESULTS, MARK];
+const NAMES: [&str; 7] = [ROWS, NEW_STATE, LINK, STATE, RESULTS, POINTS, MARK];
 
 /// The name of the folder in which a file is written: `NAME.partial`.
 pub fn partial_path(target: &Path) -> PathBuf {
@@ -298,22 +300,19 @@ pub fn file_of(path: &Path) -> PathBuf {
 
 /// Whether this program has made a folder.
 fn is_ours(folder: &Path) -> bool {
-    let is_file =
-        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    let is_empty = || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-    is_file(MARK) || is_file(STATE) && log::has_mark(&folder.join(STATE)) || is_empty()
+    is_file(folder, MARK) || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none())
 }
 
 /// The name of something in a folder of ours that this program has not made, if there is any.
 fn foreign_file(folder: &Path) -> Option<String> {
-    let names = fs::read_dir(folder)
+    fs::read_dir(folder)
         .ok()?
-        .filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
-    let is_file =
-        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    names
-        .into_iter()
-        .find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))
+        .filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()))
+        .find(|name| !NAMES.contains(&name.as_str()) || !is_file(folder, name))
+}
+
+fn is_file(folder: &Path, name: &str) -> bool {
+    fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file())
 }
 
 /// Remove the files of this program, and then the folder. The folder stays, with an error, if it
@@ -325,21 +324,22 @@ fn remove_files(folder: &Path) -> io::Result<()> {
     fs::remove_dir(folder)
 }
 
+fn is_there(folder: &Path, name: &str) -> bool {
+    fs::exists(folder.join(name)).unwrap_or(true)
+}
+
 /// What lies under `NAME.partial`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Partial {
     /// Nothing.
     Nothing,
-    /// The folder in which a file was being made.
-    Folder {
-        /// Whether a run is saved in it.
-        is_saved: bool,
-    },
-    /// The points of a sweep, or another file that this program has sealed.
-    File,
-    /// An HDF5 file without a seal: another program has changed or written it. It is not opened.
-    Unsealed,
-    /// The file that is finished already; only this name of it is left to be removed.
+    /// A folder in which nothing is saved.
+    Empty,
+    /// The folder of a run.
+    Run,
+    /// The folder of a sweep.
+    Sweep,
+    /// The folder of a file that has its name already; only the folder is left to be removed.
     Named,
     /// Something that this program has not made.
     Foreign,
@@ -348,60 +348,40 @@ pub(super) enum Partial {
 /// Look at what lies under `NAME.partial`.
 pub(super) fn unfinished(target: &Path) -> Partial {
     let partial = partial_path(target);
-    let Ok(there) = fs::symlink_metadata(&partial) else {
-        return Partial::Nothing;
-    };
-    match () {
-        () if there.is_dir() && is_ours(&partial) => {
-            match has_name(&partial.join(RESULTS), target) {
-                true => Partial::Named,
-                false => Partial::Folder {
-                    is_saved: fs::exists(partial.join(STATE)).unwrap_or(true),
-                },
-            }
-        }
-        () if there.is_file() && has_name(&partial, target) => Partial::Named,
-        () if there.is_file() && has_mark(&partial) => Partial::File,
-        () if there.is_file() && kinds::check_file(&partial).is_ok() => Partial::Unsealed,
-        () => Partial::Foreign,
+    let is_named = |name| has_name(&partial.join(name), target);
+    match fs::symlink_metadata(&partial) {
+        Err(_) => Partial::Nothing,
+        Ok(there) if !there.is_dir() || !is_ours(&partial) => Partial::Foreign,
+        Ok(_) if is_named(RESULTS) || is_named(POINTS) => Partial::Named,
+        Ok(_) if is_there(&partial, STATE) => Partial::Run,
+        Ok(_) if is_there(&partial, POINTS) => Partial::Sweep,
+        Ok(_) => Partial::Empty,
     }
-}
-
-fn has_mark(path: &Path) -> bool {
-    let opened = system::open(path, File::options().read(true));
-    opened
-        .and_then(|mut file| seal::has_mark(&mut file))
-        .unwrap_or(false)
 }
 
 /// Whether `NAME.partial` holds a sweep that is not finished.
 pub fn is_unfinished_sweep(target: &Path) -> bool {
-    unfinished(target) == Partial::File
+    unfinished(target) == Partial::Sweep
 }
 
 /// Remove what lies under `NAME.partial`, so that something new is begun there. Without `force`, a
 /// saved run or sweep is an error. What this program has not made is never removed.
 pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
     let partial = partial_path(target);
-    let left_over = || StoreError::LeftOver {
-        partial: partial.clone(),
-        target: target.to_owned(),
-    };
     match unfinished(target) {
-        Partial::Folder { is_saved: true } | Partial::File if !force => Err(left_over()),
-        Partial::Unsealed => Err(StoreError::NotSealed { path: partial }),
-        Partial::Foreign => Err(StoreError::InTheWay { path: partial }),
         Partial::Nothing => Ok(()),
-        Partial::Folder { .. } | Partial::File | Partial::Named => clear(target),
+        Partial::Foreign => Err(StoreError::InTheWay { path: partial }),
+        Partial::Run | Partial::Sweep if !force => Err(StoreError::LeftOver {
+            partial,
+            target: target.to_owned(),
+        }),
+        Partial::Empty | Partial::Run | Partial::Sweep | Partial::Named => clear(target),
     }
 }
 
 /// Remove what lies under `NAME.partial`, which must be ours.
 pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
     let partial = partial_path(target);
-    if !partial.is_dir() {
-        return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
-    }
     if let Some(name) = foreign_file(&partial) {
         return Err(StoreError::InTheWay {
             path: partial.join(name),

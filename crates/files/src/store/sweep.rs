@@ -3,100 +3,77 @@
 //!
 //! ```text
 //! SweepFile::open   takes the lock, and returns the points that are saved already
-//!   -> save         replaces NAME.partial, a complete file of the points done so far, in one step
-//!     -> finish     gives NAME.partial the name NAME
+//!   -> save         replaces NAME.partial/points.h5, a complete file of the points done so far
+//!     -> finish     gives that file the name NAME
 //! ```
-//!
-//! NAME.partial is written as every file is: in a folder of its own, NAME.partial.partial.
 
-use super::errors::StoreError;
-use super::lock::Lock;
-use super::staging::{self, Partial};
-use super::writer::write_dataset;
-
-use super::kinds::check_file;
-use super::system::{self, give_name, identity, parent};
-use super::{check_space, errors, partial_path, read_sweep};
+use super::StoreError;
+use super::kinds::{check_file, read_sweep};
+use super::staging::{self, INTERVAL, POINTS, Partial, RESULTS, Staging, lock, partial_path};
+use super::system::{check_space, parent};
+use super::writer::write_results;
 use crate::dataset::sweep::name;
 use crate::dataset::{Dataset, StoredSweep};
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-use stickslip::engine::Provenance;
+use crate::saved::{first_difference, lines};
+use std::path::Path;
+use std::time::Instant;
+use stickslip::engine::{Program, Provenance};
 use stickslip::stats::{GROUPS, Statistic};
-use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
-
-/// Shortest time between two updates of the file on disk.
-const INTERVAL: Duration = Duration::from_secs(1);
-
-/// Updating the file takes at most one part in this many of the time.
-const ONE_PART_IN: u32 = 50;
+use stickslip::study::sweep::{Design, Point, Seeds, Sweep, SweepQuestion};
 
 /// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
 /// the file meanwhile.
 #[derive(Debug)]
 pub struct SweepFile {
-    target: PathBuf,
-    /// When the file is to be updated next.
+    staging: Staging,
+    /// When the points are to be saved next.
     due: Instant,
-    /// Whether a regular file of the target's name is replaced.
-    force: bool,
-    /// Whether every point is in a file that has its name already.
-    has_name: bool,
-    /// The file that was NAME.partial when it was last looked at; none if there was none.
-    partial: Option<(u64, u64)>,
-    _lock: Lock,
 }
 
 impl SweepFile {
     /// Take the lock for a sweep, and return the points that are known already. If the target
-    /// exists and answers the same question, these are its points; if an interrupted sweep of the
-    /// same question left `NAME.partial`, they are the points in it. A file of another question, or
-    /// one that another program has changed, is an error, unless `force` lets it be replaced.
+    /// exists and answers the same question, these are its points, and there is no file to be
+    /// written if it has all of them; if an interrupted sweep of the same question left
+    /// `NAME.partial`, they are the points in it. A file of another question, or one that another
+    /// program has changed, is an error, unless `force` lets it be replaced.
     pub fn open(
         target: &Path,
         question: &SweepQuestion,
         force: bool,
-    ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
-        let lock = staging::lock(target)?;
-        if staging::unfinished(target) == Partial::Named {
+    ) -> Result<(Option<SweepFile>, Vec<Option<Point>>), StoreError> {
+        let lock = lock(target)?;
+        let mut left = staging::unfinished(target);
+        if matches!(left, Partial::Named | Partial::Empty) {
             staging::clear(target)?;
+            left = Partial::Nothing;
         }
         let is_there = target.symlink_metadata().is_ok() && !force;
-        let points = match is_there {
-            true => Some(same_question(target, question)?),
-            false => known(target, question, force)?,
-        };
-        let points = points.unwrap_or_else(|| vec![None; question.points.len()]);
-        let has_name = is_there && points.iter().all(Option::is_some);
-        if !has_name {
-            if is_there {
-                staging::make_room(target, false)?;
-            }
-            check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
-        }
-        let partial = identity(&partial_path(target));
-        let target = target.to_owned();
-        // A file of this question without some of its points is replaced by one with all of them.
-        let force = force || is_there;
-        Ok((
-            SweepFile {
-                target,
-                due: Instant::now(),
-                force,
-                has_name,
-                partial,
-                _lock: lock,
+        let known = match left {
+            _ if is_there => Some(same_question(target, question)?),
+            Partial::Sweep => match same_question(&partial_path(target).join(POINTS), question) {
+                Err(_) if force => None,
+                points => Some(points?),
             },
-            points,
-        ))
+            _ => None,
+        };
+        let is_continued = known.is_some() && !is_there;
+        let points = known.unwrap_or_else(|| vec![None; question.points.len()]);
+        if is_there && points.iter().all(Option::is_some) {
+            return Ok((None, points));
+        }
+        check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
+        let staging = if is_continued {
+            Staging::enter(target, force, lock)?
+        } else {
+            staging::make_room(target, force)?;
+            // A file of this question without some of its points is replaced by one with all.
+            Staging::create(target, force || is_there, lock)?
+        };
+        let due = Instant::now();
+        Ok((Some(SweepFile { staging, due }), points))
     }
 
-    /// Whether every point is in a file that has its name already, so that nothing is left to do.
-    pub fn has_name(&self) -> bool {
-        self.has_name
-    }
-
-    /// Update `NAME.partial`, unless that was done a moment ago.
+    /// Save the points, unless that was done a moment ago.
     pub fn save(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
         if Instant::now() >= self.due {
             self.save_now(sweep)
@@ -105,65 +82,26 @@ impl SweepFile {
         }
     }
 
-    /// Update `NAME.partial` now. A file that somebody has put in its place is not replaced.
+    /// Save the points now.
     pub fn save_now(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
-        let start = Instant::now();
-        let partial = partial_path(&self.target);
-        let found = identity(&partial);
-        if found.is_some() && found != self.partial {
-            return Err(StoreError::TakenAway {
-                partial,
-                target: self.target.clone(),
-            });
-        }
-        write_dataset(&partial, Dataset::of_sweep(sweep), true).map_err(|error| match error {
-            // The file that could not be named is not one that `mc resume` knows.
-            StoreError::Rename { target, source, .. } => StoreError::Write {
-                partial: partial.clone(),
-                target,
-                saved_paths: 0,
-                cause: source.to_string(),
-            },
-            error => error,
-        })?;
-        self.partial = identity(&partial);
-        self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
+        write_results(&self.staging, Dataset::of_sweep(sweep))?;
+        self.staging.replace(RESULTS, POINTS)?;
+        self.due = Instant::now() + INTERVAL;
         Ok(())
     }
 
-    /// Update the file a last time and give it its name. Every point must be done.
+    /// Save the points a last time and give the file its name. Every point must be done.
     pub fn finish(mut self, sweep: &Sweep) -> Result<(), StoreError> {
         self.save_now(sweep)?;
-        let partial = partial_path(&self.target);
-        give_name(&partial, None, &self.target, &partial, self.force)?;
-        if let Err(error) = system::remove(&partial) {
-            errors::stays(&partial, &error);
-        }
-        Ok(())
+        self.staging.publish(POINTS)
     }
-}
-
-/// The points that an interrupted sweep of this question has left in `NAME.partial`, if any. With
-/// `force`, what is left of anything else is removed.
-fn known(
-    target: &Path,
-    question: &SweepQuestion,
-    force: bool,
-) -> Result<Option<Vec<Option<Point>>>, StoreError> {
-    if staging::unfinished(target) == Partial::File {
-        match same_question(&partial_path(target), question) {
-            Err(_) if force => {}
-            points => return points.map(Some),
-        }
-    }
-    staging::make_room(target, force).map(|()| None)
 }
 
 /// The points in a file, if it is of this question and was written by this program; an error
 /// otherwise.
 fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Point>>, StoreError> {
     if !check_file(path)? {
-        return Err(StoreError::NotSealed {
+        return Err(StoreError::NoChecksum {
             path: path.to_owned(),
         });
     }
@@ -183,70 +121,46 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
 /// The first difference between a stored sweep and this question, in words; `None` if there is
 /// none.
 fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> {
+    let bias = |with_bias| match with_bias {
+        true => "estimates the bias of the step",
+        false => "leaves out the bias of the step",
+    };
+    let described =
+        |scenario: &str, design: &Design, seeds: Seeds, with_bias, program: &Program| {
+            let mut all = lines(scenario);
+            let axes = design.axes().iter();
+            all.extend(
+                axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)),
+            );
+            if let Design::Star {
+                keys,
+                relative_step,
+            } = design
+            {
+                all.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
+                all.push(format!("relative step {relative_step:?}"));
+            }
+            all.extend([name(design).to_string(), format!("{} seeds", seeds.name())]);
+            all.extend([bias(with_bias).to_string(), program.to_string()]);
+            all
+        };
     let header = Provenance::of(&question.scenario);
-    let parts = |design: &Design| -> Vec<String> {
-        let axes = design.axes().iter();
-        let mut parts: Vec<String> = axes
-            .map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values))
-            .collect();
-        if let Design::Star {
-            keys,
-            relative_step,
-        } = design
-        {
-            parts.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
-            parts.push(format!("relative step {relative_step:?}"));
-        }
-        parts.push(name(design).to_string());
-        parts
-    };
-    let bias = |with_bias| {
-        if with_bias {
-            "estimates the bias of the step"
-        } else {
-            "leaves out the bias of the step"
-        }
-    };
-    let compared = [
-        (lines(&stored.scenario_text), lines(&header.scenario_text)),
-        (parts(&stored.design), parts(&question.design)),
-        (
-            vec![format!("{} seeds", stored.seeds.name())],
-            vec![format!("{} seeds", question.seeds.name())],
-        ),
-        (
-            vec![bias(stored.with_bias).to_string()],
-            vec![bias(question.with_bias).to_string()],
-        ),
-        (
-            vec![stored.program.to_string()],
-            vec![header.program.to_string()],
-        ),
-    ];
-    compared.iter().find_map(|(theirs, mine)| {
-        let most = theirs.len().max(mine.len());
-        let at =
-            |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
-        let differs = |&i: &usize| theirs.get(i) != mine.get(i);
-        // A title lists what was changed, so the changed key says more.
-        let is_title = |&i: &usize| at(theirs, i).starts_with("title = ");
-        let i = (0..most)
-            .find(|i| differs(i) && !is_title(i))
-            .or_else(|| (0..most).find(differs))?;
-        Some(format!(
-            "it has `{}`, but this sweep has `{}`",
-            at(theirs, i),
-            at(mine, i)
-        ))
-    })
-}
-
-/// The lines of a text without comments and empty lines.
-fn lines(text: &str) -> Vec<String> {
-    let said = text
-        .lines()
-        .map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
-    said.filter(|line| !line.is_empty()).collect()
+    let mine = described(
+        &header.scenario_text,
+        &question.design,
+        question.seeds,
+        question.with_bias,
+        &header.program,
+    );
+    let theirs = described(
+        &stored.scenario_text,
+        &stored.design,
+        stored.seeds,
+        stored.with_bias,
+        &stored.program,
+    );
+    let [theirs, mine] = first_difference(&theirs, &mine)?;
+    Some(format!("it has `{theirs}`, but this sweep has `{mine}`"))
 }
 
 /// Approximate size of the file of a sweep, in bytes.

@@ -65,7 +65,7 @@ fn no_file(path: &Path) -> io::Error {
 /// with which the first name stays even where a file is replaced. `partial` is named in messages.
 pub(super) fn give_name(
     results: &Path,
-    link: Option<&Path>,
+    link: &Path,
     target: &Path,
     partial: &Path,
     force: bool,
@@ -96,12 +96,11 @@ pub(super) fn give_name(
         }
         _ => {}
     }
-    let named = match link {
-        _ if !force => fs::hard_link(results, target),
-        Some(link) => remove(link)
+    let named = match force {
+        false => fs::hard_link(results, target),
+        true => remove(link)
             .and_then(|()| fs::hard_link(results, link))
             .and_then(|()| fs::rename(link, target)),
-        None => fs::rename(results, target),
     };
     match named {
         // Not every file system has hard links.

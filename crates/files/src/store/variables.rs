@@ -7,12 +7,12 @@ use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
-use crate::saved::seal;
+use crate::saved::checksum;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{
     Container, Dataset, DatasetBuilderEmpty, Error, Extent, File, H5Type, Location, Result,
 };
-use ndarray::{IxDyn, s};
+use ndarray::{ArrayView1, ArrayView2, IxDyn, s};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -75,21 +75,7 @@ impl OpenFile {
                 .into());
             }
             let made = self.create(&entry, |builder| builder.shape(shape))?;
-            match entry.column.values() {
-                ColumnView::F64(values) => made.write_raw(values)?,
-                ColumnView::U64(values) => made.write_raw(values)?,
-                ColumnView::U32(values) => made.write_raw(values)?,
-                ColumnView::I8(values) => made.write_raw(values)?,
-                ColumnView::U8(values) => made.write_raw(values)?,
-                ColumnView::Text(texts) => {
-                    made.write_raw(
-                        &texts
-                            .iter()
-                            .map(|name| text(name))
-                            .collect::<Result<Vec<_>>>()?,
-                    )?;
-                }
-            }
+            write_values(&made, entry.column.values(), None)?;
             self.written.dataset.entries.push(entry);
         }
         Ok(())
@@ -171,6 +157,40 @@ impl OpenFile {
     }
 }
 
+/// Write all values of a variable, or the next rows of one that grows.
+pub(super) fn write_values(
+    to: &Dataset,
+    values: ColumnView,
+    rows: Option<&Range<usize>>,
+) -> Result<()> {
+    fn write<T: H5Type>(to: &Dataset, values: &[T], rows: Option<&Range<usize>>) -> Result<()> {
+        let Some(Range { start, end }) = rows.cloned() else {
+            return to.write_raw(values);
+        };
+        if to.ndim() == 1 {
+            to.resize(end)?;
+            return to.write_slice(ArrayView1::from(values), s![start..end]);
+        }
+        let width = values.len() / (end - start);
+        to.resize((end, width))?;
+        to.write_slice(
+            ArrayView2::from_shape((end - start, width), values)?,
+            s![start..end, ..],
+        )
+    }
+    match values {
+        ColumnView::F64(values) => write(to, values, rows),
+        ColumnView::U64(values) => write(to, values, rows),
+        ColumnView::U32(values) => write(to, values, rows),
+        ColumnView::I8(values) => write(to, values, rows),
+        ColumnView::U8(values) => write(to, values, rows),
+        ColumnView::Text(texts) => {
+            let texts = texts.iter().map(|words| text(words));
+            write(to, &texts.collect::<Result<Vec<_>>>()?, rows)
+        }
+    }
+}
+
 /// Attributes by which HDF5 and netCDF-4 attach coordinates to variables.
 const OF_LIBRARY: [&str; 8] = [
     "CLASS",
@@ -245,7 +265,7 @@ impl Source for File {
     }
 
     fn is_laid_out_anew(&self) -> bool {
-        !matches!(seal::is_there(Path::new(&self.filename())), Ok(true))
+        !matches!(checksum::is_there(Path::new(&self.filename())), Ok(true))
     }
 }
 

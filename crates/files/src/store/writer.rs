@@ -1,16 +1,15 @@
 //! Writing the file of a run, once its statistics are known, or a data set in one go.
 
+use super::StoreError;
 use super::errors::WriteFailure;
 use super::file::{StagedFile, Sum};
 use super::staging::{RESULTS, Staging};
-use super::variables::{Growth, OpenFile};
-use super::{StoreError, system};
+use super::variables::{Growth, OpenFile, write_values};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{Column, Dataset, Entry, header, layout, run};
-use hdf5::H5Type;
-use ndarray::{ArrayView1, ArrayView2, s};
+use crate::saved::RunQuestion;
 use std::path::Path;
-use stickslip::engine::{Part, Provenance, Status};
+use stickslip::engine::{Outcome, Provenance, Status};
 use stickslip::stats::{BlockRows, Record, Summary};
 
 /// Number of values in a chunk of per-path data. As reals they take 128 kB, so that one chunk of
@@ -27,8 +26,6 @@ pub struct Writer {
     draft: StagedFile,
     tables: Vec<GrowingTable>,
     header: Provenance,
-    /// Why nothing can be written any more.
-    failure: Option<WriteFailure>,
     /// Number of paths appended.
     appended: u64,
 }
@@ -52,16 +49,12 @@ impl Writer {
         header: &Provenance,
         record: &Record,
     ) -> Result<Writer, StoreError> {
-        let path = staging.path(RESULTS);
-        // An earlier attempt to finish the run may have left a file of this name.
-        system::remove(&path).map_err(|error| staging.failed(&error))?;
-        let (draft, header) = (StagedFile::create(&path)?, header.clone());
+        let (draft, header) = (StagedFile::create(&staging)?, header.clone());
         let mut writer = Writer {
             staging,
             draft,
             tables: Vec::new(),
             header,
-            failure: None,
             appended: 0,
         };
         let start = run::start(&writer.header, record);
@@ -80,6 +73,34 @@ impl Writer {
         Ok(writer)
     }
 
+    /// Write the file of a run, of which `copy` appends the rows. The file of a part also holds its
+    /// state, from which it can be joined to the others.
+    pub(super) fn assemble(
+        staging: Staging,
+        RunQuestion {
+            scenario, asked, ..
+        }: &RunQuestion,
+        outcome: &Outcome,
+        state: Option<Vec<u8>>,
+        copy: impl FnOnce(&mut Writer) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let mut writer = Writer::within(staging, &asked.provenance(scenario), &scenario.record)?;
+        copy(&mut writer)?;
+        writer.guarded(|place, _, header| {
+            let mut about = Dataset::new(&header.units);
+            header::write_ended_by(
+                &mut about,
+                outcome.ended_by.as_ref().map(ToString::to_string),
+            );
+            header::write_part(&mut about, asked.part);
+            state
+                .iter()
+                .for_each(|state| about.write(&layout::PART_STATE, state));
+            place.write(about)
+        })?;
+        writer.finish(&outcome.summary, outcome.status)
+    }
+
     /// Append the rows of the next paths.
     pub fn append(&mut self, rows: &BlockRows) -> Result<(), StoreError> {
         self.guarded(|_, tables, header| {
@@ -88,23 +109,6 @@ impl Writer {
         })?;
         self.appended += rows.paths;
         Ok(())
-    }
-
-    /// Write what ended the run before its last path, and which part of a run this is, with the
-    /// state of the part, from which it can be joined to the others.
-    pub(super) fn about(
-        &mut self,
-        ended_by: Option<String>,
-        part: Option<(Part, Vec<u8>)>,
-    ) -> Result<(), StoreError> {
-        self.guarded(|place, _, header| {
-            let mut about = Dataset::new(&header.units);
-            header::write_ended_by(&mut about, ended_by);
-            header::write_part(&mut about, part.as_ref().map(|(part, _)| *part));
-            part.iter()
-                .for_each(|(_, state)| about.write(&layout::PART_STATE, state));
-            place.write(about)
-        })
     }
 
     /// Write the statistics, and give the file its name. At every moment the name belongs to no
@@ -120,7 +124,10 @@ impl Writer {
                 .into());
             }
             for table in tables {
-                place.written.rows.extend(table.write_all()?);
+                table.write()?;
+                let sums = table.columns.iter();
+                let sums = sums.map(|column| (column.entry.clone(), column.sum));
+                place.written.rows.extend(sums);
             }
             let mut end = Dataset::new(&header.units);
             run::write_end(&mut end, summary, status);
@@ -138,7 +145,7 @@ impl Writer {
         draft
             .finish()
             .map_err(|failure| staging.failure(failure.cause, failure.full))?;
-        staging.publish()
+        staging.publish(RESULTS)
     }
 
     /// Do something with the open file. After the first failure, every call returns that failure.
@@ -147,23 +154,19 @@ impl Writer {
         work: impl FnOnce(&mut OpenFile, &mut Vec<GrowingTable>, &Provenance) -> hdf5::Result<()>,
     ) -> Result<(), StoreError> {
         let Writer {
+            staging,
             draft,
             tables,
             header,
-            failure,
             ..
         } = self;
-        if failure.is_none()
-            && let Err(new) = draft.write(|place| work(place, tables, header))
-        {
-            // The variables are leaked like the file, because closing them would write to it.
-            std::mem::forget(std::mem::take(tables));
-            *failure = Some(new);
-        }
-        match &self.failure {
-            Some(WriteFailure { cause, full }) => Err(self.staging.failure(cause.clone(), *full)),
-            None => Ok(()),
-        }
+        draft
+            .write(|place| work(place, tables, header))
+            .map_err(|WriteFailure { cause, full }| {
+                // The variables are leaked like the file, because closing them would write to it.
+                std::mem::forget(std::mem::take(tables));
+                staging.failure(cause, full)
+            })
     }
 }
 
@@ -190,19 +193,24 @@ fn growth(along: RowAxis, header: &Provenance, record: &Record) -> Growth {
 /// One growing variable.
 #[derive(Debug)]
 struct GrowingVariable {
-    /// The variable, with the values that wait to be written.
+    /// The variable, without values.
     entry: Entry,
     dataset: hdf5::Dataset,
     /// Number of values in a row.
     width: usize,
+    /// Values that wait to be written.
+    waiting: Column,
     /// All values, written or waiting.
     sum: Sum,
 }
 
-/// A growing dimension with all its variables.
+/// Variables that grow together along one dimension.
+///
+/// A block of 256 paths is far smaller than a chunk. If it were written at once, the same chunk
+/// would be rewritten many times, so rows wait in memory until they could fill one.
 #[derive(Debug)]
-pub(super) struct GrowingTable {
-    pub along: RowAxis,
+struct GrowingTable {
+    along: RowAxis,
     /// The dataset of the dimension itself, where no variable is its coordinate.
     bare_dimension: Option<hdf5::Dataset>,
     columns: Vec<GrowingVariable>,
@@ -211,7 +219,7 @@ pub(super) struct GrowingTable {
     /// Number of rows in the file.
     written: usize,
     /// Number of rows that wait in memory.
-    pending: usize,
+    waiting: usize,
 }
 
 /// The variables of a data set along this dimension.
@@ -226,7 +234,7 @@ impl GrowingTable {
     /// Create the variables of an empty data set that grow along a dimension; none if there are
     /// none. The first variable is the coordinate of the dimension; only the dimension of events
     /// has no coordinate and gets a bare dimension instead.
-    pub(super) fn define(
+    fn define(
         place: &mut OpenFile,
         along: RowAxis,
         empty: &Dataset,
@@ -245,6 +253,7 @@ impl GrowingTable {
                 entry: entry.clone(),
                 dataset,
                 width,
+                waiting: entry.column.clone(),
                 sum: Sum::of(entry.column.values().kind()),
             })
         };
@@ -257,23 +266,19 @@ impl GrowingTable {
             columns,
             chunk: growth.rows,
             written: 0,
-            pending: 0,
+            waiting: 0,
         }))
     }
 
-    /// Add rows, with the variables in the order given to `define`, and write every chunk that is
-    /// now full.
-    pub(super) fn push(&mut self, rows: &Dataset) -> hdf5::Result<()> {
+    /// Add rows, with the variables in the order given to `define`, and write all that wait if they
+    /// could fill a chunk.
+    fn push(&mut self, rows: &Dataset) -> hdf5::Result<()> {
         let new: Vec<&Entry> = of_table(self.along, rows).collect();
         let Some(first) = new.first() else {
             return Ok(());
         };
-        if !self
-            .columns
-            .iter()
-            .map(|column| &column.entry.name)
-            .eq(new.iter().map(|entry| &entry.name))
-        {
+        let names = self.columns.iter().map(|column| &column.entry.name);
+        if !names.eq(new.iter().map(|entry| &entry.name)) {
             return Err("a block has different variables from the file".into());
         }
         let more = first.column.len() / self.columns[0].width;
@@ -290,89 +295,48 @@ impl GrowingTable {
             if values.len() != expected {
                 return Err(format!("{name} has {} values, not {expected}", values.len()).into());
             }
-            column.entry.column.extend(values.values());
+            column.waiting.extend(values.values());
             column.sum.add(values.values());
         }
-        self.pending += more;
-        let full = (self.written + self.pending) / self.chunk * self.chunk;
-        self.write_to(full)
+        self.waiting += more;
+        if self.waiting >= self.chunk {
+            self.write()?;
+        }
+        Ok(())
     }
 
-    /// Write all rows that wait, including a last incomplete chunk. Returns the variables, without
-    /// values, and the sums of all their values.
-    pub(super) fn write_all(&mut self) -> hdf5::Result<impl Iterator<Item = (Entry, Sum)>> {
-        self.write_to(self.written + self.pending)?;
-        Ok(self
-            .columns
-            .iter()
-            .map(|column| (column.entry.clone(), column.sum)))
-    }
-
-    fn write_to(&mut self, end: usize) -> hdf5::Result<()> {
-        if end <= self.written {
+    /// Write all rows that wait.
+    fn write(&mut self) -> hdf5::Result<()> {
+        if self.waiting == 0 {
             return Ok(());
         }
+        let rows = self.written..self.written + self.waiting;
         if let Some(dimension) = &self.bare_dimension {
-            dimension.resize(end)?;
+            dimension.resize(rows.end)?;
         }
         for column in &mut self.columns {
-            column.write(self.written, end)?;
+            write_values(&column.dataset, column.waiting.values(), Some(&rows))?;
+            column.waiting = column.entry.column.clone();
         }
-        self.pending -= end - self.written;
-        self.written = end;
+        (self.written, self.waiting) = (rows.end, 0);
         Ok(())
     }
 }
 
-impl GrowingVariable {
-    fn write(&mut self, start: usize, end: usize) -> hdf5::Result<()> {
-        let (dataset, width) = (&self.dataset, self.width);
-        match &mut self.entry.column {
-            Column::F64(values) => write_rows(dataset, width, values, start, end),
-            Column::U64(values) => write_rows(dataset, width, values, start, end),
-            Column::U32(values) => write_rows(dataset, width, values, start, end),
-            Column::I8(values) => write_rows(dataset, width, values, start, end),
-            Column::U8(values) => write_rows(dataset, width, values, start, end),
-            Column::Text(_) => Err("text is not stored per path".into()),
-        }
-    }
-}
-
-/// Write the first waiting rows to rows `start..end` of the file, and remove them from the waiting
-/// ones.
-fn write_rows<T: H5Type>(
-    dataset: &hdf5::Dataset,
-    width: usize,
-    waiting: &mut Vec<T>,
-    start: usize,
-    end: usize,
-) -> hdf5::Result<()> {
-    let rows = end - start;
-    let values = &waiting[..rows * width];
-    if dataset.ndim() == 1 {
-        dataset.resize(end)?;
-        dataset.write_slice(ArrayView1::from(values), s![start..end])?;
-    } else {
-        dataset.resize((end, width))?;
-        dataset.write_slice(
-            ArrayView2::from_shape((rows, width), values)?,
-            s![start..end, ..],
-        )?;
-    }
-    waiting.drain(..rows * width);
-    Ok(())
-}
-
-/// Write a data set to `target`. Like every file it is made in the folder `NAME.partial`. With
-/// `force`, an existing file of this name is replaced.
+/// Write a data set to `target`. With `force`, an existing file of this name is replaced.
 pub fn write_dataset(target: &Path, dataset: Dataset, force: bool) -> Result<(), StoreError> {
     let staging = Staging::open(target, force)?;
-    let mut draft = StagedFile::create(&staging.path(RESULTS))?;
+    write_results(&staging, dataset)?;
+    staging.publish(RESULTS)
+}
+
+/// Write a data set to the staged file.
+pub(super) fn write_results(staging: &Staging, dataset: Dataset) -> Result<(), StoreError> {
+    let mut draft = StagedFile::create(staging)?;
     let written = draft
         .write(|place| place.write(dataset))
         .and_then(|()| draft.finish());
-    written.map_err(|failure| staging.failure(failure.cause, failure.full))?;
-    staging.publish()
+    written.map_err(|failure| staging.failure(failure.cause, failure.full))
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub fn answered(error: &clap::Error) -> Option<Failure> {
 fn file_without_verb(word: &str) -> Option<Failure> {
     let path = Path::new(word);
     let is_shipped = config::shipped(word).is_some();
-    let is_result = store::is_sealed(path).is_ok();
+    let is_result = store::has_checksum(path).is_ok();
     let is_file =
         is_result || path.is_file() || [".toml", ".h5"].iter().any(|end| word.ends_with(end));
     let (what, remedy) = match (is_shipped, is_result) {

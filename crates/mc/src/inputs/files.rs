@@ -37,7 +37,7 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
             // A run that the readers of runs do not know lacks its version.
             Ok(Some(FileKind::Run) | None) | Err(_) => error.into(),
         },
-        StoreError::Damaged { cause, .. } if matches!(store::is_sealed(path), Ok(false)) => {
+        StoreError::Damaged { cause, .. } if matches!(store::has_checksum(path), Ok(false)) => {
             let problem = format!(
                 "{}: {cause}; another program removed or changed it, or the file was truncated",
                 path.display()
@@ -56,7 +56,7 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
 pub fn look(path: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
-    if seen.insert(path.to_owned()) && matches!(store::is_sealed(path), Ok(false)) {
+    if seen.insert(path.to_owned()) && matches!(store::has_checksum(path), Ok(false)) {
         let name = path.display();
         note(&format!(
             "warning: {name} has no checksum: another program changed it, or an earlier version of mc wrote it"

@@ -121,7 +121,7 @@ impl From<StoreError> for Failure {
             | StoreError::Busy { .. }
             | StoreError::OtherSweep { .. }
             | StoreError::NotASweep { .. }
-            | StoreError::NotSealed { .. } => Failure::Refused(error.to_string()),
+            | StoreError::NoChecksum { .. } => Failure::Refused(error.to_string()),
             _ => Failure::Run(error.to_string()),
         }
     }

@@ -28,30 +28,27 @@ pub struct SweepSession<'a> {
 impl SweepSession<'_> {
     /// Simulates the points that are not in the file yet, gives the file its name, and prints all.
     pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
-        let (mut file, known) = SweepFile::open(self.output, &question, self.force)?;
+        let (file, known) = SweepFile::open(self.output, &question, self.force)?;
         warn_once(&question);
         let mut sweep = Sweep {
             question,
             points: known,
         };
-        if file.has_name() {
-            note(&format!(
-                "{} already contains this sweep",
-                self.output.display()
-            ));
-        } else if sweep.done() > 0 {
-            note(&format!(
-                "continuing: {} of {} points are done",
-                sweep.done(),
-                sweep.points.len()
-            ));
+        let Some(mut file) = file else {
+            let output = self.output.display();
+            note(&format!("{output} already contains this sweep"));
+            return self.print(&sweep);
+        };
+        let (done, all) = (sweep.done(), sweep.points.len());
+        if done > 0 {
+            note(&format!("continuing: {done} of {all} points are done"));
         }
         if !sweep.is_complete() {
             self.points(&mut sweep, &mut file)?;
         }
         if !sweep.is_complete() {
             file.save_now(&sweep)?;
-            let (done, all) = (sweep.done(), sweep.points.len());
+            let done = sweep.done();
             let partial = partial_path(self.output);
             note(&format!(
                 "{done} of {all} points are in {}; run the same command again to continue",
@@ -59,9 +56,7 @@ impl SweepSession<'_> {
             ));
             return Err(Failure::Interrupted);
         }
-        if !file.has_name() {
-            file.finish(&sweep)?;
-        }
+        file.finish(&sweep)?;
         self.print(&sweep)
     }
 

@@ -817,7 +817,7 @@ fn a_file_that_appears_during_a_sweep_is_not_replaced() {
     ];
     let mut running = Running::mc(here.path(), &sweep);
     running.until("a point is done", || {
-        here.path().join("s.h5.partial").exists()
+        here.path().join("s.h5.partial/points.h5").exists()
     });
     fs::write(here.path().join("s.h5"), "by hand").expect("written");
     let output = running.end();

@@ -693,6 +693,6 @@ fn a_file_of_another_program_is_said_to_be_one() {
     });
     assert!(
         text(&verify(&here, &[]).stdout).contains("none: another program"),
-        "another program drops the seal"
+        "another program drops the checksum"
     );
 }

@@ -13,7 +13,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use stickslip_files::saved::{Difference, Verified, rerun};
-use stickslip_files::store::{self, Content, FileKind, Sealed, Stored};
+use stickslip_files::store::{self, CheckedBytes, Content, FileKind, Stored};
 
 /// Arguments of `mc verify`.
 #[derive(Debug, clap::Args)]
@@ -50,7 +50,7 @@ impl Arguments {
                 "finish it with `mc resume`, which checks what was saved",
             ));
         }
-        let sealed = store::check_bytes(&self.file)?;
+        let checked = store::check_bytes(&self.file)?;
         let content = files::read(&self.file, store::content)?;
         let other_program = content.other_program();
         if let Some(other) = &other_program {
@@ -58,14 +58,14 @@ impl Arguments {
         }
         let again = match &content {
             _ if !self.again => None,
-            Content::Run(stored) => Some(self.run(stored, sealed)?),
+            Content::Run(stored) => Some(self.run(stored, checked)?),
             Content::Sweep(stored) => Some(self.sweep(stored)?),
             Content::Trade(stored) => Some(self.trade(stored)?),
             Content::Calibration(stored) => Some(self.calibration(stored)?),
         };
         match self.json {
-            true => print_data(&self.object(again.as_ref(), sealed, other_program.is_none()))?,
-            false => print(&self.report(again.as_ref(), sealed))?,
+            true => print_data(&self.object(again.as_ref(), checked, other_program.is_none()))?,
+            false => print(&self.report(again.as_ref(), checked))?,
         }
         let Some(difference) = again.and_then(|again| again.found.difference) else {
             return Ok(());
@@ -80,7 +80,7 @@ impl Arguments {
     }
 
     /// Simulate a run again.
-    fn run(&self, stored: &Stored, sealed: Sealed) -> Result<Again, Failure> {
+    fn run(&self, stored: &Stored, checked: CheckedBytes) -> Result<Again, Failure> {
         let name = self.file.display().to_string();
         if let Some(part) = stored.part {
             return Err(Failure::usage(
@@ -91,7 +91,7 @@ impl Arguments {
         let scenario = results::scenario(&name, stored, &[])?;
         // All rows are kept, and the largest variable of the file is read beside them.
         let used = scenario.run_bytes(stored.header.paths, self.threads.number())
-            + 2.0 * sealed.bytes as f64;
+            + 2.0 * checked.bytes as f64;
         let threads = self.threads.ready("this verification", used)?;
         let again = rerun(stored, &scenario, threads, &AtomicBool::new(false))?;
         Ok(Again {
@@ -105,10 +105,10 @@ impl Arguments {
     fn report(
         &self,
         again: Option<&Again>,
-        Sealed {
+        CheckedBytes {
             bytes,
             has_checksum,
-        }: Sealed,
+        }: CheckedBytes,
     ) -> String {
         let file = self.file.display().to_string();
         let checksum = match has_checksum {
@@ -142,7 +142,7 @@ impl Arguments {
         })
     }
 
-    fn object(&self, again: Option<&Again>, sealed: Sealed, same_program: bool) -> String {
+    fn object(&self, again: Option<&Again>, checked: CheckedBytes, same_program: bool) -> String {
         let found = again.map(|again| &again.found);
         let difference = found.and_then(|found| found.difference.as_ref()).map(|difference| {
             let Difference { variable, path, index, stored, computed } = difference;
@@ -151,8 +151,8 @@ impl Arguments {
         let object = json!({
             "file": self.file.display().to_string(),
             "matches": found.map(|_| difference.is_none()),
-            "bytes": sealed.bytes,
-            "has_checksum": sealed.has_checksum,
+            "bytes": checked.bytes,
+            "has_checksum": checked.has_checksum,
             "same_program": same_program,
             "values_checked": found.map_or(0, |found| found.values),
             "difference": difference,
