@@ -15,10 +15,12 @@ use super::found::{self, Partial};
 use super::lock::Lock;
 use super::naming::{give_name, parent};
 use super::own::{self, identity};
-use super::reader::check_file;
-use super::{check_space, leftovers, partial_path, read_sweep, staging};
-use crate::dataset::sweep::name;
-use crate::dataset::{Dataset, StoredSweep};
+use super::reader::{check_file, read_kind};
+use super::{check_space, leftovers, partial_path, staging};
+use crate::dataset::header::read_program;
+use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
+use crate::dataset::{Dataset, Source, read_attribute};
+use hdf5::File;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use stickslip::engine::Provenance;
@@ -167,23 +169,25 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
             path: path.to_owned(),
         });
     }
-    let stored = read_sweep(path).map_err(|error| match error {
+    let read = |file: &File| match difference(file, question)? {
+        Some(what) => Ok(Err(what)),
+        None => read_points(file).map(|(_, points)| Ok(points)),
+    };
+    let found = read_kind(path, SWEEP_FORMAT, read).map_err(|error| match error {
         StoreError::Foreign { path } => StoreError::NotASweep { path },
         error => error,
     })?;
-    match difference(&stored, question) {
-        Some(what) => Err(StoreError::OtherSweep {
-            path: path.to_owned(),
-            what,
-        }),
-        None => Ok(stored.points),
-    }
+    found.map_err(|what| StoreError::OtherSweep {
+        path: path.to_owned(),
+        what,
+    })
 }
 
 /// The first difference between a stored sweep and this question, in words; `None` if there is
 /// none.
-fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> {
+fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<String>, String> {
     let header = Provenance::of(&question.scenario);
+    let text = |name| read_attribute::<String>(stored, name);
     let parts = |design: &Design| -> Vec<String> {
         let axes = design.axes().iter();
         let mut parts: Vec<String> = axes
@@ -200,30 +204,21 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
         parts.push(name(design).to_string());
         parts
     };
-    let bias = |with_bias| {
-        if with_bias {
-            "estimates the bias of the step"
-        } else {
-            "leaves out the bias of the step"
-        }
+    let seeds = |name: &str| vec![format!("{name} seeds")];
+    let bias = |with_bias| match with_bias {
+        true => vec!["estimates the bias of the step".to_string()],
+        false => vec!["leaves out the bias of the step".to_string()],
     };
+    let with_bias = text("bias_of_the_step")? == bias_name(true);
+    let program = read_program(stored)?;
     let compared = [
-        (lines(&stored.scenario_text), lines(&header.scenario_text)),
-        (parts(&stored.design), parts(&question.design)),
-        (
-            vec![format!("{} seeds", stored.seeds.name())],
-            vec![format!("{} seeds", question.seeds.name())],
-        ),
-        (
-            vec![bias(stored.with_bias).to_string()],
-            vec![bias(question.with_bias).to_string()],
-        ),
-        (
-            vec![stored.program.to_string()],
-            vec![header.program.to_string()],
-        ),
+        (lines(&text("scenario")?), lines(&header.scenario_text)),
+        (parts(&read_design(stored)?), parts(&question.design)),
+        (seeds(&text("seeds")?), seeds(question.seeds.name())),
+        (bias(with_bias), bias(question.with_bias)),
+        (vec![program.to_string()], vec![header.program.to_string()]),
     ];
-    compared.iter().find_map(|(theirs, mine)| {
+    Ok(compared.iter().find_map(|(theirs, mine)| {
         let most = theirs.len().max(mine.len());
         let at =
             |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
@@ -238,7 +233,7 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
             at(theirs, i),
             at(mine, i)
         ))
-    })
+    }))
 }
 
 /// The lines of a text without comments and empty lines.
