@@ -9,14 +9,13 @@
 //!
 //! NAME.partial is written as every file is: in a folder of its own, NAME.partial.partial.
 
-use super::at_once::write_dataset;
-use super::error::StoreError;
-use super::found::{self, Partial};
+use super::errors::StoreError;
+use super::kinds::{check_file, read_kind};
 use super::lock::Lock;
-use super::naming::{give_name, parent};
-use super::own::{self, identity};
-use super::reader::{check_file, read_kind};
-use super::{check_space, leftovers, partial_path, staging};
+use super::staging::{self, Partial};
+use super::system::{self, give_name, identity, parent};
+use super::writer::write_dataset;
+use super::{check_space, errors, partial_path};
 use crate::dataset::header::read_program;
 use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
 use crate::dataset::{Dataset, Source, read_attribute};
@@ -60,8 +59,8 @@ impl SweepFile {
         force: bool,
     ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
         let lock = staging::lock(target)?;
-        if found::unfinished(target) == Partial::Named {
-            found::clear(target)?;
+        if staging::unfinished(target) == Partial::Named {
+            staging::clear(target)?;
         }
         let is_there = target.symlink_metadata().is_ok() && !force;
         let points = match is_there {
@@ -72,7 +71,7 @@ impl SweepFile {
         let has_name = is_there && points.iter().all(Option::is_some);
         if !has_name {
             if is_there {
-                found::make_room(target, false)?;
+                staging::make_room(target, false)?;
             }
             check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
         }
@@ -138,8 +137,8 @@ impl SweepFile {
         self.save_now(sweep)?;
         let partial = partial_path(&self.target);
         give_name(&partial, None, &self.target, &partial, self.force)?;
-        if let Err(error) = own::remove(&partial) {
-            leftovers::stays(&partial, &error);
+        if let Err(error) = system::remove(&partial) {
+            errors::stays(&partial, &error);
         }
         Ok(())
     }
@@ -152,13 +151,13 @@ fn known(
     question: &SweepQuestion,
     force: bool,
 ) -> Result<Option<Vec<Option<Point>>>, StoreError> {
-    if found::unfinished(target) == Partial::File {
+    if staging::unfinished(target) == Partial::File {
         match same_question(&partial_path(target), question) {
             Err(_) if force => {}
             points => return points.map(Some),
         }
     }
-    found::make_room(target, force).map(|()| None)
+    staging::make_room(target, force).map(|()| None)
 }
 
 /// The points in a file, if it is of this question and was written by this program; an error
