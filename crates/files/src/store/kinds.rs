@@ -287,7 +287,10 @@ impl Content {
                 stored.scenario.to_toml(),
                 !stored.scenario.measured.is_empty(),
             ),
-            Content::Sweep(sweep) => (sweep.scenario_text.clone(), !sweep.samples.is_empty()),
+            Content::Sweep(stored) => {
+                let scenario = &stored.sweep.question.scenario;
+                (scenario.to_toml(), !scenario.measured.is_empty())
+            }
             Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
         }
     }

@@ -8,18 +8,20 @@
 //! ```
 
 use super::StoreError;
-use super::kinds::{check_file, read_sweep};
+use super::kinds::{check_file, read_kind};
 use super::staging::{self, INTERVAL, POINTS, Partial, RESULTS, Staging, lock, partial_path};
 use super::system::{check_space, parent};
 use super::writer::write_results;
-use crate::dataset::sweep::name;
-use crate::dataset::{Dataset, StoredSweep};
+use crate::dataset::header::read_program;
+use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
+use crate::dataset::{Dataset, Source, read_attribute};
 use crate::saved::{first_difference, lines};
+use hdf5::File;
 use std::path::Path;
 use std::time::Instant;
 use stickslip::engine::{Program, Provenance};
 use stickslip::stats::{GROUPS, Statistic};
-use stickslip::study::sweep::{Design, Point, Seeds, Sweep, SweepQuestion};
+use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
 
 /// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
 /// the file meanwhile.
@@ -105,62 +107,61 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
             path: path.to_owned(),
         });
     }
-    let stored = read_sweep(path).map_err(|error| match error {
+    let read = |file: &File| match difference(file, question)? {
+        Some(what) => Ok(Err(what)),
+        None => read_points(file).map(|(_, points)| Ok(points)),
+    };
+    let found = read_kind(path, SWEEP_FORMAT, read).map_err(|error| match error {
         StoreError::Foreign { path } => StoreError::NotASweep { path },
         error => error,
     })?;
-    match difference(&stored, question) {
-        Some(what) => Err(StoreError::OtherSweep {
-            path: path.to_owned(),
-            what,
-        }),
-        None => Ok(stored.points),
-    }
+    found.map_err(|what| StoreError::OtherSweep {
+        path: path.to_owned(),
+        what,
+    })
 }
 
 /// The first difference between a stored sweep and this question, in words; `None` if there is
 /// none.
-fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> {
+fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<String>, String> {
+    let header = Provenance::of(&question.scenario);
+    let text = |name| read_attribute::<String>(stored, name);
     let bias = |with_bias| match with_bias {
         true => "estimates the bias of the step",
         false => "leaves out the bias of the step",
     };
-    let described =
-        |scenario: &str, design: &Design, seeds: Seeds, with_bias, program: &Program| {
-            let mut all = lines(scenario);
-            let axes = design.axes().iter();
-            all.extend(
-                axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)),
-            );
-            if let Design::Star {
-                keys,
-                relative_step,
-            } = design
-            {
-                all.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
-                all.push(format!("relative step {relative_step:?}"));
-            }
-            all.extend([name(design).to_string(), format!("{} seeds", seeds.name())]);
-            all.extend([bias(with_bias).to_string(), program.to_string()]);
-            all
-        };
-    let header = Provenance::of(&question.scenario);
+    let described = |scenario: &str, design: &Design, seeds: &str, with_bias, program: &Program| {
+        let mut all = lines(scenario);
+        let axes = design.axes().iter();
+        all.extend(axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)));
+        if let Design::Star {
+            keys,
+            relative_step,
+        } = design
+        {
+            all.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
+            all.push(format!("relative step {relative_step:?}"));
+        }
+        all.extend([name(design).to_string(), format!("{seeds} seeds")]);
+        all.extend([bias(with_bias).to_string(), program.to_string()]);
+        all
+    };
     let mine = described(
         &header.scenario_text,
         &question.design,
-        question.seeds,
+        question.seeds.name(),
         question.with_bias,
         &header.program,
     );
     let theirs = described(
-        &stored.scenario_text,
-        &stored.design,
-        stored.seeds,
-        stored.with_bias,
-        &stored.program,
+        &text("scenario")?,
+        &read_design(stored)?,
+        &text("seeds")?,
+        text("bias_of_the_step")? == bias_name(true),
+        &read_program(stored)?,
     );
-    let [theirs, mine] = first_difference(&theirs, &mine)?;
-    Some(format!("it has `{theirs}`, but this sweep has `{mine}`"))
+    Ok(first_difference(&theirs, &mine)
+        .map(|[theirs, mine]| format!("it has `{theirs}`, but this sweep has `{mine}`")))
 }
 
 /// Approximate size of the file of a sweep, in bytes.

@@ -8,6 +8,7 @@ use super::variables::{Growth, OpenFile, write_values};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{Column, Dataset, Entry, header, layout, run};
 use crate::saved::RunQuestion;
+use std::ops::Range;
 use std::path::Path;
 use stickslip::engine::{Outcome, Provenance, Status};
 use stickslip::stats::{BlockRows, Record, Summary};
@@ -124,10 +125,7 @@ impl Writer {
                 .into());
             }
             for table in tables {
-                table.write()?;
-                let sums = table.columns.iter();
-                let sums = sums.map(|column| (column.entry.clone(), column.sum));
-                place.written.rows.extend(sums);
+                place.written.rows.extend(table.written());
             }
             let mut end = Dataset::new(&header.units);
             run::write_end(&mut end, summary, status);
@@ -198,28 +196,19 @@ struct GrowingVariable {
     dataset: hdf5::Dataset,
     /// Number of values in a row.
     width: usize,
-    /// Values that wait to be written.
-    waiting: Column,
-    /// All values, written or waiting.
+    /// All values.
     sum: Sum,
 }
 
-/// Variables that grow together along one dimension.
-///
-/// A block of 256 paths is far smaller than a chunk. If it were written at once, the same chunk
-/// would be rewritten many times, so rows wait in memory until they could fill one.
+/// A growing dimension with all its variables.
 #[derive(Debug)]
 struct GrowingTable {
     along: RowAxis,
     /// The dataset of the dimension itself, where no variable is its coordinate.
     bare_dimension: Option<hdf5::Dataset>,
     columns: Vec<GrowingVariable>,
-    /// Number of rows in a chunk.
-    chunk: usize,
-    /// Number of rows in the file.
-    written: usize,
-    /// Number of rows that wait in memory.
-    waiting: usize,
+    /// Number of rows so far.
+    rows: usize,
 }
 
 /// The variables of a data set along this dimension.
@@ -253,7 +242,6 @@ impl GrowingTable {
                 entry: entry.clone(),
                 dataset,
                 width,
-                waiting: entry.column.clone(),
                 sum: Sum::of(entry.column.values().kind()),
             })
         };
@@ -264,62 +252,47 @@ impl GrowingTable {
             along,
             bare_dimension,
             columns,
-            chunk: growth.rows,
-            written: 0,
-            waiting: 0,
+            rows: 0,
         }))
     }
 
-    /// Add rows, with the variables in the order given to `define`, and write all that wait if they
-    /// could fill a chunk.
+    /// Add rows, with the variables in the order given to `define`.
     fn push(&mut self, rows: &Dataset) -> hdf5::Result<()> {
         let new: Vec<&Entry> = of_table(self.along, rows).collect();
-        let Some(first) = new.first() else {
+        let Some(first) = new.first().filter(|entry| !entry.column.is_empty()) else {
             return Ok(());
         };
         let names = self.columns.iter().map(|column| &column.entry.name);
         if !names.eq(new.iter().map(|entry| &entry.name)) {
             return Err("a block has different variables from the file".into());
         }
-        let more = first.column.len() / self.columns[0].width;
-        for (
-            column,
-            Entry {
-                name,
-                column: values,
-                ..
-            },
-        ) in self.columns.iter_mut().zip(new)
-        {
-            let expected = more * column.width;
-            if values.len() != expected {
-                return Err(format!("{name} has {} values, not {expected}", values.len()).into());
-            }
-            column.waiting.extend(values.values());
-            column.sum.add(values.values());
-        }
-        self.waiting += more;
-        if self.waiting >= self.chunk {
-            self.write()?;
-        }
-        Ok(())
-    }
-
-    /// Write all rows that wait.
-    fn write(&mut self) -> hdf5::Result<()> {
-        if self.waiting == 0 {
-            return Ok(());
-        }
-        let rows = self.written..self.written + self.waiting;
+        let rows = self.rows..self.rows + first.column.len() / self.columns[0].width;
         if let Some(dimension) = &self.bare_dimension {
             dimension.resize(rows.end)?;
         }
-        for column in &mut self.columns {
-            write_values(&column.dataset, column.waiting.values(), Some(&rows))?;
-            column.waiting = column.entry.column.clone();
+        for (column, entry) in self.columns.iter_mut().zip(new) {
+            column.write(&entry.column, &rows)?;
         }
-        (self.written, self.waiting) = (rows.end, 0);
+        self.rows = rows.end;
         Ok(())
+    }
+
+    /// The variables, without values, and the sums of all their values.
+    fn written(&self) -> impl Iterator<Item = (Entry, Sum)> {
+        let columns = self.columns.iter();
+        columns.map(|column| (column.entry.clone(), column.sum))
+    }
+}
+
+impl GrowingVariable {
+    /// Write the values of these rows, the next ones.
+    fn write(&mut self, values: &Column, rows: &Range<usize>) -> hdf5::Result<()> {
+        let (name, expected) = (&self.entry.name, rows.len() * self.width);
+        if values.len() != expected {
+            return Err(format!("{name} has {} values, not {expected}", values.len()).into());
+        }
+        self.sum.add(values.values());
+        write_values(&self.dataset, values.values(), Some(rows))
     }
 }
 
