@@ -5,7 +5,7 @@ use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
 use super::{StoreError, state};
 use crate::dataset::header::{FORMAT, Format};
-use crate::dataset::{StoredRun as Stored, read_attribute};
+use crate::dataset::{Source, StoredRun as Stored, read_attribute};
 use crate::saved::seal::{self, superblock};
 use hdf5::File;
 use std::io;
@@ -56,7 +56,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if let Some(target) = unfinished(path) {
         return read_unfinished(&target);
     }
-    read_kind(path, FORMAT, |file| Stored::read(file))
+    read_kind(path, FORMAT, Stored::read)
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
@@ -103,11 +103,12 @@ pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
     seal::is_there(path).map_err(not_opened(path))
 }
 
-/// Read a file of the kind and the format of this name and version.
-pub(super) fn read_kind<T>(
+/// Read a file of the kind and the format of this name and version. A file of another kind, of
+/// another format, or a damaged one, is an error.
+pub fn read_kind<T>(
     path: &Path,
     (name, (reads, _)): Format,
-    read: impl FnOnce(&File) -> Result<T, String>,
+    read: impl FnOnce(&dyn Source) -> Result<T, String>,
 ) -> Result<T, StoreError> {
     check_file(path)?;
     let file = open(path)?;

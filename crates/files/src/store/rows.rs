@@ -3,7 +3,7 @@
 use super::StoreError;
 use super::reader::read_kind;
 use crate::dataset::header::FORMAT;
-use crate::dataset::{Column, ElementType, Source as _, layout};
+use crate::dataset::{Column, ElementType, layout};
 use std::path::Path;
 use stickslip::stats::PathColumns;
 use stickslip::stats::column::Columns as _;

@@ -1,10 +1,9 @@
 //! Checking a finished file: against its checksum, and against what is computed again.
 //!
 //! ```text
-//! run           simulated again
-//! sweep         points that are simulated again
-//! calibration   the fit to the record that is in the file
-//! trade         what follows from its measurements; times cannot be measured twice
+//! run     simulated again
+//! sweep   points that are simulated again
+//! trade   what follows from its measurements; times cannot be measured twice
 //! ```
 
 use super::StoreError;
