@@ -27,7 +27,7 @@ pub(crate) mod trade;
 mod walk;
 
 pub use form::{Attribute, AttributeValue, Source, columns_of, counted, read_other_program, texts};
-pub(crate) use form::{attributes_of, read_attribute, read_or_empty, read_variable};
+pub(crate) use form::{attributes_of, read_attribute, read_or_empty, read_sized, read_variable};
 pub use header::{FORMAT as RUN_FORMAT, FORMAT_VERSION, Format, walk_origin, write_origin};
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;

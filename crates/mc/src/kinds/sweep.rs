@@ -2,7 +2,7 @@
 
 use super::{Again, AnyResult, Kind, Shown, StoredResult, page, pictures, provenance};
 use crate::arguments::threads::Threads;
-use crate::commands::{plot, sweep::stored};
+use crate::commands::plot;
 use crate::inputs::files;
 use crate::output::dataset;
 use crate::output::failure::{Failure, warn};
@@ -26,23 +26,22 @@ pub const SWEEP: Kind = Kind {
 
 impl AnyResult for StoredSweep {
     fn report(&self, file: &Path, shown: &Shown) -> Result<Report, Failure> {
-        let sweep = stored(file, self.clone())?;
-        report::warnings(&sweep)
+        report::warnings(&self.sweep)
             .into_iter()
             .filter(|_| shown.is_text)
             .for_each(warn);
-        Ok(report::sweep(&sweep, shown.chosen, file))
+        Ok(report::sweep(&self.sweep, shown.chosen, file))
     }
 
     fn json(&self, file: &Path) -> Result<String, Failure> {
-        let sweep = stored(file, self.clone())?;
-        Ok(dataset::json(&Dataset::of_sweep(&sweep), Some(file)))
+        Ok(dataset::json(&Dataset::of_sweep(&self.sweep), Some(file)))
     }
 
     fn page(&self, file: &Path) -> Result<String, Failure> {
-        let mut page = page(file, &self.scenario_text);
+        let scenario = self.scenario().0;
+        let mut page = page(file, &scenario);
         page.provenance = provenance(file, self.other_program.as_deref());
-        let sweeps = [(String::new(), stored(file, self.clone())?)];
+        let sweeps = [(String::new(), self.sweep.clone())];
         let [(_, sweep)] = &sweeps;
         let subject = Subject::Sweep {
             sweeps: &sweeps,
@@ -57,7 +56,8 @@ impl AnyResult for StoredSweep {
 
 impl StoredResult for StoredSweep {
     fn scenario(&self) -> (String, bool) {
-        (self.scenario_text.clone(), !self.samples.is_empty())
+        let scenario = &self.sweep.question.scenario;
+        (scenario.to_toml(), !scenario.measured.is_empty())
     }
 
     fn other_program(&self) -> Option<String> {
@@ -71,7 +71,7 @@ impl StoredResult for StoredSweep {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned();
-            Ok((name, stored(file, files::read(file, store::read_sweep)?)?))
+            Ok((name, files::read(file, store::read_sweep)?.sweep))
         };
         let sweeps = std::iter::once(&asked.subject)
             .chain(&asked.beside)
@@ -85,7 +85,7 @@ impl StoredResult for StoredSweep {
 
     /// All points are simulated again. The time that each took is that of the file.
     fn again(&self, file: &Path, threads: &Threads, _: Sealed) -> Result<Again, Failure> {
-        let mut again = stored(file, self.clone())?;
+        let mut again = self.sweep.clone();
         let count = again.points.len();
         let before = std::mem::replace(&mut again.points, vec![None; count]);
         let simulation = SweepSimulation {
