@@ -152,7 +152,8 @@ pub fn page(stored: &StoredCalibration, forecast: Option<&Years>) -> String {
             ("Symbols", report::SYMBOLS.into()),
             ("Not included", LEFT_OUT.into()),
         ],
-        pictures: pictures(FIGURES, &Subject::Dataset(&stored.dataset())),
+        // Readers who did not calibrate do not need them.
+        pictures: pictures(FIGURES, &Subject::Dataset(&stored.dataset()), "residuals"),
         scenario: scenario_text,
         provenance: vec![("program", format!("mc {program}"))],
     };

@@ -1,4 +1,4 @@
-//! `mc plot`: draws a path of a scenario, a run, a trade, a sweep or a calibration.
+//! `mc plot`: draws a path of a scenario, or the results in a file.
 
 use crate::arguments::overrides::Settings;
 use crate::inputs::files;
@@ -17,7 +17,7 @@ use stickslip_files::store;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/plot.txt"))]
 pub struct Arguments {
-    /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
+    /// A scenario (TOML), or a file of results
     #[arg(value_name = "SCENARIO|FILE.h5")]
     pub subject: PathBuf,
     /// Further sweeps over the same key, drawn in the same axes

@@ -11,7 +11,7 @@ use stickslip_files::store;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/report.txt"))]
 pub struct Arguments {
-    /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
+    /// A file of results, of any kind
     file: PathBuf,
     /// Output file [default: NAME.html in the current directory]
     #[arg(short, long, value_name = "FILE.html")]

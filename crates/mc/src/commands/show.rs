@@ -13,7 +13,7 @@ use stickslip_files::store;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/show.txt"))]
 pub struct Arguments {
-    /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
+    /// Files that `mc run` wrote, or one file of results of any kind
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print these statistics, in this order, separated by commas [default: the main statistics of

@@ -17,7 +17,7 @@ use stickslip_files::store::{self, Sealed};
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/verify.txt"))]
 pub struct Arguments {
-    /// File of results: a run, a sweep, a trade or a calibration
+    /// File of results, of any kind
     file: PathBuf,
     /// Simulate the stored scenario again, and compare all numbers with those in the file
     #[arg(long)]

@@ -109,12 +109,9 @@ pub fn figures() -> impl Iterator<Item = &'static Figure> + Clone {
     KINDS.into_iter().flat_map(|kind| kind.figures)
 }
 
-/// The figures of a result for its page, one after the other. The panels of an overview are in the
-/// others, and readers who did not calibrate do not need the residuals.
-pub fn pictures(figures: &[Figure], subject: &Subject) -> Vec<Drawing> {
-    let figures = figures
-        .iter()
-        .filter(|figure| !["overview", "residuals"].contains(&figure.name));
+/// The figures of a result for its page, one after the other, but for one with this name.
+pub fn pictures(figures: &[Figure], subject: &Subject, left_out: &str) -> Vec<Drawing> {
+    let figures = figures.iter().filter(|figure| figure.name != left_out);
     figures
         .filter_map(|figure| figure.draw(subject, &Style::default()).ok())
         .collect()

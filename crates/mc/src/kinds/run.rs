@@ -69,7 +69,8 @@ impl AnyResult for Stored {
                 summary,
                 path,
             };
-            page.pictures = pictures(RUN.figures, &subject);
+            // Its panels are in the other figures.
+            page.pictures = pictures(RUN.figures, &subject, "overview");
         }
         page.words.push(("Intervals", INTERVALS.into()));
         let citation = report::citation(self).join(" ");

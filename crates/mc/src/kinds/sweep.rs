@@ -47,7 +47,7 @@ impl AnyResult for StoredSweep {
             sweeps: &sweeps,
             statistics: &[],
         };
-        page.pictures = pictures(SWEEP.figures, &subject);
+        page.pictures = pictures(SWEEP.figures, &subject, "");
         page.report = report::sweep(sweep, Chosen::First, file);
         page.warnings = report::warnings(sweep);
         Ok(page.html())

@@ -38,7 +38,7 @@ impl AnyResult for StoredTrade {
         let scenario = self.scenario.to_toml();
         let mut page = page(file, &scenario);
         if let Some(prices) = self.prices(None) {
-            page.pictures = pictures(TRADE.figures, &Subject::Trade(&prices));
+            page.pictures = pictures(TRADE.figures, &Subject::Trade(&prices), "");
         }
         page.report = report::prices(&self.scenario.title, &self.trade, Chosen::First);
         page.provenance = provenance(file, self.other_program.as_deref());
