@@ -151,7 +151,7 @@ fn draw_study(
 fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
     let (text, samples) = (stored.scenario_text.clone(), stored.samples.clone());
     stored.whole(|settings| {
-        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
+        let laid = |setting: &Setting| setting.change(&setting.key);
         let own: Vec<Override> = settings.iter().map(laid).collect();
         Checked::parse_stored("sweep", &text, &own, &samples)
             .map_err(|error| errors::of_scenario(py, &error))

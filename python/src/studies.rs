@@ -173,9 +173,7 @@ pub fn sweep<'py>(
             &remedy,
         ));
     }
-    let laid = |Setting { key, value }: &Setting| {
-        Override::number(&format!("{key}, swept to"), key, *value)
-    };
+    let laid = |setting: &Setting| setting.change(&format!("{}, swept to", setting.key));
     let point = |settings: &[Setting]| {
         let own: Vec<Override> = settings.iter().map(laid).collect();
         scenario

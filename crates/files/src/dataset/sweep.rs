@@ -9,13 +9,14 @@ use super::summary::{
 };
 use super::sweep_layout as own;
 use super::walk::{Walk, Walked};
-use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
+use super::{Dataset, Source, columns_of, counted, read_or_empty, read_variable, series, texts};
 use stickslip::engine::{Program, Provenance, Status};
 use stickslip::model::NamedSeries;
 use stickslip::scenario::Scenario;
 use stickslip::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
 use stickslip::study::sweep::{
-    Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion,
+    AxisValue, AxisValues, Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis,
+    SweepQuestion, table_of_file,
 };
 
 /// Name and version of the format.
@@ -26,8 +27,10 @@ pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 pub struct StoredSweep {
     /// The scenario that the points are variations of, as TOML.
     pub scenario_text: String,
-    /// The measured temperature of the scenario, if there is one.
+    /// The measured values of the scenario, and those of the files that points have in their place.
     pub samples: Vec<NamedSeries>,
+    /// The end of each point, if files are varied, whose lengths may differ; empty otherwise.
+    pub ends: Vec<f64>,
     /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
     pub program: Program,
     /// The program that wrote the sweep, if it was another one.
@@ -51,10 +54,21 @@ impl StoredSweep {
         self,
         scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
     ) -> Result<Sweep, E> {
-        let question =
-            SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
+        let point = |i: usize| {
+            let mut settings = self.design.settings(i);
+            settings.extend(self.ends.get(i).map(|end| Setting {
+                key: "time.end".into(),
+                value: AxisValue::Number(*end),
+            }));
+            scenario_at(&settings)
+        };
+        let points = (0..self.design.points())
+            .map(point)
+            .collect::<Result<_, E>>()?;
+        let scenario = scenario_at(&[])?;
+        let (seeds, with_bias) = (self.seeds, self.with_bias);
         Ok(Sweep {
-            question,
+            question: SweepQuestion::new(scenario, self.design, points, seeds, with_bias),
             points: self.points,
         })
     }
@@ -96,8 +110,14 @@ impl Dataset {
         let units = header.units.clone();
         let mut dataset =
             Dataset::written(&units, |walk| attributes(walk, &mut header, &mut about));
+        header.samples.extend(sweep.question.samples_of_files());
         series::write(&mut dataset, &header);
         coordinates(&mut dataset, design);
+        if has_files(design) {
+            let points = sweep.question.points.iter();
+            let ends: Vec<f64> = points.map(|scenario| scenario.time.end).collect();
+            dataset.write(&own::POINT_END.along(&shape(design), &[]), &ends);
+        }
         let seeds: Vec<u64> = sweep
             .question
             .points
@@ -167,6 +187,12 @@ fn shape(design: &Design) -> Vec<&str> {
     }
 }
 
+/// Whether an axis of a design names files.
+fn has_files(design: &Design) -> bool {
+    let mut axes = design.axes().iter();
+    axes.any(|axis| table_of_file(&axis.key).is_some())
+}
+
 fn coordinates(to: &mut Dataset, design: &Design) {
     write_statistics(to, &Statistic::ALL);
     to.write(&own::GROUP, &counted(0, GROUPS));
@@ -182,10 +208,11 @@ fn coordinates(to: &mut Dataset, design: &Design) {
                     "point"
                 };
                 let (along, attributes) = ([along], [("key", key.as_str())]);
-                to.write(
-                    &variable(name, &along, Unit::None, key).with(&attributes),
-                    values,
-                );
+                let variable = variable(name, &along, Unit::None, key).with(&attributes);
+                match values {
+                    AxisValues::Numbers(numbers) => to.write(&variable, numbers),
+                    AxisValues::Files(files) => to.write(&variable, files),
+                }
             }
             to.write(&own::ALONG, &texts(design.along()));
         }
@@ -193,11 +220,16 @@ fn coordinates(to: &mut Dataset, design: &Design) {
             let settings = (0..design.points()).map(|point| design.settings(point).pop());
             let none = || Setting {
                 key: "none".into(),
-                value: f64::NAN,
+                value: AxisValue::Number(f64::NAN),
+            };
+            let number = |value: AxisValue| match value {
+                AxisValue::Number(number) => number,
+                AxisValue::File(_) => f64::NAN,
             };
             let settings = settings.map(|setting| setting.unwrap_or_else(none));
-            let (moved, values): (Vec<String>, Vec<f64>) =
-                settings.map(|Setting { key, value }| (key, value)).unzip();
+            let (moved, values): (Vec<String>, Vec<f64>) = settings
+                .map(|Setting { key, value }| (key, number(value)))
+                .unzip();
             to.write(&own::POINT_KEY, &moved);
             to.write(&own::POINT_VALUE, &values);
             let (keys, values): (Vec<String>, Vec<f64>) = keys.iter().cloned().unzip();
@@ -470,6 +502,10 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     Ok(StoredSweep {
         scenario_text,
         samples: series::read(from)?,
+        ends: match has_files(&design) {
+            true => read_or_empty(from, &own::POINT_END.along(&shape(&design), &[]))?,
+            false => Vec::new(),
+        },
         other_program: program.other(),
         program,
         with_bias: about.bias == ESTIMATED,
@@ -489,11 +525,15 @@ fn read_design(from: &dyn Source, about: &About) -> Result<Design, String> {
             .ok_or_else(|| "axes is missing".to_owned())?;
         let axis = |name: &str| {
             let axes = [dimension.unwrap_or(name)];
-            let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
-            let key = AttributeValue::of(
+            let key: String = AttributeValue::of(
                 from.attribute(Some(name), "key")?,
                 &format!("key of {name}"),
             )?;
+            let variable = variable(name, &axes, Unit::None, "");
+            let values = match table_of_file(&key) {
+                Some(_) => AxisValues::Files(read_variable(from, &variable)?),
+                None => AxisValues::Numbers(read_variable(from, &variable)?),
+            };
             Ok(SweepAxis {
                 name: name.to_string(),
                 key,

@@ -22,8 +22,12 @@ use crate::dataset::{Dataset, StoredSweep};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use stickslip::engine::Provenance;
+use stickslip::model::NamedSeries;
 use stickslip::stats::{GROUPS, Statistic};
 use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
+
+/// Bytes of a sample of a record, with its time and the number of its record.
+const OF_SAMPLE: usize = 20;
 
 /// Shortest time between two updates of the file on disk.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -72,7 +76,10 @@ impl SweepFile {
             if is_there {
                 found::make_room(target, false)?;
             }
-            check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
+            let samples = question.samples_of_files();
+            let samples: usize = samples.iter().map(|of| of.series.times().len()).sum();
+            let bytes = sweep_bytes(&question.design) + (samples * OF_SAMPLE) as u64;
+            check_space(&parent(target), 2 * bytes)?;
         }
         let partial = identity(&partial_path(target));
         let target = target.to_owned();
@@ -187,7 +194,7 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
     let parts = |design: &Design| -> Vec<String> {
         let axes = design.axes().iter();
         let mut parts: Vec<String> = axes
-            .map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values))
+            .map(|axis| format!("{} = {} at [{}]", axis.name, axis.key, axis.values))
             .collect();
         if let Design::Star {
             keys,
@@ -207,9 +214,19 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
             "leaves out the bias of the step"
         }
     };
+    let samples = |samples: &[NamedSeries]| -> Vec<String> {
+        let files = samples.iter().filter(|of| of.name.contains(".file="));
+        let hashed =
+            files.map(|of| format!("{} with hash {:016x}", of.name, of.series.fingerprint()));
+        hashed.collect()
+    };
     let compared = [
         (lines(&stored.scenario_text), lines(&header.scenario_text)),
         (parts(&stored.design), parts(&question.design)),
+        (
+            samples(&stored.samples),
+            samples(&question.samples_of_files()),
+        ),
         (
             vec![format!("{} seeds", stored.seeds.name())],
             vec![format!("{} seeds", question.seeds.name())],
