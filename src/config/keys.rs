@@ -161,7 +161,7 @@ keys! {
         DAMPING = number("damping", "alpha", "damping force 2 alpha x'; a negative alpha drives the body", Any)
             .unit("force time / length").default("0");
         DILATATION = number("dilatation", "beta", "rest position beta T", Any)
-            .unit("length / temperature");
+            .unit("length / temperature").default("required, or the next key");
         FORCE_PER_TEMPERATURE = number(
             "force_per_temperature", "c", "force c T on the body, instead of a dilatation", Any)
             .unit("force / temperature").default("K beta");
@@ -197,7 +197,7 @@ keys! {
             .allowed("a path");
         SERIES_TIME = other("time", "time column")
             .default("found by its name").allowed("a name; date and time with a comma");
-        VALUE = other("value", "temperature column")
+        VALUE = other("value", "value column")
             .default("found by its name").allowed("a name");
         UNIT = other("unit", "of the values")
             .default("from the file").allowed("a unit");

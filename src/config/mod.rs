@@ -108,7 +108,12 @@ pub fn keys() -> Vec<KeyDescription> {
         meaning: key.meaning,
         unit: key.unit,
         default: match (table, key.default) {
-            ("displacement.series", _) => "as in `temperature.series`",
+            ("displacement.series", "") => "none",
+            ("displacement.series", _)
+                if ![keys::VALUE.name, keys::UNIT.name].contains(&key.name) =>
+            {
+                "as in `temperature.series`"
+            }
             (_, "") => "required",
             (_, default) => default,
         },
