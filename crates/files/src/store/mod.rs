@@ -25,12 +25,12 @@ mod system;
 mod variables;
 mod writer;
 
-pub use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade};
+pub use crate::dataset::{StoredRun as Stored, StoredSweep, StoredTrade};
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use errors::{StoreError, take_leftovers};
 pub use kinds::{
-    CheckedBytes, Content, FileKind, check_bytes, content, has_checksum, kind, read,
-    read_calibration, read_path, read_sweep, read_trade, verify,
+    CheckedBytes, check_bytes, format, has_checksum, read, read_kind, read_path, read_sweep,
+    read_trade, verify,
 };
 pub use lock::lock_path;
 pub use parts::PartError;

@@ -14,14 +14,17 @@ use super::system::{check_space, parent};
 use super::writer::write_results;
 use crate::dataset::header::read_program;
 use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
-use crate::dataset::{Dataset, Source, read_attribute};
+use crate::dataset::{Dataset, Source, read_attribute, series};
 use crate::saved::{first_difference, lines};
-use hdf5::File;
 use std::path::Path;
 use std::time::Instant;
 use stickslip::engine::{Program, Provenance};
+use stickslip::model::NamedSeries;
 use stickslip::stats::{GROUPS, Statistic};
 use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
+
+/// Bytes of a sample of a record, with its time and the number of its record.
+const OF_SAMPLE: usize = 20;
 
 /// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
 /// the file meanwhile.
@@ -63,7 +66,10 @@ impl SweepFile {
         if is_there && points.iter().all(Option::is_some) {
             return Ok((None, points));
         }
-        check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
+        let samples = question.samples_of_files();
+        let samples: usize = samples.iter().map(|of| of.series.times().len()).sum();
+        let bytes = sweep_bytes(&question.design) + (samples * OF_SAMPLE) as u64;
+        check_space(&parent(target), 2 * bytes)?;
         let staging = if is_continued {
             Staging::enter(target, force, lock)?
         } else {
@@ -107,7 +113,7 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
             path: path.to_owned(),
         });
     }
-    let read = |file: &File| match difference(file, question)? {
+    let read = |file: &dyn Source| match difference(file, question)? {
         Some(what) => Ok(Err(what)),
         None => read_points(file).map(|(_, points)| Ok(points)),
     };
@@ -133,7 +139,7 @@ fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<St
     let described = |scenario: &str, design: &Design, seeds: &str, with_bias, program: &Program| {
         let mut all = lines(scenario);
         let axes = design.axes().iter();
-        all.extend(axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)));
+        all.extend(axes.map(|axis| format!("{} = {} at [{}]", axis.name, axis.key, axis.values)));
         if let Design::Star {
             keys,
             relative_step,
@@ -146,20 +152,28 @@ fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<St
         all.extend([bias(with_bias).to_string(), program.to_string()]);
         all
     };
-    let mine = described(
+    let samples = |samples: Vec<NamedSeries>| {
+        let files = samples.into_iter().filter(|of| of.name.contains(".file="));
+        let hashed =
+            files.map(|of| format!("{} with hash {:016x}", of.name, of.series.fingerprint()));
+        hashed.collect::<Vec<String>>()
+    };
+    let mut mine = described(
         &header.scenario_text,
         &question.design,
         question.seeds.name(),
         question.with_bias,
         &header.program,
     );
-    let theirs = described(
+    mine.extend(samples(question.samples_of_files()));
+    let mut theirs = described(
         &text("scenario")?,
         &read_design(stored)?,
         &text("seeds")?,
         text("bias_of_the_step")? == bias_name(true),
         &read_program(stored)?,
     );
+    theirs.extend(samples(series::read(stored)?));
     Ok(first_difference(&theirs, &mine)
         .map(|[theirs, mine]| format!("it has `{theirs}`, but this sweep has `{mine}`")))
 }
