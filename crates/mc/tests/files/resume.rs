@@ -280,6 +280,25 @@ fn the_rows_that_a_state_refers_to_are_on_the_disk_before_it() {
     assert!(saves >= 2 && files == 1, "{saves} saves, {files} files");
 }
 
+/// Five seconds after its first save, a run that is killed was saved less than four seconds ago: at
+/// an interval of two seconds, plus what a busy machine takes for a block and a save.
+#[test]
+fn a_killed_run_was_saved_a_moment_ago() {
+    let here = tempfile::tempdir().expect("a folder");
+    let run = [&["run", RHO025, "--paths", "100000000"], &RUN[6..11]].concat();
+    let nothing = ["record.paths=false", "record.events=false"];
+    let nothing = nothing.iter().flat_map(|key| ["--set", key]);
+    let run: Vec<&str> = run.into_iter().chain(nothing).collect();
+    let mut running = Running::mc(here.path(), &run);
+    let state = here.path().join("a.h5.partial/state");
+    running.until("the run is saved", || state.exists());
+    sleep(Duration::from_secs(5));
+    drop(running); // kill -9
+    let saved = fs::metadata(&state).and_then(|state| state.modified());
+    let age = saved.expect("there").elapsed().expect("in the past");
+    assert!(age < Duration::from_secs(4), "{age:?}");
+}
+
 /// Starts the long run, and stops it after it was saved.
 fn interrupted(folder: &Path, run: &[&str], signal: &str) -> Output {
     let mut running = Running::mc(folder, run);
