@@ -13,7 +13,7 @@ use stickslip::model::{
 };
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind,
-    Observer, QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
+    Observer, QuasiStaticSimulation, Simulate as _, SlipTransition, Snapshot, Timeline,
 };
 use stickslip::stats::{Record, Statistic};
 
@@ -658,7 +658,7 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
 }
 
 #[test]
-fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
+fn the_slip_transition_keeps_ten_digits_in_every_entry() {
     // The reference is Van Loan's block exponential and spectral sums in 220-digit arithmetic
     // (tests/reference/slip_transition.py). Entries that have decayed to less than 1e-100 of their
     // natural scale are left out, because whatever they are added to is not changed by them.
@@ -697,27 +697,80 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
                 "w0 {w0} theta {theta} alpha {alpha} h {h}, {column}: {got:e} {want:e}"
             );
         }
-        // The law of v and x given n reproduces the covariance. Its standard deviations are
-        // positive, although the condition number of the covariance is h^-4.
-        let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
-        assert!(
-            v_sd > 0.0 && x_sd > 0.0,
-            "{w0} {theta} {alpha} {h}: {:?}",
-            step.given_noise
-        );
-        let (vn, xn) = (v_on_n * sn, x_on_n * sn);
-        for (got, want, scale) in [
-            (vn * sn, row[12], sn * sv),
-            (vn * vn + v_sd * v_sd, row[14], sv * sv),
-            (xn * sn, row[13], sn * sx),
-            (xn * vn + x_on_v * v_sd, row[15], sv * sx),
-            (xn * xn + x_on_v * x_on_v + x_sd * x_sd, row[16], sx * sx),
+    }
+}
+
+/// Over all pairs of rates, dampings and steps of the reference.
+#[test]
+fn a_slip_transition_composes_and_factorises() {
+    let steps = [1e-9, 1e-6, 1e-3, 0.03, 0.5, 4.0, 30.0, 1000.0];
+    for (w0, theta) in [0.3, 1.0, 20.0]
+        .map(|w0| [0.01, 1.0, 50.0].map(|theta| (w0, theta)))
+        .concat()
+    {
+        for (ratio, h) in [0.0, 0.1, 1.0, 3.0]
+            .map(|ratio| steps.map(|h| (ratio, h)))
+            .concat()
+        {
+            let oscillator = DrivenOscillator::new(1.0, ratio * w0, w0, theta, 1.0, &[]);
+            let [first, second, whole] =
+                [0.3, 0.7, 1.0].map(|part| oscillator.transition(part * h, &mut []));
+            let case = format!("w0 {w0} theta {theta} ratio {ratio} h {h}");
+            check_composition(&case, [&first, &second, &whole]);
+            check_factors(&case, &whole);
+        }
+    }
+}
+
+/// Phi(a + b) = Phi(b) Phi(a) and Q(a + b) = Q(b) + Phi(b) Q(a) Phi(b)^T, to ten digits of the sum of
+/// the sizes of all terms.
+fn check_composition(case: &str, [first, second, whole]: [&SlipTransition; 3]) {
+    let means = |step: &SlipTransition| {
+        let row = |of: &[f64; 4]| [of[0], of[1], of[2]];
+        [row(&step.x), row(&step.v), [0.0, 0.0, step.n]]
+    };
+    let covariance = |step: &SlipTransition| {
+        let [nn, nv, nx, vv, vx, xx] = step.covariance;
+        [[xx, vx, nx], [vx, vv, nv], [nx, nv, nn]]
+    };
+    let ([a, b, all], [q, more, spread]) = (
+        [first, second, whole].map(means),
+        [first, second, whole].map(covariance),
+    );
+    for (i, j) in [0, 1, 2].map(|i| [0, 1, 2].map(|j| (i, j))).concat() {
+        let mean = [0, 1, 2].map(|k| b[i][k] * a[k][j]);
+        let pairs = [0, 1, 2].map(|k| [0, 1, 2].map(|l| b[i][k] * q[k][l] * b[j][l]));
+        for (got, terms) in [
+            (all[i][j], mean.to_vec()),
+            (spread[i][j], [&[more[i][j]][..], &pairs.concat()].concat()),
         ] {
+            let (sum, size) = terms.iter().fold((0.0, 0.0), |(sum, size), term| {
+                (sum + term, size + term.abs())
+            });
             assert!(
-                (got - want).abs() <= 1e-10 * scale,
-                "{w0} {theta} {alpha} {h}"
+                (got - sum).abs() <= 1e-10 * size + 1e-100,
+                "{case}, {i} {j}: {got:e} {sum:e}"
             );
         }
+    }
+}
+
+/// The law of v and x given n reproduces the covariance. Its standard deviations are positive,
+/// although the condition number of the covariance is h^-4.
+fn check_factors(case: &str, step: &SlipTransition) {
+    let [nn, nv, nx, vv, vx, xx] = step.covariance;
+    let [sn, sv, sx] = [nn, vv, xx].map(f64::sqrt);
+    let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
+    assert!(v_sd > 0.0 && x_sd > 0.0, "{case}: {:?}", step.given_noise);
+    let (vn, xn) = (v_on_n * sn, x_on_n * sn);
+    for (got, want, scale) in [
+        (vn * sn, nv, sn * sv),
+        (vn * vn + v_sd * v_sd, vv, sv * sv),
+        (xn * sn, nx, sn * sx),
+        (xn * vn + x_on_v * v_sd, vx, sv * sx),
+        (xn * xn + x_on_v * x_on_v + x_sd * x_sd, xx, sx * sx),
+    ] {
+        assert!((got - want).abs() <= 1e-10 * scale, "{case}");
     }
 }
 
