@@ -133,7 +133,7 @@ pub enum Parameter {
     /// The relative error that discretisation may leave in the statistics.
     Tolerance {
         /// The tolerances that a trade measures, from the largest to the smallest.
-        ladder: &'static [f64],
+        grid: &'static [f64],
     },
 }
 

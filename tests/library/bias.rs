@@ -485,7 +485,7 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
 }
 
 /// The reference run is left out where it costs more than the run allows (theta = 1e6, which needs
-/// a cell each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
+/// a macro step each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
 /// equal), and where its paths are too few. The bias is then estimated from the three steps.
 #[test]
 fn the_steps_give_the_bias_where_the_reference_run_cannot() {

@@ -247,7 +247,7 @@ fn a_run_ends_with_the_block_that_its_consumer_calls_the_last() {
     }
 }
 
-/// One thread takes several blocks of event-driven paths across each cell of time together. Each
+/// One thread takes several blocks of event-driven paths across each macro step together. Each
 /// block has the same bits as when it is simulated alone, including the short last block and blocks
 /// in which a path is given up.
 #[test]

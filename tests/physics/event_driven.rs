@@ -1156,8 +1156,8 @@ impl Observer for Reported {
 }
 
 /// Whatever the output grid is, the events are the same to the last bit, and so is the state
-/// wherever a row lies at the end of a cell (multiples of 0.5 in this scene). If the run ends in
-/// the middle of a cell, also of the first, the path is the same up to that time.
+/// wherever a row lies at the end of a macro step (multiples of 0.5 in this scene). If the run ends
+/// in the middle of a macro step, also of the first, the path is the same up to that time.
 #[test]
 fn looking_at_a_path_does_not_change_it() {
     let mut forced = paper(0.25, 0.25);
@@ -1206,7 +1206,7 @@ fn looking_at_a_path_does_not_change_it() {
         {
             assert_eq!(row, same, "{kind:?}");
         }
-        // A finer output grid passes through the states of a coarser one, also inside cells.
+        // A finer output grid passes through the states of a coarser one, also inside macro steps.
         let coarse = reported(60.0, 0.7, None);
         let line = Timeline {
             end: 60.0,
@@ -1263,10 +1263,10 @@ fn looking_at_a_path_does_not_change_it() {
     }
 }
 
-/// A slip begins 2e-9 before the end of a cell at t = 2.5, where it is too short for an exact step,
-/// and a row lies in its middle. The forcing is that of the paper, shifted so that |b| = f_s there;
-/// the noise moves this time by 6e-11. At the row the body has moved for 1e-9 with the acceleration
-/// -(f_s - f_d)/m = -0.2, and T is the forcing.
+/// A slip begins 2e-9 before the end of a macro step at t = 2.5, where it is too short for an exact
+/// step, and a row lies in its middle. The forcing is that of the paper, shifted so that |b| = f_s
+/// there; the noise moves this time by 6e-11. At the row the body has moved for 1e-9 with the
+/// acceleration -(f_s - f_d)/m = -0.2, and T is the forcing.
 #[test]
 fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
     let (exit, row, w) = (2.5 - 2e-9, 2.5 - 1e-9, 0.25);
@@ -1396,13 +1396,13 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     )
 }
 
-/// Null hypothesis: a state that is drawn inside a cell has the same law as one at the end of a
-/// cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them except
-/// for every fifth. At 1/25 of that tolerance cells are 0.1 long, and all of these times are ends.
-/// Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm rate: 1e-4 for each of 9
-/// moments at 10 instants. If the bridge in a stick were drawn without the condition that it stays
-/// in the band, or if the noise in a slip were twice too large between ends, the moments would
-/// be off by tens of standard errors.
+/// Null hypothesis: a state that is drawn inside a macro step has the same law as one at the end of
+/// a macro step. At the default tolerance macro steps are 0.5 long, and t = 0.7, 1.4, .. lies
+/// inside them except for every fifth. At 1/25 of that tolerance macro steps are 0.1 long, and all
+/// of these times are ends. Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm
+/// rate: 1e-4 for each of 9 moments at 10 instants. If the bridge in a stick were drawn without the
+/// condition that it stays in the band, or if the noise in a slip were twice too large between
+/// ends, the moments would be off by tens of standard errors.
 #[test]
 fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     let model = paper(0.25, 0.25);
@@ -1449,10 +1449,10 @@ impl Observer for Increments {
 
 /// In a slip whose forces are 1e9 times larger than the changes by the noise, the noise cannot be
 /// recovered from the forces. Null hypothesis: T still has the increments of the noise from row to
-/// row. Sample size: 40 rows inside one cell (0.5 long) in each of 500 paths, whose scaled squares
-/// have the mean 1 +- 0.01; seed 12. False-alarm rate: 1e-4 for each comparison. The same holds
-/// where four of five rows come from a finer output grid. If rows were drawn one by one from the
-/// law given both ends of the cell, the mean would be 18.
+/// row. Sample size: 40 rows inside one macro step (0.5 long) in each of 500 paths, whose scaled
+/// squares have the mean 1 +- 0.01; seed 12. False-alarm rate: 1e-4 for each comparison. The same
+/// holds where four of five rows come from a finer output grid. If rows were drawn one by one from
+/// the law given both ends of the macro step, the mean would be 18.
 #[test]
 fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
     let mut model = paper(0.25, 0.25);

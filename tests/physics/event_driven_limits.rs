@@ -456,8 +456,8 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
 
 /// The work of a path is bounded as theta falls to 0, where the noise is a Brownian motion. A path
 /// of 40 units of time makes fewer than 20 000 evaluations for every theta, and its slips do not
-/// depend on a theta that is far below 1/t_end. A cell as long as 1/theta made 10^5 times as many
-/// at 1e-9.
+/// depend on a theta that is far below 1/t_end. A macro step as long as 1/theta made 10^5 times as
+/// many at 1e-9.
 #[test]
 fn noise_that_hardly_relaxes_takes_bounded_work() {
     let simulated = |theta: f64, is_quasi_static: bool| {

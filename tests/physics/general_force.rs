@@ -638,7 +638,7 @@ fn the_tolerance_under_a_force_of_ones_own_is_kept() {
 }
 
 /// T in a slip is found from the balance of forces, g included. Null hypothesis: at t = 30.1,
-/// inside a cell, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the
+/// inside a macro step, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the
 /// variance is known to 2.2 %; 4.5 standard errors. A g that the balance left out would add several
 /// times as much.
 #[test]

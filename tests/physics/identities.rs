@@ -129,7 +129,7 @@ fn densities(summary: &Summary) -> &Densities {
 
 /// What is counted from a time on and what is counted until then are together what is counted in the
 /// whole time, of the same path: works, times at rest and the times below every edge of a bin. Without
-/// a step neither time is a multiple of a cell, and nothing is left of the balance; a step is counted
+/// a step neither time is a multiple of a macro step, and nothing is left of the balance; a step is counted
 /// or not as it is at the nearest of its multiples.
 #[test]
 fn totals_are_additive_over_time() {

@@ -2,21 +2,21 @@
 //! section on the cascade).
 //!
 //! ```text
-//! law          what holds between two times at which a path is known
-//! noiseless    without noise: phases are closed forms, events are roots; there is no time step
-//! noisy        with noise: the constants, and whether paths go alone or vectorised
-//!   cell_loop    the loop over cells of time
-//!   alone        a path crosses a cell event by event, one path after the other
-//!   vectorised      all paths that are simulated together cross a cell together, in lanes
-//! user_force   a user-defined force, if there is one
-//! work         a limit on the computing time of one path
+//! law                what holds between two times at which a path is known
+//! noiseless          without noise: closed forms between events, and no time step
+//! noisy              with noise: the constants, and whether paths are scalar or vectorised
+//!   macro_step_loop  the loop over macro steps
+//!   scalar           a path crosses a macro step event by event, one path after the other
+//!   vectorised       all paths that are simulated together cross it together, in lanes
+//! user_force         a user-defined force, if there is one
+//! work               a limit on the computing time of one path
 //! ```
 //!
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
-mod cell_loop;
 mod law;
+mod macro_step_loop;
 mod noiseless;
 mod noisy;
 mod scalar;
@@ -31,8 +31,8 @@ pub use law::{
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use cell_loop::{Watching, simulate};
-pub(super) use law::{Cell, Glance, Known, Scene, StepRules, noise_between};
+pub(super) use law::{Glance, Known, MacroStep, Scene, StepRules, noise_between};
+pub(super) use macro_step_loop::{Watching, simulate};
 pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
 pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
 pub(super) use work::{Resolved, WorkLeft};
@@ -51,7 +51,7 @@ impl Method for EventDriven {
     const NAME: &'static str = "event-driven";
     const MEANING: &'static str = "event by event, exact in law between events";
     const PARAMETER: Parameter = Parameter::Tolerance {
-        ladder: &[1e-2, 1e-3, 1e-4, 1e-5],
+        grid: &[1e-2, 1e-3, 1e-4, 1e-5],
     };
     const LOOK: Look = Look {
         colour: "#009E73",

@@ -99,12 +99,15 @@ impl Simulate for EventDrivenSimulation {
 
     fn kernel(&self) -> String {
         match &self.chosen {
-            Chosen::Noisy(cascade) if cascade.has_one_step_a_cell() => {
-                format!("{} lanes, cell by cell", InstructionSet::detect().name())
-            }
-            Chosen::Noisy(cascade) if cascade.has_equal_cells() => {
+            Chosen::Noisy(cascade) if cascade.has_one_step_a_macro_step() => {
                 format!(
-                    "{} lanes for sticks, cell by cell; slips path by path",
+                    "{} lanes, macro_step by macro_step",
+                    InstructionSet::detect().name()
+                )
+            }
+            Chosen::Noisy(cascade) if cascade.has_equal_macro_steps() => {
+                format!(
+                    "{} lanes for sticks, macro_step by macro_step; slips path by path",
                     InstructionSet::detect().name()
                 )
             }

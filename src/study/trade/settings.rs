@@ -50,7 +50,7 @@ impl SettingGrid {
                     coarsest = coarsest.min(step);
                     grid.stepping.push(scheme);
                 }),
-                Parameter::Tolerance { ladder: tolerances } => suits(scenario, scheme).map(|()| {
+                Parameter::Tolerance { grid: tolerances } => suits(scenario, scheme).map(|()| {
                     // Without noise the cascade is exact at any tolerance, so one tolerance is
                     // enough.
                     let one = [DEFAULT_TOLERANCE];

@@ -225,9 +225,9 @@ impl OwnForce {
         })
     }
 
-    /// The longest step from here on in which g is resolved, when this much of the cell remains,
-    /// and whether it ends with the cell. A path is given up where the shortest step is too long by
-    /// far.
+    /// The longest step from here on in which g is resolved, when this much of the macro step
+    /// remains, and whether it ends with the macro step. A path is given up where the shortest step
+    /// is too long by far.
     #[inline(always)]
     pub fn step_towards<'s>(
         &mut self,
@@ -247,7 +247,7 @@ impl OwnForce {
         } else {
             self.halvings
         };
-        // Halvings that leave more than what remains of the cell change nothing.
+        // Halvings that leave more than what remains of the macro step change nothing.
         while halvings < finest && slip.noisy.halved[halvings + 1].length() >= remaining {
             halvings += 1;
         }
@@ -359,7 +359,7 @@ mod tests {
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
     use crate::scheme::event_driven::law::{
-        Cell, DEFAULT_TOLERANCE, StepRules, force, tests::mean_and_error,
+        DEFAULT_TOLERANCE, MacroStep, StepRules, force, tests::mean_and_error,
     };
     use crate::scheme::event_driven::noisy::Noisy;
     use crate::scheme::event_driven::work::WorkLeft;
@@ -407,10 +407,10 @@ mod tests {
     /// x and x' after this number of equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let cell = Cell::new(scene, &noisy.route.ladder, 0);
+        let macro_step = MacroStep::new(scene, &noisy.route.grid, 0);
         let slip = Slip {
             noisy,
-            cell: &cell,
+            macro_step: &macro_step,
             direction: Sign::Positive,
             end_noise: 0.0,
         };
