@@ -43,7 +43,7 @@
 use super::columns::Seen;
 use super::event_driven::{
     self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, Resolved, Route,
-    ScalarPaths, Scene, Simulated, StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching,
+    ScalarPaths, Scene, Simulated, StepRules, PathSegment, PathSegments, Watch, WatchedPiece, Watching,
     WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
@@ -330,7 +330,7 @@ struct NoiselessRecursion {
 }
 
 /// A phase that begins at this x and, if it is a slip, with this excess of |b|.
-type Part = Stretch<(f64, f64), Infallible>;
+type Part = PathSegment<(f64, f64), Infallible>;
 
 impl NoiselessRecursion {
     /// The phase that begins at a time and a place, and the event that ends it.
@@ -373,7 +373,7 @@ impl NoiselessRecursion {
     }
 }
 
-impl Stretches for NoiselessRecursion {
+impl PathSegments for NoiselessRecursion {
     type Motion = (f64, f64);
     type Cut = Infallible;
 

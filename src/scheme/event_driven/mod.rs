@@ -33,7 +33,7 @@ pub use work::{Simulated, Unresolved};
 
 pub(super) use law::{Glance, Known, MacroStep, Scene, StepRules, noise_between};
 pub(super) use macro_step_loop::{Watching, simulate};
-pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
+pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments, WithUnfeltNoise};
 pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
 pub(super) use work::{Resolved, WorkLeft};
 

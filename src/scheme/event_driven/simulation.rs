@@ -2,7 +2,7 @@
 //! once.
 
 use super::law::{Resolution, Scene, StepRules};
-use super::noiseless::{GeneralNoiseless, Noiseless, Stretches, WithUnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, WithUnfeltNoise};
 use super::noisy::Noisy;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;

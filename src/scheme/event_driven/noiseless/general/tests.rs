@@ -1,4 +1,4 @@
-use super::super::{Noiseless, Stretches as _};
+use super::super::{Noiseless, PathSegments as _};
 use super::GeneralNoiseless;
 use crate::lanes::Lanes;
 use crate::model::tests::paper;
