@@ -291,9 +291,9 @@ mod tests {
                 let mut draws = AddressedDraws::new(41, 0);
                 let (mut places, mut proposed) = (Vec::new(), 0);
                 while places.len() < 100_000 {
-                    let (place, chance) = bent.proposed_place(draws.normal(), draws.uniform());
+                    let (place, probability) = bent.proposed_place(draws.normal(), draws.uniform());
                     proposed += 1;
-                    if draws.uniform() < chance {
+                    if draws.uniform() < probability {
                         places.push(place);
                     }
                 }

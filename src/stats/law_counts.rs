@@ -170,8 +170,8 @@ impl LawCounts {
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
-    /// `chance` is the number of units with a completed stick, if these are random.
-    pub fn summary(&self, ordered: &OrderedLaw, chance: Option<u64>) -> Distribution {
+    /// `random_units` is the number of units with a completed stick, if these are random.
+    pub fn summary(&self, ordered: &OrderedLaw, random_units: Option<u64>) -> Distribution {
         let batches = self.batches();
         let level = batches
             .iter()
@@ -224,7 +224,7 @@ impl LawCounts {
                 counts,
             },
             censored_counts,
-            survival_ends: survival.ends(chance),
+            survival_ends: survival.ends(random_units),
             survival: survival.curve,
             quantiles: quantiles
                 .iter()

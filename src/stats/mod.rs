@@ -17,7 +17,7 @@ mod absence;
 mod bands;
 mod cascade;
 mod catalogue;
-mod certain;
+mod deterministic;
 pub mod column;
 mod corrected;
 mod cycle;

@@ -145,16 +145,16 @@ impl PeriodSums {
         is_random: bool,
         drift_limit: Option<f64>,
     ) -> PeriodMoments {
-        let chance = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
+        let random_units = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
         let two = |period: &SpreadMoments| period.four.two;
         let mean_ends = |p: &SpreadMoments| {
             Measured::mean_of_four(&p.units)
-                .in_range(Range::ANY, chance(p))
+                .in_range(Range::ANY, random_units(p))
                 .interval()
         };
         let sd_ends = |p: &SpreadMoments| {
             p.standard_deviation()
-                .in_range(Range::NOT_NEGATIVE, chance(p))
+                .in_range(Range::NOT_NEGATIVE, random_units(p))
                 .interval()
         };
         PeriodMoments {

@@ -173,7 +173,7 @@ pub(crate) struct Measured {
     interval: Interval,
     range: Range,
     /// The number of paths that contribute, where their agreement would be a matter of chance.
-    chance: Option<u64>,
+    random_units: Option<u64>,
 }
 
 /// How the interval is found.
@@ -201,7 +201,7 @@ impl Measured {
             is_too_heavy: false,
         }),
         range: Range::ANY,
-        chance: None,
+        random_units: None,
     };
 
     /// An estimate with the interval of Student's t.
@@ -297,12 +297,12 @@ impl Measured {
         }
     }
 
-    /// The same number, which cannot leave this range. `chance` is the number of paths that
+    /// The same number, which cannot leave this range. `random_units` is the number of paths that
     /// contribute; it is none where nothing is random, so that all paths must agree.
-    pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
+    pub fn in_range(self, range: Range, random_units: Option<u64>) -> Self {
         Measured {
             range,
-            chance,
+            random_units,
             ..self
         }
     }
@@ -456,10 +456,10 @@ impl Measured {
             standard_error,
             interval,
             range,
-            chance,
+            random_units,
         } = self;
         let agreeing =
-            chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
+            random_units.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
         match (interval, agreeing) {
             // A median is where at least half of the paths agree.
             (Interval::Ends(low, high), Some(paths)) => {

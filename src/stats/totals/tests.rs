@@ -988,7 +988,7 @@ fn the_interval_of_the_median_has_the_students_t_of_its_batches() {
 }
 
 #[test]
-fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
+fn an_ensemble_that_never_slips_has_no_stick_duration() {
     let paths: Vec<Path> = (0..10)
         .map(|_| Path {
             events: Vec::new(),
@@ -1034,7 +1034,7 @@ fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fra
 /// 3.84) = 0.49. A number without a bound, such as the number of slips of a path that does
 /// slip, has an infinite upper end.
 #[test]
-fn few_random_paths_that_agree_are_not_certain() {
+fn few_random_paths_that_agree_are_not_deterministic() {
     let paths: Vec<Path> = (0..4)
         .map(|_| Path {
             events: Vec::new(),
@@ -1049,7 +1049,7 @@ fn few_random_paths_that_agree_are_not_certain() {
         after: 0.0,
     };
     let mut totals = observe(&timeline, &Record::NOTHING, 0, &paths, &rows, &[]).totals;
-    totals.counts.certain = Certain::NOTHING;
+    totals.counts.deterministic = Deterministic::NOTHING;
     let summary = totals.summary();
     let interval = |statistic| {
         let e = estimate(&summary, statistic);

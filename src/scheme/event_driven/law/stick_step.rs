@@ -139,7 +139,7 @@ impl<L: Lanes> StickStep<L> {
         [normal, place, acceptance]: [L; 3],
     ) -> (L, L::Mask) {
         let threshold = self.threshold(scene, side, ends);
-        let (place, chance) = threshold.proposed_place(normal, place);
+        let (place, probability) = threshold.proposed_place(normal, place);
         let [first, last] = ends.limits;
         let width = (width(&first) + width(&last)) * 0.5;
         let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
@@ -147,7 +147,7 @@ impl<L: Lanes> StickStep<L> {
             .noise
             .time_at(scene.relaxation_rate, place)
             .or_at_most(self.length);
-        (after, acceptance.lt(chance * misses_other))
+        (after, acceptance.lt(probability * misses_other))
     }
 }
 
