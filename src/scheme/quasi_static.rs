@@ -42,9 +42,9 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, Resolved, Route,
-    ScalarPaths, Scene, Simulated, StepRules, PathSegment, PathSegments, Watch, WatchedPiece, Watching,
-    WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, PathSegment,
+    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, Watch, WatchedPiece,
+    Watching, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
     Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment,

@@ -578,7 +578,13 @@ mod tests {
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline, Deterministic::NOTHING, Replicate::Path);
+        let bands = summary(
+            &sums,
+            &counts,
+            &timeline,
+            Deterministic::NOTHING,
+            Replicate::Path,
+        );
         assert_eq!(
             (bands.time.clone(), bands.static_probability[1]),
             (vec![0.0, 1.0], 0.4)

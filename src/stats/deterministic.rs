@@ -130,7 +130,10 @@ mod tests {
             end: 0.0,
             ..TIMELINE
         };
-        assert_eq!(deterministic(&scene(7.0, 2.0, given), &at_once), Statistic::ALL);
+        assert_eq!(
+            deterministic(&scene(7.0, 2.0, given), &at_once),
+            Statistic::ALL
+        );
         assert_eq!(deterministic(&model(), &TIMELINE), Statistic::ALL);
     }
 }

@@ -3,8 +3,8 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::cascade::CascadeSums;
 use super::catalogue::Over;
-use super::deterministic::Deterministic;
 use super::density::DensityCounts;
+use super::deterministic::Deterministic;
 use super::energy::EnergySums;
 use super::extremes::{ExtremeCounts, ExtremeSums};
 use super::law::{LawSums, PhaseLaw};
@@ -271,7 +271,10 @@ impl Totals {
         };
         let distribution = |law: PhaseLaw| -> Option<Distribution> {
             let (of, ordered) = (counts.laws.get(law as usize)?, ordered.get(law as usize)?);
-            Some(of.summary(ordered, counts.random_units(sums.phases.law(law)?.contributing())))
+            Some(of.summary(
+                ordered,
+                counts.random_units(sums.phases.law(law)?.contributing()),
+            ))
         };
         let bands = bands::summary(
             &sums.bands,
@@ -289,10 +292,9 @@ impl Totals {
                 .spectrum
                 .as_ref()
                 .map(|spectrum| spectrum.summary(timeline, mean_motion)),
-            extremes: counts
-                .extremes
-                .as_ref()
-                .map(|extremes| extremes.summary(counts.random_units(counts.units), counts.sample())),
+            extremes: counts.extremes.as_ref().map(|extremes| {
+                extremes.summary(counts.random_units(counts.units), counts.sample())
+            }),
             asked: Statistic::asked_by(&counts.record),
             cycle: None,
             densities: counts

@@ -476,7 +476,12 @@ impl PathSegments for Noiseless {
         }
     }
 
-    fn segments(&self, segment: &ClosedSegment, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
+    fn segments(
+        &self,
+        segment: &ClosedSegment,
+        duration: f64,
+        mut tell: impl FnMut(Segment),
+    ) -> Resolved<()> {
         let Phase::Slip(direction) = segment.phase else {
             return Ok(());
         };

@@ -63,7 +63,12 @@ pub trait PathSegments {
     ) -> Resolved<PathSegmentOf<Self>>;
 
     /// x, x', T and whether the path is static, at a time within the segment.
-    fn state(&self, path_segment: &PathSegmentOf<Self>, t: f64, work: &mut WorkLeft) -> Resolved<Seen>;
+    fn state(
+        &self,
+        path_segment: &PathSegmentOf<Self>,
+        t: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<Seen>;
 
     /// The first part of a segment, of this duration, in pieces that a quintic describes.
     fn segments(
@@ -101,12 +106,15 @@ pub trait PathSegments {
                     self.next(here, end, &mut work)
                 });
             }
-            let seen = path_segment.as_ref().map_err(|lost| *lost).and_then(|here| {
-                if stop.instant == Instant::End {
-                    follow(here, here.start.until(stop.time))?;
-                }
-                self.state(here, stop.time, &mut work)
-            });
+            let seen = path_segment
+                .as_ref()
+                .map_err(|lost| *lost)
+                .and_then(|here| {
+                    if stop.instant == Instant::End {
+                        follow(here, here.start.until(stop.time))?;
+                    }
+                    self.state(here, stop.time, &mut work)
+                });
             columns.fill(seen.unwrap_or(LOST));
             path_segment = seen.and(path_segment);
             if is_stopped() {
