@@ -326,14 +326,14 @@ mod reference;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::trade::{Cost, Effort, Pairing, SettingGrid, measure};
+    use crate::study::trade::{Cost, Pairing, PlannedCost, SettingGrid, measure};
     use std::sync::LazyLock;
 
     /// A pilot of about a second. The costs are replaced by fixed ones, so that no choice depends
     /// on the machine: 1.2 ns for a step, 30 us for an event-driven path.
     fn pilot(name: &str, steps: usize, free_paths: &[u64]) -> (Scenario, Trade) {
         let scenario = Scenario::shipped(name).expect("a shipped scenario");
-        let effort = Effort {
+        let planned = PlannedCost {
             steps,
             coupled_paths: 640,
             free_paths: free_paths.to_vec(),
@@ -342,7 +342,7 @@ mod tests {
         let mut trade = measure(
             &scenario,
             &SettingGrid::of(&scenario),
-            &effort,
+            &planned,
             2,
             Limits::default(),
         )

@@ -8,7 +8,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::Scheme;
 use stickslip::stats::{Statistic, Summary};
 use stickslip::study::sweep::Sweep;
-use stickslip::study::trade::Prices;
+use stickslip::study::trade::CostCurves;
 use stickslip_bearing::calibration::Calibration;
 
 /// The path that is drawn.
@@ -37,7 +37,7 @@ pub enum Subject<'a> {
         path: DrawnPath<'a>,
     },
     /// A trade: what accuracy costs.
-    Trade(&'a Prices),
+    Trade(&'a CostCurves),
     /// Sweeps: statistics as functions of keys.
     Sweep {
         /// Sweeps over the same key, each with the name of its file.
@@ -194,7 +194,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The costs that a trade has found.
-    pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
+    pub(super) fn trade(&self) -> Result<&'a CostCurves, Absent> {
         let Subject::Trade(prices) = self else {
             return Err(Absent::Elsewhere("a file of `mc trade`"));
         };

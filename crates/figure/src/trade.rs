@@ -6,7 +6,7 @@ use super::{
     Absent, Axis, Colour, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
 };
 use stickslip::scheme::Kind;
-use stickslip::study::trade::{Number, PriceCurve, Prices};
+use stickslip::study::trade::{CostCurve, CostCurves, Number};
 
 /// CPU seconds of a year. Runs that take longer are not drawn.
 const YEAR: f64 = 3.2e7;
@@ -15,7 +15,7 @@ const YEAR: f64 = 3.2e7;
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let prices = subject.trade()?;
     let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
-    let curves: Vec<(&PriceCurve, Vec<[f64; 2]>)> = prices
+    let curves: Vec<(&CostCurve, Vec<[f64; 2]>)> = prices
         .curves
         .iter()
         .map(|curve| {
@@ -65,7 +65,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 
 /// The bias of each scheme against its step, with the order that was seen. None if no scheme has a
 /// bias that differs from zero.
-fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
+fn biases(prices: &CostCurves, style: &Style) -> Option<Panel> {
     let palette = style.palette();
     let ends =
         |bias: &Number| [-1.0, 1.0].map(|side| bias.value.abs() + side * TWO_SIDED * bias.error);

@@ -14,7 +14,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{
-    Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting,
+    Choice, Cost, CostCurves, Number, Pairing, TARGETS, Trade, TradeSetting,
 };
 
 /// Name and version of the format.
@@ -266,14 +266,14 @@ pub struct StoredTrade {
 impl StoredTrade {
     /// The prices of accuracy for this statistic, or for the first statistic that has any; none if
     /// none has.
-    pub fn prices(&self, statistic: Option<Statistic>) -> Option<Prices> {
-        let prices = |statistic| Prices::of(&self.trade, statistic, &self.scenario);
+    pub fn cost_curves(&self, statistic: Option<Statistic>) -> Option<CostCurves> {
+        let prices = |statistic| CostCurves::of(&self.trade, statistic, &self.scenario);
         match statistic {
             Some(statistic) => Some(prices(statistic)),
             None => Statistic::ALL
                 .into_iter()
                 .map(prices)
-                .find(Prices::has_points),
+                .find(CostCurves::has_points),
         }
     }
 }

@@ -141,7 +141,7 @@ impl Arguments {
                     )
                 };
                 self.draw(&Subject::Trade(
-                    &stored.prices(self.statistic).ok_or_else(nothing)?,
+                    &stored.cost_curves(self.statistic).ok_or_else(nothing)?,
                 ))
             }
         }

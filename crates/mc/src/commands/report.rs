@@ -110,7 +110,7 @@ impl Arguments {
     }
 
     fn fill_with_trade(&self, page: &mut Page<'_>, stored: &StoredTrade) {
-        if let Some(prices) = stored.prices(None) {
+        if let Some(prices) = stored.cost_curves(None) {
             page.pictures = pictures(&Subject::Trade(&prices));
         }
         page.report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);

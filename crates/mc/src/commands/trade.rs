@@ -15,7 +15,7 @@ use std::time::Duration;
 use stickslip::config::{Override, input_files};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
-use stickslip::study::trade::{self, Limits, Prices, Trade, TradeError};
+use stickslip::study::trade::{self, CostCurves, Limits, Trade, TradeError};
 use stickslip_figure::{Style, Subject};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::store;
@@ -120,8 +120,8 @@ impl Arguments {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
-        let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
-        let draw = |prices: &Prices| {
+        let prices = shown.map(|statistic| CostCurves::of(trade, statistic, scenario));
+        let draw = |prices: &CostCurves| {
             stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok()
         };
         let Some(scene) = prices.as_ref().and_then(draw) else {

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// The number of paths for each part of the measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Effort {
+pub struct PlannedCost {
     /// Number of steps of the grid that are run, from the coarsest.
     pub steps: usize,
     /// Paths of every setting with a step, a multiple of 20.
@@ -43,17 +43,17 @@ const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS 
 /// The cost of a step that gets its noise from a finer one, relative to the cost of the finer one.
 const FED: f64 = 0.7;
 
-impl Effort {
-    /// The effort that fits into `budget` of CPU time on each of `threads` threads. Numbers of
-    /// paths are powers of two times a constant, so that small differences of speed do not change
-    /// them. What does not fit is removed from the grid, with the reason. Fails if not even the
-    /// reference fits.
+impl PlannedCost {
+    /// The planned cost that fits into `budget` of CPU time on each of `threads` threads. Numbers
+    /// of paths are powers of two times a constant, so that small differences of speed do not
+    /// change them. What does not fit is removed from the grid, with the reason. Fails if not even
+    /// the reference fits.
     pub fn within(
         scenario: &Scenario,
         grid: &mut SettingGrid,
         budget: Duration,
         threads: usize,
-    ) -> Result<Effort, TradeError> {
+    ) -> Result<PlannedCost, TradeError> {
         if scenario.time.end == 0.0 {
             return Err(TradeError::NothingHappens);
         }
@@ -94,7 +94,7 @@ impl Effort {
         let settings =
             steps * grid.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
         let timing = TIMING * budget.time.as_secs_f64() / settings as f64;
-        Ok(Effort {
+        Ok(PlannedCost {
             steps,
             coupled_paths,
             free_paths,
