@@ -131,7 +131,7 @@ impl<'a> Sources<'a> {
 
     /// Record that values do not go together. This is ignored after some value was replaced by a
     /// valid one, because the check is then meaningless.
-    pub fn report_misfit(&self, fault: Fault) {
+    pub fn report_check_error(&self, fault: Fault) {
         if !self.has_stand_in.get() {
             self.faults.borrow_mut().push(fault);
         }

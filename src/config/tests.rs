@@ -772,10 +772,10 @@ fn data_are_refused_for_the_same_reasons_as_a_file() {
     for (change, key, reason) in changes {
         let mut changed = sound.clone();
         change(&mut changed);
-        let misfit = changed.check().unwrap_err();
+        let check_error = changed.check().unwrap_err();
         assert!(
-            misfit.about[0].0 == key && misfit.problem.contains(reason),
-            "{misfit}"
+            check_error.about[0].0 == key && check_error.problem.contains(reason),
+            "{check_error}"
         );
     }
 }
@@ -1133,11 +1133,12 @@ fn another_scheme_is_refused_as_the_reader_refuses_it() {
                 let read = Scenario::parse(&scenario.title, &scenario.to_toml(), &flags);
                 match (read, scenario.with_scheme(kind.with(parameter))) {
                     (Ok(read), Ok(changed)) => assert_eq!(read, changed),
-                    (Err(refusal @ ScenarioError::Invalid(_)), Err(misfit)) => {
+                    (Err(refusal @ ScenarioError::Invalid(_)), Err(check_error)) => {
                         let words = refusal.to_string();
                         assert!(
-                            words.contains(&misfit.sentence()) && words.contains(&misfit.remedy),
-                            "{words} {misfit}"
+                            words.contains(&check_error.sentence())
+                                && words.contains(&check_error.remedy),
+                            "{words} {check_error}"
                         );
                         refused += 1;
                     }

@@ -92,7 +92,7 @@ macro_rules! schemes {
             }
 
             /// Checks whether the scheme can simulate this model up to `end`.
-            pub fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+            pub fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.check(model, end),)+ }
             }
         }

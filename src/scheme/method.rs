@@ -1,6 +1,6 @@
 //! What a scheme has to define ([`Method`]), and what it can do on a model ([`Simulate`]).
 
-use super::{Misfit, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
+use super::{CheckError, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
 use crate::model::Model;
 
 /// A scheme with its one parameter, and its properties. Each scheme is a type in a file of its own,
@@ -42,7 +42,7 @@ pub trait Method: Copy {
     }
 
     /// Checks whether the scheme can simulate this model up to `end`.
-    fn check(self, _model: &Model, _end: f64) -> Result<(), Misfit> {
+    fn check(self, _model: &Model, _end: f64) -> Result<(), CheckError> {
         Ok(())
     }
 }

@@ -47,8 +47,8 @@ use super::event_driven::{
     Watching, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment,
-    Simulate, Timeline,
+    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Look, Method, Observer, Parameter,
+    Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -92,7 +92,7 @@ impl Method for QuasiStatic {
     }
 
     /// The recursion takes a slip for one swing of the spring, which ends at rest.
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         let Oscillator {
             stiffness, damping, ..
         } = model.oscillator;
@@ -100,7 +100,7 @@ impl Method for QuasiStatic {
         if model.has_load() {
             let problem = "friction depends on a load or a direction, but the quasi-static recursion needs \
                 constant friction";
-            return Err(Misfit::new(&[], problem, remedy));
+            return Err(CheckError::new(&[], problem, remedy));
         }
         if let Some(force) = &model.force {
             let problem = format!(
@@ -108,7 +108,7 @@ impl Method for QuasiStatic {
                  spring alone drives a slip",
                 force.shown()
             );
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("force.expression", f64::NAN)],
                 problem,
                 remedy,
@@ -117,7 +117,7 @@ impl Method for QuasiStatic {
         if stiffness == 0.0 {
             let problem =
                 "leaves no spring, but the quasi-static recursion needs one to drive slips";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("oscillator.stiffness", stiffness)],
                 problem,
                 remedy,
@@ -125,7 +125,7 @@ impl Method for QuasiStatic {
         }
         if model.initial_velocity != 0.0 {
             let problem = "gives an initial velocity, but in the quasi-static recursion every slip starts from rest";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("initial.velocity", model.initial_velocity)],
                 problem,
                 remedy,
@@ -134,7 +134,7 @@ impl Method for QuasiStatic {
         if damping < 0.0 {
             let problem = "makes oscillations grow, but in the quasi-static recursion every slip ends with \
                 its first half-oscillation";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("oscillator.damping", damping)],
                 problem,
                 remedy,

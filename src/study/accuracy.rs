@@ -7,7 +7,7 @@
 use super::trade::{Choice, Limits, Refusal, Standing, Trade, TradeError, measure_within};
 use crate::engine::MOST_PATHS;
 use crate::scenario::Scenario;
-use crate::scheme::Misfit;
+use crate::scheme::CheckError;
 use crate::stats::Statistic;
 use std::fmt;
 use std::str::FromStr;
@@ -91,7 +91,7 @@ pub enum AccuracyError {
     Pilot(#[from] TradeError),
     /// The chosen scheme does not go with the other values of the scenario.
     #[error(transparent)]
-    Misfit(#[from] Misfit),
+    CheckError(#[from] CheckError),
     /// A statistic that was named has no relative error in this scenario.
     #[error("{}: {standing}", statistic.name())]
     NoAnswer {

@@ -37,7 +37,7 @@ pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments,
 pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
 pub(super) use work::{Resolved, WorkLeft};
 
-use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
+use super::{CheckError, Discretisation, Look, Method, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};
 
 /// The event-driven scheme with this tolerance.
@@ -81,7 +81,7 @@ impl Method for EventDriven {
         self.simulation(model, timeline).resolution()
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         check_friction(model, end)
     }
 }
@@ -91,12 +91,12 @@ impl Method for EventDriven {
 ///
 /// These schemes compute when the noise moves b past f_s, which takes a time of order (f_s/s)^2. So
 /// the squares of both forces, their product and their ratio must be representable.
-pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
+pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), CheckError> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
         let problem = "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
-        return Err(Misfit::new(
+        return Err(CheckError::new(
             &[("temperature.noise.intensity", 0.0)],
             problem,
             "remove [temperature.noise]",
@@ -104,7 +104,7 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     }
     if felt.is_none() && model.temperature.has_two_noises() {
         let problem = "there are two noises, but they are negligible".to_string();
-        return Err(Misfit::new(
+        return Err(CheckError::new(
             &[("temperature.noise.intensity", 0.0)],
             problem,
             "remove one of them",
@@ -122,5 +122,9 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     );
     let remedy = "set `static = 0` and `dynamic = 0` for no friction, or choose units in which forces are \
         closer to 1";
-    Err(Misfit::new(&[("friction.static", f_s)], problem, remedy))
+    Err(CheckError::new(
+        &[("friction.static", f_s)],
+        problem,
+        remedy,
+    ))
 }

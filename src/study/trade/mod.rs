@@ -40,7 +40,7 @@ pub use settings::{LeftOut, SettingGrid};
 pub use standing::Standing;
 
 use crate::scenario::Scenario;
-use crate::scheme::{Kind, Misfit};
+use crate::scheme::{CheckError, Kind};
 use crate::stats::Statistic;
 
 /// A number and its standard error.
@@ -97,7 +97,7 @@ impl Trade {
         settings: Vec<TradeSetting>,
         reference: usize,
         pairing: Pairing,
-    ) -> Result<Trade, Misfit> {
+    ) -> Result<Trade, CheckError> {
         let has_limitless_phases = scenario
             .with_scheme(settings[reference].scheme)?
             .resolution()

@@ -6,7 +6,7 @@ use super::timing::{bare_plan, timed};
 use super::{LeftOut, SettingGrid, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
-use crate::scheme::{Misfit, Scheme, Timeline};
+use crate::scheme::{CheckError, Scheme, Timeline};
 use crate::study::clock::Stopwatch;
 use std::time::Duration;
 
@@ -67,7 +67,7 @@ impl PlannedCost {
             .free
             .iter()
             .map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
-        let each = each.collect::<Result<Vec<f64>, Misfit>>()?;
+        let each = each.collect::<Result<Vec<f64>, CheckError>>()?;
         let (steps, coupled_paths) = budget.stepping(scenario, grid)?;
         // The time of the pilot is spent. The share of the schemes with a step goes to the others
         // if none of them is run.
@@ -123,7 +123,7 @@ impl Budget {
         &self,
         scenario: &Scenario,
         grid: &mut SettingGrid,
-    ) -> Result<(usize, u64), Misfit> {
+    ) -> Result<(usize, u64), CheckError> {
         if grid.stepping.is_empty() {
             return Ok((0, 0));
         }
@@ -218,7 +218,7 @@ impl Budget {
 }
 
 /// CPU seconds of a path, measured on one path, or on 16 if they are quick.
-fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, Misfit> {
+fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, CheckError> {
     let plan = bare_plan(scenario, scheme)?;
     let one = timed(&plan, 1);
     Ok(if one * 16.0 < quick {
@@ -244,9 +244,9 @@ const PILOT_STEPS: f64 = 4096.0;
 impl StepCost {
     /// Measure the cost of a step on the first steps of the finest setting, and the cost of events on
     /// a whole path of the coarsest setting if that is short enough.
-    fn measure(scenario: &Scenario, grid: &SettingGrid) -> Result<Self, Misfit> {
+    fn measure(scenario: &Scenario, grid: &SettingGrid) -> Result<Self, CheckError> {
         let (kind, end) = (grid.stepping[0], scenario.time.end);
-        let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
+        let seconds = |h: f64, end: f64| -> Result<f64, CheckError> {
             let scheme = kind.with(h);
             let plan = bare_plan(scenario, scheme)?;
             let timeline = Timeline {

@@ -297,7 +297,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
         false => Pairing::Measured(ratios),
     };
     let trade = Trade::of_rungs(&scenario, settings, reference, pairing)
-        .map_err(|misfit| misfit.to_string())?;
+        .map_err(|check_error| check_error.to_string())?;
     Ok(StoredTrade {
         trade,
         scenario,

@@ -157,7 +157,7 @@ fn budget(text: &str) -> Result<Duration, String> {
 impl From<TradeError> for Failure {
     fn from(error: TradeError) -> Self {
         match error {
-            TradeError::Misfit(misfit) => Failure::from(misfit),
+            TradeError::CheckError(check_error) => Failure::from(check_error),
             TradeError::NothingHappens => Failure::Refused(error.to_string()),
             TradeError::BudgetTooSmall { .. } => {
                 Failure::run(error, "measure longer with --budget, or shorten `time.end`")

@@ -10,7 +10,7 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
 use stickslip::config::{Fault, ScenarioError};
-use stickslip::scheme::Misfit;
+use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
 
 /// Why a verb did not do what it was asked to do. A message contains the remedy.
@@ -76,9 +76,9 @@ impl From<ScenarioError> for Failure {
     }
 }
 
-impl From<Misfit> for Failure {
-    fn from(misfit: Misfit) -> Self {
-        Failure::Refused(misfit.to_string())
+impl From<CheckError> for Failure {
+    fn from(check_error: CheckError) -> Self {
+        Failure::Refused(check_error.to_string())
     }
 }
 
