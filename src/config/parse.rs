@@ -1,6 +1,6 @@
 //! From keys to a checked scenario. Every number in the result is finite and in range.
 
-use super::blame::report_check_error;
+use super::diagnose::report_check_error;
 use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
@@ -109,7 +109,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     unused
         .into_iter()
         .filter(|(name, _)| !is_named(name))
-        .for_each(|(_, fault)| sources.report(fault));
+        .for_each(|(_, diagnostic)| sources.report(diagnostic));
     scenario
         .check_errors()
         .into_iter()

@@ -1,7 +1,7 @@
 //! From `[time]` and `[scheme]` to a duration, an output grid, and a scheme with its step or
 //! tolerance.
 
-use super::blame::report_check_error;
+use super::diagnose::report_check_error;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::Sources;

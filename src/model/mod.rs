@@ -37,8 +37,8 @@ pub(crate) mod tests;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use force::{
-    Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest,
-    beyond_hold, doubts, steepest,
+    Expression, ExpressionError, Force, ForceLaw, ForceWarning, Hold, Linear, Scales, Sides,
+    Steepest, beyond_hold, force_warnings, steepest,
 };
 pub use friction::{Friction, let_go, prox};
 #[doc(hidden)]

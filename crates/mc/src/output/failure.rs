@@ -9,7 +9,7 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
-use stickslip::config::{Fault, ScenarioError};
+use stickslip::config::{Diagnostic, ScenarioError};
 use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
 
@@ -66,9 +66,9 @@ fn with_remedy(problem: impl Display, remedy: impl Display) -> String {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Failure::Refused(match error {
-            ScenarioError::Invalid(faults) => faults
+            ScenarioError::Invalid(diagnostics) => diagnostics
                 .iter()
-                .map(Fault::to_string)
+                .map(Diagnostic::to_string)
                 .collect::<Vec<_>>()
                 .join("\nerror: "),
             error => error.to_string(),

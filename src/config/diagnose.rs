@@ -20,9 +20,9 @@ pub(super) fn report_check_error(
     let is_override = |(key, _): &&(&'static str, f64)| sources.is_override(root.place_of(key));
     sources.report_check_error(*match about.iter().find(is_override).or(about.first()) {
         Some((key, value)) => sources
-            .fault(root.place_of(key), problem, remedy)
+            .diagnostic(root.place_of(key), problem, remedy)
             .of(key)
             .value(format!("{value:?}")),
-        None => sources.fault(None, problem, remedy),
+        None => sources.diagnostic(None, problem, remedy),
     });
 }
