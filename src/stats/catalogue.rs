@@ -414,7 +414,7 @@ catalogue! {
     TemperatureWorkMean: OF_ENERGY.called(
         "temperature_work_mean", "mean work of the temperature", "mean work of the temperature on the body"),
     /// Mean over paths of the work of a user-defined force, the integral of g x' dt.
-    OwnForceWorkMean: OF_ENERGY.called(
+    UserForceWorkMean: OF_ENERGY.called(
         "own_force_work_mean", "mean work of the user-defined force", "mean work of the user-defined force on the body"),
     /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
     DampingWorkMean: OF_ENERGY.called(

@@ -137,7 +137,7 @@ fn totals_are_additive_over_time() {
         Statistic::FrictionWorkMean,
         Statistic::TemperatureWorkMean,
         Statistic::DampingWorkMean,
-        Statistic::OwnForceWorkMean,
+        Statistic::UserForceWorkMean,
         Statistic::StoredEnergyMean,
         Statistic::EnergyResidualMean,
     ];

@@ -799,7 +799,7 @@ fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
     ] = summaries.each_ref().map(|of| {
         [
             Statistic::FrictionWorkMean,
-            Statistic::OwnForceWorkMean,
+            Statistic::UserForceWorkMean,
             Statistic::DampingWorkMean,
             Statistic::EnergyResidualMean,
         ]

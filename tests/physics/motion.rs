@@ -246,7 +246,7 @@ fn an_elastic_stop_takes_no_work() {
             &more,
         )));
         let [own, friction, residual] = [
-            Statistic::OwnForceWorkMean,
+            Statistic::UserForceWorkMean,
             Statistic::FrictionWorkMean,
             Statistic::EnergyResidualMean,
         ]

@@ -1,5 +1,6 @@
 //! A slip of one path in a macro step: steps of (x, x', n), given n at their ends, each of which is
-//! searched for the first zero of x'. The steps are exact in law, or follow a user-defined force ([`super::own_force`]).
+//! searched for the first zero of x'. The steps are exact in law, or follow a user-defined force
+//! ([`super::user_force`]).
 
 use super::super::law::{
     Glance, Known, MacroStep, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
@@ -7,10 +8,10 @@ use super::super::law::{
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
-use super::own_force::OwnForce;
 use super::path::{Cascade, Path, Route};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
+use super::user_force::UserForceSteps;
 use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
@@ -125,7 +126,7 @@ impl Slip<'_> {
             self.macro_step.set_terms(path.after, terms);
         }
         let mut first = self.motion(path);
-        let mut own = OwnForce::new(&self.noisy.scene, self.direction, self.time(path), path);
+        let mut own = UserForceSteps::new(&self.noisy.scene, self.direction, self.time(path), path);
         loop {
             let remaining = self.macro_step.length - path.after;
             if remaining <= SHORTEST * self.macro_step.length {
@@ -212,7 +213,7 @@ impl Slip<'_> {
         is_last: bool,
         path: &mut Path<f64>,
         terms: &mut [Complex],
-        own: Option<&OwnForce>,
+        own: Option<&UserForceSteps>,
     ) {
         let start = SlipPoint {
             x: path.displacement,

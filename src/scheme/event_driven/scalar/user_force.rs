@@ -30,7 +30,7 @@ use super::slip::Slip;
 use crate::model::Sign;
 
 /// g along one slip.
-pub(super) struct OwnForce {
+pub(super) struct UserForceSteps {
     /// g at the start of the step.
     here: f64,
     /// The constant that stands for g in the step.
@@ -205,7 +205,7 @@ impl SlipStep {
     }
 }
 
-impl OwnForce {
+impl UserForceSteps {
     /// g where a path is that slips in this direction; none if there is no g.
     #[inline(always)]
     pub fn new(scene: &Scene, direction: Sign, time: f64, path: &Path<f64>) -> Option<Self> {
@@ -213,7 +213,7 @@ impl OwnForce {
             let here = scene
                 .own
                 .at(Some(direction), path.displacement, path.motion, time);
-            OwnForce {
+            UserForceSteps {
                 here,
                 push: here,
                 more: 0.0,
@@ -416,7 +416,7 @@ mod tests {
         };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));
-        let mut own = OwnForce::new(scene, slip.direction, 0.0, &path).expect("a force");
+        let mut own = UserForceSteps::new(scene, slip.direction, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint {
                 x: path.displacement,
