@@ -124,7 +124,7 @@ impl BiasPlan {
 
     /// Simulate the paths from which the bias is measured. This may be done before the run or after
     /// it.
-    pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
+    pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<AuxiliaryRun, NoBias> {
         let extrapolated = match &self.differences {
             None => Err(NoBias::Corrected),
             Some(differences) => differences.extrapolate(threads, stop),
@@ -141,11 +141,13 @@ impl BiasPlan {
         match extrapolated {
             _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
             Err(absent) if referenced.is_none() => Err(absent),
-            Ok((extrapolated, is_stable)) if is_stable || referenced.is_none() => Ok(BesideRun {
-                extrapolated,
-                referenced,
-            }),
-            _ => Ok(BesideRun {
+            Ok((extrapolated, is_stable)) if is_stable || referenced.is_none() => {
+                Ok(AuxiliaryRun {
+                    extrapolated,
+                    referenced,
+                })
+            }
+            _ => Ok(AuxiliaryRun {
                 extrapolated: Vec::new(),
                 referenced,
             }),
@@ -155,13 +157,13 @@ impl BiasPlan {
 
 /// The results of the simulations that measure the bias of a run.
 #[derive(Clone, Debug)]
-pub struct BesideRun {
+pub struct AuxiliaryRun {
     /// The biases by extrapolation from three steps.
     extrapolated: Vec<Extrapolated>,
     referenced: Option<Referenced>,
 }
 
-impl BesideRun {
+impl AuxiliaryRun {
     /// The bias of every statistic of `run` that is known well enough.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self

@@ -63,7 +63,7 @@ impl AddressedDraws {
 
     /// Numbers that belong to this path and that no scheme draws, for a statistic of a user's own.
     /// A mirror image has numbers of its own, not those of the other path of its pair.
-    pub fn beside(seed: u64, path: u64) -> Self {
+    pub fn auxiliary(seed: u64, path: u64) -> Self {
         AddressedDraws {
             origin: path_word(seed, path, 6),
             key: path_word(seed, path, 7),

@@ -78,7 +78,7 @@ mod tests {
             4.0 * ((2f64.exp() * libm::erfc(2f64.sqrt()) - 0.523_157f64.powi(2)) / 40_000.0).sqrt();
         for found in [
             mean(&mut Stream::new(5, 3)),
-            mean(&mut AddressedDraws::beside(5, 3)),
+            mean(&mut AddressedDraws::auxiliary(5, 3)),
         ] {
             assert!((found - 0.523_157).abs() < bound, "{found} +- {bound}");
         }

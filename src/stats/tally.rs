@@ -215,7 +215,7 @@ impl<'a, T: Tally<N>, const N: usize> AuxiliaryObserver for Tallied<'a, T, N> {
     }
 
     fn observer(&self, paths: &[u64]) -> Self::Observer {
-        let start = |&path| self.tally.start(AddressedDraws::beside(self.seed, path));
+        let start = |&path| self.tally.start(AddressedDraws::auxiliary(self.seed, path));
         TallyObserver {
             tally: self.tally,
             paths: paths.iter().map(start).collect(),
