@@ -130,7 +130,7 @@ impl ReferenceRun {
     /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let costs = if exact.paths_abreast() > 1 {
+        let costs = if exact.vectorised_paths() > 1 {
             IN_LANES
         } else {
             ONE_BY_ONE

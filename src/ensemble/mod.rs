@@ -320,7 +320,7 @@ impl Plan {
         if self.timeline().rows() > MOST_ROWS {
             return 1;
         }
-        let wanted = self.simulation.paths_abreast() as u64 / BLOCK_SIZE;
+        let wanted = self.simulation.vectorised_paths() as u64 / BLOCK_SIZE;
         wanted.min(blocks / (threads as u64 * TURNS)).max(1)
     }
 

@@ -116,8 +116,8 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
             }
 
-            fn paths_abreast(&self) -> usize {
-                match self { $(Simulation::$Scheme(simulation) => simulation.paths_abreast(),)+ }
+            fn vectorised_paths(&self) -> usize {
+                match self { $(Simulation::$Scheme(simulation) => simulation.vectorised_paths(),)+ }
             }
 
             fn kernel(&self) -> String {

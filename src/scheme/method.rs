@@ -84,7 +84,7 @@ pub trait Simulate: Sized {
 
     /// The number of paths that are best simulated together, if there are as many. The result of a
     /// path does not depend on this number.
-    fn paths_abreast(&self) -> usize {
+    fn vectorised_paths(&self) -> usize {
         1
     }
 

@@ -261,7 +261,7 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     };
     let scheme = Scheme::from(EventDriven { tolerance: 1e-3 });
     let simulation = scheme.simulation(&model, &timeline).with_work_limit(340);
-    assert!(simulation.paths_abreast() as u64 >= 2 * BLOCK_SIZE);
+    assert!(simulation.vectorised_paths() as u64 >= 2 * BLOCK_SIZE);
     let record = Record {
         paths: true,
         events: true,

@@ -2,7 +2,7 @@
 //! event-driven and quasi-static.
 //!
 //! All paths that are simulated together cross the same macro steps, one macro step or a run of up
-//! to 64, before any of them goes on. They do so [alone](super::scalar), one after the other, or
+//! to 64, before any of them goes on. They do so [scalar](super::scalar), one after the other, or
 //! [vectorised](super::vectorised). Within a macro step, a path is taken phase by phase:
 //!
 //! ```text

@@ -133,7 +133,7 @@ impl Noisy {
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged
     /// lanes of one macro step, few enough to stay in the cache.
-    pub fn paths_abreast(&self) -> usize {
+    pub fn vectorised_paths(&self) -> usize {
         if self.has_one_step_a_macro_step() {
             1024
         } else {

@@ -90,9 +90,9 @@ impl Simulate for EventDrivenSimulation {
         }
     }
 
-    fn paths_abreast(&self) -> usize {
+    fn vectorised_paths(&self) -> usize {
         match &self.chosen {
-            Chosen::Noisy(cascade) => cascade.paths_abreast(),
+            Chosen::Noisy(cascade) => cascade.vectorised_paths(),
             Chosen::Noiseless(_) | Chosen::General(_) => 1,
         }
     }

@@ -561,12 +561,12 @@ mod tests {
     }
 
     /// A threshold that bends: it lies 1 + 100 (1 - cos((t - 2.5)/10)) above the noise, with theta
-    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error alone. Null:
-    /// the probability to leave in the first dip, and the mean time of these exits, are the exact
-    /// ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths give
-    /// standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in 1e4.
-    /// At four times the chord error the time is 0.3 % too short; with twice the first-order change
-    /// of the rate of crossing it is 0.4 % too short at the default.
+    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error one by one.
+    /// Null: the probability to leave in the first dip, and the mean time of these exits, are the
+    /// exact ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths
+    /// give standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in
+    /// 1e4. At four times the chord error the time is 0.3 % too short; with twice the first-order
+    /// change of the rate of crossing it is 0.4 % too short at the default.
     #[test]
     fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);

@@ -1,5 +1,5 @@
 //! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
-//! output times, and the lanes that cross the macro step alone.
+//! output times, and the lanes that cross the macro step one by one.
 
 use super::super::law::{Glance, MacroStep};
 use super::super::macro_step_loop::Inside;
@@ -8,7 +8,7 @@ use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are
-/// simulated alone.
+/// simulated one by one.
 const MOST_ODD: usize = 2;
 
 /// The number of lanes after which the decision for `MOST_ODD` is made.
@@ -126,8 +126,8 @@ impl Stage for LookInside<'_> {
     }
 }
 
-/// Takes the lanes across the macro step that have to cross it alone. `inside` are the stops inside
-/// the macro step.
+/// Takes the lanes across the macro step that have to cross it one by one. `inside` are the stops
+/// inside the macro step.
 struct Alone<'i> {
     inside: Option<&'i mut Inside>,
 }
@@ -148,7 +148,7 @@ impl Stage for Alone<'_> {
 
 impl Vectorised<'_> {
     /// Takes all paths across a macro step: first as if they had no event, then, from task to task,
-    /// those that may have one, and last, alone, those that meet a rare case. `inside` are the
+    /// those that may have one, and last, one by one, those that meet a rare case. `inside` are the
     /// stops inside the macro step.
     pub(super) fn cross_macro_step(
         &mut self,
@@ -209,8 +209,8 @@ impl Vectorised<'_> {
         self.jobs.clear();
     }
 
-    /// Whether all paths cross the macro step alone: where most of them would have to cross it
-    /// again alone, for a closer look, which is for few paths, and where they move at t = 0.
+    /// Whether all paths cross the macro step one by one: where most of them would have to cross it
+    /// again one by one, for a closer look, which is for few paths, and where they move at t = 0.
     fn go_alone(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
@@ -218,7 +218,7 @@ impl Vectorised<'_> {
         are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
     }
 
-    /// Marks all lanes to cross the macro step alone.
+    /// Marks all lanes to cross the macro step one by one.
     fn mark_all_odd(&mut self) {
         let Vectorised {
             odd, lost, count, ..
@@ -231,7 +231,7 @@ impl Vectorised<'_> {
     }
 
     /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the macro step
-    /// alone.
+    /// one by one.
     fn count_work(&mut self) {
         let Vectorised {
             odd,
@@ -249,7 +249,7 @@ impl Vectorised<'_> {
         *turned_odd += odd.len();
     }
 
-    /// Drops the events of lanes that cross the macro step again, alone.
+    /// Drops the events of lanes that cross the macro step again, one by one.
     fn drop_events_of_odd(&mut self) {
         let Vectorised { odd, events, .. } = self;
         if !odd.is_empty() {

@@ -5,8 +5,8 @@ use super::crossing::{TASKS, Task};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// The most pieces of one lane that may wait. A lane with more crosses the macro step alone, which
-/// would happen often with half as many, where f_s is close to f_d.
+/// The most pieces of one lane that may wait. A lane with more crosses the macro step one by one,
+/// which would happen often with half as many, where f_s is close to f_d.
 pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of

@@ -4,17 +4,17 @@
 //! sweep    draws n at the end of the macro step, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
 //! look     draws the states at output times inside the macro step, in the pieces that hold them
-//! alone    the few lanes that meet a rare case cross the macro step again, one by one
+//! one by one    the few lanes that meet a rare case cross the macro step again, one by one
 //! ```
 //!
 //! A lane does the same as [`super::scalar::cross`], with the same random numbers and the same
-//! rounding, so a path has the same bits vectorised and alone. Therefore rare cases (the end of a
+//! rounding, so a path has the same bits vectorised and scalar. Therefore rare cases (the end of a
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
-//! in lanes: such a lane crosses the macro step again alone.
+//! in lanes: such a lane crosses the macro step again one by one.
 //!
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
 //! macro step. Then only sticks are treated in lanes, and a lane with a slip crosses the macro step
-//! alone.
+//! one by one.
 
 mod crossing;
 mod jobs;
@@ -68,10 +68,10 @@ pub struct Vectorised<'a> {
     begun: [Vec<f64>; 2],
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
-    /// The lanes that cross the macro step again, alone.
+    /// The lanes that cross the macro step again, one by one.
     odd: Vec<u32>,
     /// The number of lanes that have crossed a macro step together, and how many of them crossed it
-    /// again alone.
+    /// again one by one.
     swept: usize,
     turned_odd: usize,
     scratch: (SlipBuffers, PendingNodes),
@@ -197,7 +197,7 @@ impl<'a> Vectorised<'a> {
         }
     }
 
-    /// Takes a lane across the macro step alone.
+    /// Takes a lane across the macro step one by one.
     #[inline(always)]
     fn cross_alone(&mut self, lane: usize, macro_step: &MacroStep, inside: Option<&mut Inside>) {
         let mut path = self.path(lane);

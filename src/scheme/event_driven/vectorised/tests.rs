@@ -73,8 +73,8 @@ fn scenes() -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// A path has the same bits vectorised and alone, on every instruction set and among any other paths,
-/// with output rows at the ends of macro steps and inside them.
+/// A path has the same bits vectorised and scalar, on every instruction set and among any other
+/// paths, with output rows at the ends of macro steps and inside them.
 #[test]
 fn a_path_is_the_same_vectorised_and_scalar() {
     let paths: Vec<u64> = (100..300)
