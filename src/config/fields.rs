@@ -164,7 +164,7 @@ pub(super) struct Fields<'a> {
     /// empty one.
     pub place: Option<Place>,
     entries: &'a [KeyValue],
-    /// Whether a error in this table is reported already that may be the reason why a key is
+    /// Whether an error in this table is reported already that may be the reason why a key is
     /// missing.
     is_misread: bool,
 }

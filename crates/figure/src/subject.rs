@@ -116,13 +116,13 @@ impl<'a> Subject<'a> {
                     format!("{}, {paths}; path {number} is drawn", origin(scenario)),
                 )
             }
-            Subject::Trade(prices) => {
+            Subject::Trade(costs) => {
                 let origin = format!(
                     "biases against {}, seed {}",
-                    prices.reference.replace("--", ""),
-                    prices.seed
+                    costs.reference.replace("--", ""),
+                    costs.seed
                 );
-                (prices.title.clone(), origin.replace("scheme ", ""))
+                (costs.title.clone(), origin.replace("scheme ", ""))
             }
             Subject::Sweep { sweeps, statistics } => {
                 let all: Vec<&Scenario> = sweeps
@@ -195,10 +195,10 @@ impl<'a> Subject<'a> {
 
     /// The costs that a trade has found.
     pub(super) fn trade(&self) -> Result<&'a CostCurves, Absent> {
-        let Subject::Trade(prices) = self else {
+        let Subject::Trade(costs) = self else {
             return Err(Absent::Elsewhere("a file of `mc trade`"));
         };
-        Ok(prices)
+        Ok(costs)
     }
 }
 

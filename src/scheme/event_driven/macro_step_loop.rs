@@ -68,7 +68,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
     while let Some(stop) = stops.peek().filter(|_| !observer.borrow().is_stopped()) {
         // Collect the macro steps without a stop inside, up to the end of a macro step at which
-        // there is a stop. Where paths go one by one, each crosses all of them before the next
+        // there is a stop. Where paths go in scalar form, each crosses all of them before the next
         // path, which is easier for the branch prediction of a processor.
         quiet.clear();
         while !is_before(stop, macro_step.end) && quiet.len() < MOST_QUIET {

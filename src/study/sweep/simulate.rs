@@ -200,7 +200,7 @@ impl SweepSimulation<'_> {
             let job = &jobs[piece.job];
             let here = growing.get_or_insert_with(|| job.nothing_yet());
             here.seconds += piece.seconds;
-            let mut auxiliary_sums = None;
+            let mut auxiliary_run = None;
             match piece.made {
                 Made::Block(block) => {
                     let Delivered {
@@ -218,13 +218,13 @@ impl SweepSimulation<'_> {
                 }
                 Made::Bias(made) => match *made {
                     Err(_) if stop.load(Ordering::Relaxed) => return Ok(ControlFlow::Break(())),
-                    made => auxiliary_sums = made.ok(),
+                    made => auxiliary_run = made.ok(),
                 },
             }
             let Some(here) = growing.take() else {
                 return Ok(ControlFlow::Continue(()));
             };
-            sweep.points[job.point] = Some(here.point(job.scenario, auxiliary_sums));
+            sweep.points[job.point] = Some(here.point(job.scenario, auxiliary_run));
             job.drop_setup();
             receive(sweep).map_err(SweepEnd::Receiver)?;
             Ok(ControlFlow::Continue(()))
@@ -235,13 +235,13 @@ impl SweepSimulation<'_> {
 }
 
 impl Growing {
-    fn point(self, scenario: &Scenario, auxiliary_sums: Option<AuxiliaryRun>) -> Point {
+    fn point(self, scenario: &Scenario, auxiliary_run: Option<AuxiliaryRun>) -> Point {
         let start = thread_seconds();
         let Growing { totals, seconds } = self;
         let run = totals.totals();
         let mut summary = run.summary();
-        if let Some(auxiliary_sums) = auxiliary_sums {
-            summary.set_biases(&auxiliary_sums.of(&summary));
+        if let Some(auxiliary_run) = auxiliary_run {
+            summary.set_biases(&auxiliary_run.of(&summary));
         }
         let without = totals.own().without(&run);
         Point {

@@ -264,15 +264,15 @@ pub struct StoredTrade {
 }
 
 impl StoredTrade {
-    /// The prices of accuracy for this statistic, or for the first statistic that has any; none if
+    /// The costs of accuracy for this statistic, or for the first statistic that has any; none if
     /// none has.
     pub fn cost_curves(&self, statistic: Option<Statistic>) -> Option<CostCurves> {
-        let prices = |statistic| CostCurves::of(&self.trade, statistic, &self.scenario);
+        let costs = |statistic| CostCurves::of(&self.trade, statistic, &self.scenario);
         match statistic {
-            Some(statistic) => Some(prices(statistic)),
+            Some(statistic) => Some(costs(statistic)),
             None => Statistic::ALL
                 .into_iter()
-                .map(prices)
+                .map(costs)
                 .find(CostCurves::has_points),
         }
     }

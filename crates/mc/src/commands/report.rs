@@ -110,10 +110,10 @@ impl Arguments {
     }
 
     fn fill_with_trade(&self, page: &mut Page<'_>, stored: &StoredTrade) {
-        if let Some(prices) = stored.cost_curves(None) {
-            page.pictures = pictures(&Subject::Trade(&prices));
+        if let Some(costs) = stored.cost_curves(None) {
+            page.pictures = pictures(&Subject::Trade(&costs));
         }
-        page.report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);
+        page.report = report::costs(&stored.scenario.title, &stored.trade, Chosen::First);
         page.provenance = self.provenance(stored.other_program.as_deref());
     }
 

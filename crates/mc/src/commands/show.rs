@@ -168,7 +168,7 @@ impl Arguments {
             Content::Trade(stored) if self.all && is_text => {
                 report::trade(&stored.scenario.title, &stored.trade, None)
             }
-            Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
+            Content::Trade(stored) => report::costs(&stored.scenario.title, &stored.trade, chosen),
             Content::Sweep(stored) => {
                 let sweep = sweep::stored(file, *stored)?;
                 report::warnings(&sweep)

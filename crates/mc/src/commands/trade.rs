@@ -120,11 +120,11 @@ impl Arguments {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
-        let prices = shown.map(|statistic| CostCurves::of(trade, statistic, scenario));
-        let draw = |prices: &CostCurves| {
-            stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok()
+        let costs = shown.map(|statistic| CostCurves::of(trade, statistic, scenario));
+        let draw = |costs: &CostCurves| {
+            stickslip_figure::page(&Subject::Trade(costs), &Style::default()).ok()
         };
-        let Some(scene) = prices.as_ref().and_then(draw) else {
+        let Some(scene) = costs.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be estimated".to_string(), |s| {
                 trade.standing(s).to_string()
             });

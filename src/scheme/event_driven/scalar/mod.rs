@@ -1,4 +1,4 @@
-//! One path one by one: the order of work for paths that cross a macro step one after the other.
+//! Scalar paths: the order of work for paths that cross a macro step one after the other.
 //!
 //! ```text
 //! path           the state of a path, and how it crosses a macro step: stick, slip, stick, ..

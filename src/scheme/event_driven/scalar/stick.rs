@@ -561,7 +561,7 @@ mod tests {
     }
 
     /// A threshold that bends: it lies 1 + 100 (1 - cos((t - 2.5)/10)) above the noise, with theta
-    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error one by one.
+    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error alone.
     /// Null: the probability to leave in the first dip, and the mean time of these exits, are the
     /// exact ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths
     /// give standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in

@@ -18,7 +18,7 @@
 //! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) -
 //! g) ds/m and for its derivative. What a step may leave is measured by friction: a force along the
 //! whole way that is a share of f_s, so that a slip of any number of steps loses its energy to
-//! friction and not to the steps. The length follows from the state at the start one by one, so
+//! friction and not to the steps. The length follows from the state at the start alone, so
 //! that it does not depend on the noise that is then drawn, and the law of what is drawn is not
 //! changed. In the middle of a step, the noise moves x and x' off the quintic by a random amount of
 //! mean zero. The error of g by this is of order 3/2 in a step, and of order 2 in the law of the

@@ -1,5 +1,5 @@
 //! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
-//! output times, and the lanes that cross the macro step one by one.
+//! output times, and the lanes that cross the macro step in scalar form.
 
 use super::super::law::{Glance, MacroStep};
 use super::super::macro_step_loop::Inside;
@@ -8,7 +8,7 @@ use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are
-/// simulated one by one.
+/// simulated in scalar form.
 const MOST_ODD: usize = 2;
 
 /// The number of lanes after which the decision for `MOST_ODD` is made.
@@ -126,7 +126,7 @@ impl Stage for LookInside<'_> {
     }
 }
 
-/// Takes the lanes across the macro step that have to cross it one by one. `inside` are the stops
+/// Takes the lanes across the macro step that have to cross it in scalar form. `inside` are the stops
 /// inside the macro step.
 struct Alone<'i> {
     inside: Option<&'i mut Inside>,
@@ -136,7 +136,7 @@ impl Stage for Alone<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         while let Some(lane) = crossing.paths.odd.pop() {
-            crossing.paths.cross_alone(
+            crossing.paths.cross_scalar(
                 lane as usize,
                 crossing.macro_step,
                 self.inside.as_deref_mut(),
@@ -148,7 +148,7 @@ impl Stage for Alone<'_> {
 
 impl Vectorised<'_> {
     /// Takes all paths across a macro step: first as if they had no event, then, from task to task,
-    /// those that may have one, and last, one by one, those that meet a rare case. `inside` are the
+    /// those that may have one, and last, in scalar form, those that meet a rare case. `inside` are the
     /// stops inside the macro step.
     pub(super) fn cross_macro_step(
         &mut self,
@@ -157,7 +157,7 @@ impl Vectorised<'_> {
     ) {
         let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
         self.begin_macro_step(macro_step, glances);
-        if self.go_alone(macro_step, glances) {
+        if self.go_scalar(macro_step, glances) {
             self.mark_all_odd();
         } else {
             self.run(macro_step, CrossingStage);
@@ -209,16 +209,16 @@ impl Vectorised<'_> {
         self.jobs.clear();
     }
 
-    /// Whether all paths cross the macro step one by one: where most of them would have to cross it
-    /// again one by one, for a closer look, which is for few paths, and where they move at t = 0.
-    fn go_alone(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
+    /// Whether all paths cross the macro step in scalar form: where most of them would have to cross it
+    /// again in scalar form, for a closer look, which is for few paths, and where they move at t = 0.
+    fn go_scalar(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
             macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
         are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
     }
 
-    /// Marks all lanes to cross the macro step one by one.
+    /// Marks all lanes to cross the macro step in scalar form.
     fn mark_all_odd(&mut self) {
         let Vectorised {
             odd, lost, count, ..
@@ -231,7 +231,7 @@ impl Vectorised<'_> {
     }
 
     /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the macro step
-    /// one by one.
+    /// in scalar form.
     fn count_work(&mut self) {
         let Vectorised {
             odd,
@@ -249,7 +249,7 @@ impl Vectorised<'_> {
         *turned_odd += odd.len();
     }
 
-    /// Drops the events of lanes that cross the macro step again, one by one.
+    /// Drops the events of lanes that cross the macro step again in scalar form.
     fn drop_events_of_odd(&mut self) {
         let Vectorised { odd, events, .. } = self;
         if !odd.is_empty() {

@@ -5,7 +5,7 @@ use super::crossing::{TASKS, Task};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// The most pieces of one lane that may wait. A lane with more crosses the macro step one by one,
+/// The most pieces of one lane that may wait. A lane with more crosses the macro step in scalar form,
 /// which would happen often with half as many, where f_s is close to f_d.
 pub const DEPTH: usize = 32;
 
@@ -300,9 +300,9 @@ impl<L: Lanes> Count<L> {
 
     /// Sets the number of waiting pieces, or of attempts, to zero in these lanes.
     #[inline(always)]
-    pub fn alone_where(self, mask: L::Mask) -> Self {
-        let alone = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
-        Count(L::select(mask, L::from_bits(alone), self.number()).to_bits())
+    pub fn scalar_where(self, mask: L::Mask) -> Self {
+        let scalar = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
+        Count(L::select(mask, L::from_bits(scalar), self.number()).to_bits())
     }
 
     /// Counts one evaluation.

@@ -53,7 +53,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let whole = SharedStep::<L>::new(&noisy.step, self.macro_step);
         let nothing = SharedStep::<L>::until(noisy, self.macro_step, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
-        // Slips of many steps cross the macro step one by one, and are observed there.
+        // Slips of many steps cross the macro step in scalar form, and are observed there.
         if noisy.has_one_step_a_macro_step() {
             for glance in &inside.glances {
                 parts.push(SharedStep::<L>::until(noisy, self.macro_step, glance.time));

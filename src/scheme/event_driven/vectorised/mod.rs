@@ -4,17 +4,17 @@
 //! sweep    draws n at the end of the macro step, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
 //! look     draws the states at output times inside the macro step, in the pieces that hold them
-//! one by one    the few lanes that meet a rare case cross the macro step again, one by one
+//! scalar   the few lanes that meet a rare case cross the macro step again, path by path
 //! ```
 //!
 //! A lane does the same as [`super::scalar::cross`], with the same random numbers and the same
 //! rounding, so a path has the same bits vectorised and scalar. Therefore rare cases (the end of a
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
-//! in lanes: such a lane crosses the macro step again one by one.
+//! in lanes: such a lane crosses the macro step again in scalar form.
 //!
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
 //! macro step. Then only sticks are treated in lanes, and a lane with a slip crosses the macro step
-//! one by one.
+//! in scalar form.
 
 mod crossing;
 mod jobs;
@@ -68,10 +68,10 @@ pub struct Vectorised<'a> {
     begun: [Vec<f64>; 2],
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
-    /// The lanes that cross the macro step again, one by one.
+    /// The lanes that cross the macro step again in scalar form.
     odd: Vec<u32>,
     /// The number of lanes that have crossed a macro step together, and how many of them crossed it
-    /// again one by one.
+    /// again in scalar form.
     swept: usize,
     turned_odd: usize,
     scratch: (SlipBuffers, PendingNodes),
@@ -197,9 +197,9 @@ impl<'a> Vectorised<'a> {
         }
     }
 
-    /// Takes a lane across the macro step one by one.
+    /// Takes a lane across the macro step in scalar form.
     #[inline(always)]
-    fn cross_alone(&mut self, lane: usize, macro_step: &MacroStep, inside: Option<&mut Inside>) {
+    fn cross_scalar(&mut self, lane: usize, macro_step: &MacroStep, inside: Option<&mut Inside>) {
         let mut path = self.path(lane);
         if let Some(inside) = inside {
             inside.cross(lane, self.noisy, macro_step, &mut path, &mut self.scratch);

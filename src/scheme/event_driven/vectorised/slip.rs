@@ -215,7 +215,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             .is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
         let searched = SearchedSlip {
-            count: searched.count.alone_where(is_stop),
+            count: searched.count.scalar_where(is_stop),
             ..searched
         };
         searched.put(&mut self.paths.jobs, rows);
@@ -324,7 +324,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.odd_lanes(rows, edge);
 
         let SearchedSlip { origin, key, .. } = searched;
-        let count = searched.count.spent().alone_where(L::always());
+        let count = searched.count.spent().scalar_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
             let begun = Begun {

@@ -250,7 +250,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         piece.side = L::select(is_up, one, -one);
         // A stick that is left has no waiting pieces any more. The attempts to find the time are
         // counted in their place.
-        piece.count = piece.count.drawn(1).alone_where(is_left);
+        piece.count = piece.count.drawn(1).scalar_where(is_left);
         piece.put(&mut self.paths.jobs, rows);
         let kept = lanes & !left;
         self.saw_stick(
@@ -311,7 +311,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, _| {
             EventKind::SlipStarted(Sign::of(force))
         });
-        let count = count.drawn(3).spent().alone_where(L::always());
+        let count = count.drawn(3).spent().scalar_where(L::always());
         let own = self.paths.jobs.only::<L>(rows, lanes);
         Begun {
             after,

@@ -187,7 +187,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.jobs.push::<L>(task, rows, lanes);
     }
 
-    /// Marks lanes that have to cross the macro step again, one by one.
+    /// Marks lanes that have to cross the macro step again in scalar form.
     #[inline(always)]
     pub(super) fn odd_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
