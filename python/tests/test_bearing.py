@@ -33,7 +33,7 @@ def test_calibrate(mc, tmp_path):
     np.testing.assert_allclose(again.estimate, file.estimate, rtol=1e-6)
 
 
-def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tmp_path):
+def test_calibrate_refuses_in_the_words_of_the_command(mc, tmp_path):
     with pytest.raises(ss.ArgumentError, match="not a parameter"):
         ss.calibrate(BRIDGE, TWIN, fit=["friction.sttic"])
     for data, arguments, flags in [

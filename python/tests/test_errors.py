@@ -43,7 +43,7 @@ def test_the_message_of_a_text_is_that_of_its_file(name, mc, tmp_path):
     )
 
 
-def test_a_message_names_the_argument_where_the_command_names_a_flag(mc):
+def test_a_message_names_the_argument_instead_of_a_flag(mc):
     _, message = mc(
         "check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False
     )
@@ -74,7 +74,7 @@ def test_a_message_about_a_scenario_speaks_of_arguments(arguments, words):
     assert all(word in str(raised.value) for word in words), raised.value
 
 
-def test_a_scenario_that_is_not_there_is_no_business_of_the_command():
+def test_a_missing_scenario_does_not_mention_the_command():
     for missing in ("no-such-file.toml", "no/rho025.toml", "."):
         with pytest.raises(ss.ScenarioError, match="fix:") as raised:
             ss.run(missing)

@@ -60,7 +60,7 @@ def test_a_statistic_of_ones_own_agrees_with_that_of_the_program(
             )
 
 
-def test_the_bits_do_not_depend_on_threads_and_the_events_are_not_kept():
+def test_the_bits_do_not_depend_on_threads():
     arguments = {"paths": 3000, "bias": False, "own": {"jumps": jumps}}
     one, two = (ss.run("rho025", threads=threads, **arguments) for threads in (1, 3))
     same(one, two)

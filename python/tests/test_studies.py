@@ -94,7 +94,7 @@ def test_trade(mc, tmp_path):
         ss.trade(RHO025, budget=0)
 
 
-def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_path):
+def test_pictures_are_those_of_the_command(mc, tmp_path):
     mc("run", RHO025, "--paths", 300, "--quiet", "-o", "rho025.h5")
     run = ss.run(RHO025, paths=300)
     for only in (None, "fan", "sticks", "sticks.B", "sub-phases", "path"):

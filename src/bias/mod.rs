@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extrapolation_counts_where_it_is_much_more_precise_and_possible() {
+    fn extrapolation_counts_where_it_is_much_more_precise() {
         let bias = |estimate, uncertainty, order| {
             Some(Bias {
                 estimate,
@@ -279,7 +279,7 @@ mod tests {
     /// The two are 0.625 apart where 0.5625 is possible. The estimate stays that of the reference
     /// run, and its interval from 0.25 to 1.75 holds that of the extrapolation, from 0.25 to 0.5.
     #[test]
-    fn a_contradicted_reference_run_is_kept_and_holds_the_extrapolation() {
+    fn a_contradicted_reference_run_is_kept() {
         let bias = |estimate, uncertainty, order| {
             Some(Bias {
                 estimate,
@@ -330,7 +330,7 @@ mod tests {
     /// the two is right, and the other is off by up to four uncertainties of the reference run.
     /// Where the two contradict, a right reference run is kept, and a wrong one gets a wide uncertainty.
     #[test]
-    fn where_the_two_contradict_the_interval_holds_whichever_is_right() {
+    fn where_two_contradict_the_interval_holds_both() {
         let bias = |estimate, uncertainty| Bias {
             estimate,
             uncertainty,

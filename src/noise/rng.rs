@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_are_those_of_the_words_and_a_mirror_image_has_the_same_words() {
+    fn bytes_are_those_of_the_words() {
         let [mut one, mut other, mut mirrored] =
             [7, 7, 7 | crate::noise::MIRROR].map(|path| AddressedDraws::new(1, path));
         let mut bytes = [0; 12];

@@ -400,7 +400,7 @@ mod tests {
     /// [`Coverage::assert_95_percent`] states the false-alarm rate. If sticks were taken for
     /// independent, as in Greenwood's formula, the coverage would be about 80 %.
     #[test]
-    fn intervals_of_survival_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
+    fn intervals_of_survival_cover_where_sticks_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;

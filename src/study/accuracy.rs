@@ -466,7 +466,7 @@ mod tests {
     /// The alternative that is proposed is accepted when it is asked for, and a target 2.6 times
     /// smaller is rejected.
     #[test]
-    fn a_target_that_takes_too_long_is_refused_with_one_that_does_not() {
+    fn a_target_that_takes_too_long_is_refused() {
         let limits = [
             (1e-6, None),
             (1e-3, Some(Duration::from_secs(1))),
@@ -525,7 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn statistics_without_a_share_are_refused_when_named_and_left_out_of_all() {
+    fn statistics_without_a_share_are_refused_when_named() {
         let refused =
             |named: &[Statistic], (scenario, trade): &(Scenario, Trade)| match wanted(0.1, named)
                 .decide(scenario, trade)

@@ -570,7 +570,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_do_not_contribute_leave_the_interval_of_a_ratio_alone() {
+    fn paths_that_do_not_contribute_leave_a_ratio_unchanged() {
         let few = Measured::ratio(
             &JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]),
             0,
@@ -588,7 +588,7 @@ mod tests {
     }
 
     #[test]
-    fn one_path_gives_an_estimate_without_an_interval_and_none_gives_nothing() {
+    fn one_path_gives_no_interval_and_none_gives_nothing() {
         let one = Measured::mean_of(&JointMoments::of([&[3.0]]), 0);
         assert_eq!(one.estimate, 3.0);
         let one = one.measurement();
@@ -657,7 +657,7 @@ mod tests {
     /// with fewer than nine degrees of freedom are 3 %. A difference that one in 500 carries is
     /// recognised whenever one to four of 1000 have it, and so is its standard deviation.
     #[test]
-    fn what_one_in_500_carries_rests_on_few_and_normal_numbers_do_not() {
+    fn what_one_in_500_carries_rests_on_few() {
         let mut rng = Pcg64Dxsm::seed_from_u64(500);
         let rest_on_few = |values: &[f64]| {
             let moments = SpreadMoments::of(values, Replicate::Path);

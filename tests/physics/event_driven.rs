@@ -514,7 +514,7 @@ fn observing_does_not_touch_a_noiseless_path() {
 }
 
 #[test]
-fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
+fn relaxation_without_diffusion_is_one_more_exponential() {
     // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the stick band downwards where 6
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
@@ -775,7 +775,7 @@ fn check_factors(case: &str, step: &SlipTransition) {
 }
 
 #[test]
-fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
+fn a_transition_under_forcing_follows_the_closed_form() {
     // The noiseless sub-phase by series and doubling compared with divided differences of the
     // exponential, at resonance as well.
     for (alpha, w) in [
@@ -964,7 +964,7 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
 }
 
 #[test]
-fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
+fn statistics_do_not_depend_on_the_tolerance() {
     // Null hypothesis: every statistic has the same value for each tolerance and output grid. All
     // statistics exist in this scene, which has three whole forcing periods. Sample size: 25 000 paths
     // on either side, seeds 1 to 5. False-alarm rate: 1e-4 for each of 84 comparisons.
@@ -1306,7 +1306,7 @@ fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
 /// noises, which is exceeded by chance once in 5000 runs of the test. If the states inside a step
 /// were drawn with twice their spread, the mean would be 2.6.
 #[test]
-fn under_weak_noise_rows_inside_a_cell_show_the_noise_that_moves_the_body() {
+fn under_weak_noise_rows_show_the_noise_that_moves_the_body() {
     let (w, lag) = (0.25, 0.05);
     for rho in [1e-3, 1e-5, 1e-7] {
         let line = Timeline {
@@ -1454,7 +1454,7 @@ impl Observer for Increments {
 /// holds where four of five rows come from a finer output grid. If rows were drawn one by one from
 /// the law given both ends of the macro step, the mean would be 18.
 #[test]
-fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
+fn in_a_slip_the_temperature_follows_feeble_noise() {
     let mut model = paper(0.25, 0.25);
     model.temperature.harmonics.clear();
     model.initial_displacement = 1e9;
@@ -1538,7 +1538,7 @@ fn two_scenes_see_the_same_noise() {
 }
 
 #[test]
-fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
+fn events_alternate_and_carry_consistent_forces() {
     let model = paper(0.25, 0.25);
     for events in path_events(&model, 60.0, 1, &(0..500).collect::<Vec<_>>()) {
         let (mut time, mut slipping) = (0.0, false);
@@ -1830,7 +1830,7 @@ fn quasi_static_with_equal_thresholds_never_moves() {
 }
 
 #[test]
-fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing() {
+fn quasi_static_holds_on_the_viaduct_not_under_fast_forcing() {
     // Null hypothesis: both schemes have the same mean number of slips and the same mean final
     // displacement. Sample size: 400 paths on either side. False-alarm rate: 1e-4 for each
     // comparison. The laws differ by the work of the noise during a slip of 0.07 s, which is far

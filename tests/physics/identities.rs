@@ -364,7 +364,7 @@ fn densities_of_a_sine_are_its_closed_form() {
 /// A step of a scheme with a step is its state, held for the step: densities are those of the rows at
 /// all steps, and works are sums of the forces at the start of each step times its way.
 #[test]
-fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
+fn densities_and_works_are_those_of_the_steps() {
     for scheme in ["discrete-vi", "corrected-vi"] {
         let lines = format!(
             "{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01",

@@ -288,7 +288,7 @@ mod tests {
     /// met before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26;
     /// each of the four comparisons fails by chance once in 1e4.
     #[test]
-    fn a_step_is_left_at_the_farther_threshold_when_the_nearer_one_is_missed() {
+    fn a_step_ends_at_the_far_threshold_if_the_near_is_missed() {
         let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
         let scene = Scene::new(&noise_alone(f_s, 1e-9));
         let step = StickStep::new(&scene, 1.0);

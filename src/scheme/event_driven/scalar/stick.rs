@@ -474,7 +474,7 @@ mod tests {
     /// 1.1 %; if pieces of that length were decided for one threshold after the other, the upper
     /// one first, the share would be 16 % too large.
     #[test]
-    fn a_stick_that_begins_close_to_one_threshold_is_rarely_left_at_the_other() {
+    fn a_stick_near_one_threshold_rarely_ends_at_the_other() {
         let (half, from) = (0.25, -0.24);
         let model = noise_alone(half, 1.0);
         let found = exits(&model, from, kappa(), 1e4, 31, 400_000);
@@ -547,7 +547,7 @@ mod tests {
     }
 
     #[test]
-    fn feeble_noise_costs_few_steps_and_tends_to_the_deterministic_exit() {
+    fn feeble_noise_costs_few_steps() {
         for rho in [1e-4, 1e-6, 1e-9, 1e-12] {
             let found = exits(&paper(0.25, rho), 0.0, kappa(), 60.0, 5, 1_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
@@ -568,7 +568,7 @@ mod tests {
     /// 1e4. At four times the chord error the time is 0.3 % too short; with twice the first-order
     /// change of the rate of crossing it is 0.4 % too short at the default.
     #[test]
-    fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
+    fn a_bent_threshold_is_left_in_time_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);
         let mut model = noise_alone(amplitude + 1.0, 0.0354);
         model.temperature.harmonics = vec![Harmonic {
