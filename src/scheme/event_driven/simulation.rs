@@ -101,13 +101,13 @@ impl Simulate for EventDrivenSimulation {
         match &self.chosen {
             Chosen::Noisy(cascade) if cascade.has_one_step_a_macro_step() => {
                 format!(
-                    "{} lanes, macro_step by macro_step",
+                    "{} lanes, macro step by macro step",
                     InstructionSet::detect().name()
                 )
             }
             Chosen::Noisy(cascade) if cascade.has_equal_macro_steps() => {
                 format!(
-                    "{} lanes for sticks, macro_step by macro_step; slips path by path",
+                    "{} lanes for sticks, macro step by macro step; slips path by path",
                     InstructionSet::detect().name()
                 )
             }
