@@ -9,6 +9,7 @@ use crate::dataset::rows::RowAxis;
 use crate::dataset::{Column, Dataset, Entry, header, layout, run};
 use hdf5::H5Type;
 use ndarray::{ArrayView1, ArrayView2, s};
+use std::ops::Range;
 use std::path::Path;
 use stickslip::engine::{Part, Provenance, Status};
 use stickslip::stats::{BlockRows, Record, Summary};
@@ -120,7 +121,7 @@ impl Writer {
                 .into());
             }
             for table in tables {
-                place.written.rows.extend(table.write_all()?);
+                place.written.rows.extend(table.written());
             }
             let mut end = Dataset::new(&header.units);
             run::write_end(&mut end, summary, status);
@@ -190,12 +191,12 @@ fn growth(along: RowAxis, header: &Provenance, record: &Record) -> Growth {
 /// One growing variable.
 #[derive(Debug)]
 struct GrowingVariable {
-    /// The variable, with the values that wait to be written.
+    /// The variable, without values.
     entry: Entry,
     dataset: hdf5::Dataset,
     /// Number of values in a row.
     width: usize,
-    /// All values, written or waiting.
+    /// All values.
     sum: Sum,
 }
 
@@ -206,12 +207,8 @@ pub(super) struct GrowingTable {
     /// The dataset of the dimension itself, where no variable is its coordinate.
     bare_dimension: Option<hdf5::Dataset>,
     columns: Vec<GrowingVariable>,
-    /// Number of rows in a chunk.
-    chunk: usize,
-    /// Number of rows in the file.
-    written: usize,
-    /// Number of rows that wait in memory.
-    pending: usize,
+    /// Number of rows so far.
+    rows: usize,
 }
 
 /// The variables of a data set along this dimension.
@@ -255,112 +252,66 @@ impl GrowingTable {
             along,
             bare_dimension,
             columns,
-            chunk: growth.rows,
-            written: 0,
-            pending: 0,
+            rows: 0,
         }))
     }
 
-    /// Add rows, with the variables in the order given to `define`, and write every chunk that is
-    /// now full.
+    /// Add rows, with the variables in the order given to `define`.
     pub(super) fn push(&mut self, rows: &Dataset) -> hdf5::Result<()> {
         let new: Vec<&Entry> = of_table(self.along, rows).collect();
-        let Some(first) = new.first() else {
+        let Some(first) = new.first().filter(|entry| !entry.column.is_empty()) else {
             return Ok(());
         };
-        if !self
-            .columns
-            .iter()
-            .map(|column| &column.entry.name)
-            .eq(new.iter().map(|entry| &entry.name))
-        {
+        let names = self.columns.iter().map(|column| &column.entry.name);
+        if !names.eq(new.iter().map(|entry| &entry.name)) {
             return Err("a block has different variables from the file".into());
         }
-        let more = first.column.len() / self.columns[0].width;
-        for (
-            column,
-            Entry {
-                name,
-                column: values,
-                ..
-            },
-        ) in self.columns.iter_mut().zip(new)
-        {
-            let expected = more * column.width;
-            if values.len() != expected {
-                return Err(format!("{name} has {} values, not {expected}", values.len()).into());
-            }
-            column.entry.column.extend(values.values());
-            column.sum.add(values.values());
-        }
-        self.pending += more;
-        let full = (self.written + self.pending) / self.chunk * self.chunk;
-        self.write_to(full)
-    }
-
-    /// Write all rows that wait, including a last incomplete chunk. Returns the variables, without
-    /// values, and the sums of all their values.
-    pub(super) fn write_all(&mut self) -> hdf5::Result<impl Iterator<Item = (Entry, Sum)>> {
-        self.write_to(self.written + self.pending)?;
-        Ok(self
-            .columns
-            .iter()
-            .map(|column| (column.entry.clone(), column.sum)))
-    }
-
-    fn write_to(&mut self, end: usize) -> hdf5::Result<()> {
-        if end <= self.written {
-            return Ok(());
-        }
+        let rows = self.rows..self.rows + first.column.len() / self.columns[0].width;
         if let Some(dimension) = &self.bare_dimension {
-            dimension.resize(end)?;
+            dimension.resize(rows.end)?;
         }
-        for column in &mut self.columns {
-            column.write(self.written, end)?;
+        for (column, entry) in self.columns.iter_mut().zip(new) {
+            column.write(&entry.column, &rows)?;
         }
-        self.pending -= end - self.written;
-        self.written = end;
+        self.rows = rows.end;
         Ok(())
+    }
+
+    /// The variables, without values, and the sums of all their values.
+    fn written(&self) -> impl Iterator<Item = (Entry, Sum)> {
+        let columns = self.columns.iter();
+        columns.map(|column| (column.entry.clone(), column.sum))
     }
 }
 
 impl GrowingVariable {
-    fn write(&mut self, start: usize, end: usize) -> hdf5::Result<()> {
-        let (dataset, width) = (&self.dataset, self.width);
-        match &mut self.entry.column {
-            Column::F64(values) => write_rows(dataset, width, values, start, end),
-            Column::U64(values) => write_rows(dataset, width, values, start, end),
-            Column::U32(values) => write_rows(dataset, width, values, start, end),
-            Column::I8(values) => write_rows(dataset, width, values, start, end),
-            Column::U8(values) => write_rows(dataset, width, values, start, end),
+    /// Write the values of these rows, the next ones.
+    fn write(&mut self, values: &Column, rows: &Range<usize>) -> hdf5::Result<()> {
+        let (name, expected) = (&self.entry.name, rows.len() * self.width);
+        if values.len() != expected {
+            return Err(format!("{name} has {} values, not {expected}", values.len()).into());
+        }
+        self.sum.add(values.values());
+        match values {
+            Column::F64(values) => self.write_rows(values, rows),
+            Column::U64(values) => self.write_rows(values, rows),
+            Column::U32(values) => self.write_rows(values, rows),
+            Column::I8(values) => self.write_rows(values, rows),
+            Column::U8(values) => self.write_rows(values, rows),
             Column::Text(_) => Err("text is not stored per path".into()),
         }
     }
-}
 
-/// Write the first waiting rows to rows `start..end` of the file, and remove them from the waiting
-/// ones.
-fn write_rows<T: H5Type>(
-    dataset: &hdf5::Dataset,
-    width: usize,
-    waiting: &mut Vec<T>,
-    start: usize,
-    end: usize,
-) -> hdf5::Result<()> {
-    let rows = end - start;
-    let values = &waiting[..rows * width];
-    if dataset.ndim() == 1 {
-        dataset.resize(end)?;
-        dataset.write_slice(ArrayView1::from(values), s![start..end])?;
-    } else {
-        dataset.resize((end, width))?;
-        dataset.write_slice(
-            ArrayView2::from_shape((rows, width), values)?,
-            s![start..end, ..],
-        )?;
+    fn write_rows<T: H5Type>(&self, values: &[T], rows: &Range<usize>) -> hdf5::Result<()> {
+        let (dataset, width) = (&self.dataset, self.width);
+        if dataset.ndim() == 1 {
+            dataset.resize(rows.end)?;
+            return dataset.write_slice(ArrayView1::from(values), s![rows.clone()]);
+        }
+        dataset.resize((rows.end, width))?;
+        let values = ArrayView2::from_shape((rows.len(), width), values)?;
+        dataset.write_slice(values, s![rows.clone(), ..])
     }
-    waiting.drain(..rows * width);
-    Ok(())
 }
 
 /// Write a data set to `target`. Like every file it is made in the folder `NAME.partial`. With
