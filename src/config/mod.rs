@@ -7,7 +7,7 @@
 //!             -> parse     the whole scenario (physics and time are files of their own)
 //!                  -> a checked Scenario, or the Faults with their places (blame, error)
 //! series    the files of a measured temperature and of inputs
-//! bridge    reads only what a calibration needs, from the same tree: a BridgeScene
+//! bridge    reads only what a study of measurements needs, from the same tree: a BridgeScene
 //! text      a Scenario as TOML with every default; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
 //! ```

@@ -21,7 +21,7 @@ use stickslip::study::sweep::{
 };
 
 /// Name and version of the format.
-pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
+pub const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 
 /// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]

@@ -19,7 +19,6 @@ use super::{check_space, errors, partial_path};
 use crate::dataset::header::read_program;
 use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
 use crate::dataset::{Dataset, Source, read_attribute};
-use hdf5::File;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use stickslip::engine::Provenance;
@@ -168,7 +167,7 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
             path: path.to_owned(),
         });
     }
-    let read = |file: &File| match difference(file, question)? {
+    let read = |file: &dyn Source| match difference(file, question)? {
         Some(what) => Ok(Err(what)),
         None => read_points(file).map(|(_, points)| Ok(points)),
     };

@@ -122,7 +122,12 @@ impl Arguments {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
         let costs = shown.map(|statistic| CostCurves::of(trade, statistic, scenario));
         let draw = |costs: &CostCurves| {
-            stickslip_figure::page(&Subject::Trade(costs), &Style::default()).ok()
+            stickslip_figure::page(
+                stickslip_figure::TRADE.iter(),
+                &Subject::Trade(costs),
+                &Style::default(),
+            )
+            .ok()
         };
         let Some(scene) = costs.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be estimated".to_string(), |s| {

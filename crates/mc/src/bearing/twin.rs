@@ -2,12 +2,13 @@
 
 use crate::arguments::overrides::Settings;
 use crate::output::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
-use crate::report::{bearing, text};
+use crate::report::text;
 use crate::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, input_files, shipped_at};
 use stickslip::scenario::{BridgeScene, Scenario};
 use stickslip_bearing::calibration::{Air, Flaws, Response, Twin, twin, values};
+use stickslip_bearing::report;
 use stickslip_data::{ColumnQuantity, Origin, Start};
 use stickslip_files::store;
 
@@ -119,7 +120,7 @@ impl Arguments {
             self.force,
         )?;
         let truth = values(&response, scene.shear_stiffness);
-        print(&text(&bearing::truth(&truth)))?;
+        print(&text(&report::truth(&truth)))?;
         let samples = grouped(made.times.len() as u64);
         note(&format!(
             "{}: {samples} samples, {} slips",
