@@ -268,7 +268,7 @@ fn quantities(py: Python<'_>, keys: &[String]) -> PyResult<Vec<Quantity>> {
             "fit or bounds",
             key,
             "it is not a parameter of a bearing",
-            &format!("write some of {known}"),
+            &format!("use one or more of {known}"),
         )
     };
     keys.iter()
@@ -318,7 +318,7 @@ pub fn calibrate<'py>(
             "method",
             method,
             "unknown method",
-            "write slips, err or both",
+            "write slips, criterion or both",
         )
     };
     let fitted = quantities(py, &fit)?;

@@ -184,7 +184,7 @@ fn parameter(text: &str) -> Result<Quantity, String> {
     let found = Quantity::fitted(text.trim());
     found.ok_or_else(|| {
         format!(
-            "write some of {}",
+            "use one or more of {}",
             Quantity::FITTED.map(Quantity::key).join(", ")
         )
     })
