@@ -5,12 +5,14 @@ use crate::errors;
 use crate::scenario::Scenario;
 use crate::studies;
 use pyo3::prelude::*;
-use stickslip::config::Override;
-use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Statistic;
-use stickslip::study::sweep::{Setting, Sweep};
-use stickslip_figure::{Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
-use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
+use stickslip::study::sweep::Sweep;
+use stickslip_bearing::dataset::CALIBRATION_FORMAT;
+use stickslip_bearing::figures::FIGURES;
+use stickslip_figure::{
+    Absent, Drawing, DrawnPath, Figure, NoPage, Only, RUN, SWEEP, Style, Subject, TRADE, Theme,
+};
+use stickslip_files::dataset::{Attribute, Dataset};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
@@ -36,6 +38,11 @@ impl Picture {
         stickslip_figure::pdf(&self.0)
             .ok_or_else(|| errors::of_run(py, "internal error: no PDF", "report it"))
     }
+}
+
+/// The figures of all kinds of results.
+fn figures() -> impl Iterator<Item = &'static Figure> + Clone {
+    [RUN, TRADE, SWEEP, FIGURES].into_iter().flatten()
 }
 
 /// How a picture is drawn: the name of its only figure or panel (none for all figures), whether it is dark,
@@ -123,19 +130,12 @@ fn draw_study(
             let prices = prices.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
             draw(py, &Subject::Trade(&prices), drawn)
         }
-        ([(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
-            let StoredCalibration {
-                title, calibration, ..
-            } = fit.calibration().map_err(wrong)?;
-            let subject = Subject::Calibration {
-                title: &title,
-                calibration: &calibration,
-            };
-            draw(py, &subject, drawn)
+        ([(_, fit)], Some(Attribute::Text(kind))) if kind == CALIBRATION_FORMAT.0 => {
+            draw(py, &Subject::Dataset(fit), drawn)
         }
         (sweeps, _) => {
             let read = |(name, sweep): &(String, Dataset)| {
-                Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?))
+                Ok((name.clone(), sweep.sweep().map_err(wrong)?.sweep))
             };
             let sweeps: Vec<(String, Sweep)> = sweeps.iter().map(read).collect::<PyResult<_>>()?;
             let subject = Subject::Sweep {
@@ -145,17 +145,6 @@ fn draw_study(
             draw(py, &subject, drawn)
         }
     }
-}
-
-/// A sweep from a data set, with the scenarios of its points made again.
-fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
-    let (text, samples) = (stored.scenario_text.clone(), stored.samples.clone());
-    stored.whole(|settings| {
-        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
-        let own: Vec<Override> = settings.iter().map(laid).collect();
-        Checked::parse_stored("sweep", &text, &own, &samples)
-            .map_err(|error| errors::of_scenario(py, &error))
-    })
 }
 
 fn damaged(py: Python<'_>, problem: &str) -> PyErr {
@@ -196,10 +185,10 @@ fn draw(
         errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says")
     };
     let only = only
-        .map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem)))
+        .map(|name| Only::named(&name, figures()).map_err(|problem| unknown(&name, problem)))
         .transpose()?;
     let drawn = || {
-        stickslip_figure::draw(only, subject, &style).map_err(|no| match no {
+        stickslip_figure::draw(only, figures(), subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
             NoPage::Empty => errors::of_run(
                 py,

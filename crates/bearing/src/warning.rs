@@ -84,7 +84,10 @@ mod tests {
             format!("| `{name}` | {when} | {remedy} | {rate} |\n")
         };
         let table: String = WARNINGS.iter().map(row).collect();
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bearing/calibration.md");
+        let page = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/bearing/calibration.md"
+        );
         let page = std::fs::read_to_string(page).expect("the page");
         assert!(
             page.contains(&table),

@@ -333,7 +333,7 @@ fn clocks(case: &Case) -> Option<String> {
             "the clocks may differ; this is corrected to five minutes; set the clock that is wrong"
         }
         false => {
-            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals before"
+            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals until then"
         }
     };
     Some(format!(

@@ -8,15 +8,15 @@ use crate::output::numbers::{bytes, counted, duration, grouped, parse_share_in};
 use crate::report::{self, Report};
 use crate::session::sweep::SweepSession;
 use crate::{Failure, Threads, print};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use stickslip::config::{Override, symbol_and_meaning};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{
-    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis,
-    SweepQuestion, estimated_seconds,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, SweepAxis, SweepQuestion,
+    estimated_seconds,
 };
-use stickslip_files::store::{StoredSweep, sweep_bytes};
+use stickslip_files::store::sweep_bytes;
 
 /// Arguments of `mc sweep`.
 #[derive(Debug, clap::Args)]
@@ -186,30 +186,17 @@ impl Arguments {
     }
 }
 
-/// A sweep read from a file, with the scenarios of its points made again.
-pub fn stored(path: &Path, stored: StoredSweep) -> Result<Sweep, Failure> {
-    let (name, text, samples) = (
-        path.display().to_string(),
-        stored.scenario_text.clone(),
-        stored.samples.clone(),
-    );
-    let point = |settings: &[Setting]| {
-        Scenario::parse_stored(&name, &text, &overrides(settings, &[]), &samples)
-    };
-    Ok(stored.whole(point)?)
-}
-
 /// For each key, the words of the command line that messages about its value quote.
 type QuotedWords = Vec<(String, String)>;
 
 /// These settings as changes of a scenario.
 fn overrides(settings: &[Setting], quoted: &[(String, String)]) -> Vec<Override> {
-    let laid = |Setting { key, value }: &Setting| {
+    let laid = |setting: &Setting| {
         let typed = quoted
             .iter()
-            .find(|(of, _)| of == key)
-            .map_or(key.as_str(), |(_, typed)| typed);
-        Override::number(typed, key, *value)
+            .find(|(of, _)| *of == setting.key)
+            .map_or(setting.key.as_str(), |(_, typed)| typed);
+        setting.change(typed)
     };
     settings.iter().map(laid).collect()
 }

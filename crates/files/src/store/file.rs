@@ -1,0 +1,241 @@
+//! An HDF5 file while it is being written: nothing counts as written before it was read back.
+//!
+//! HDF5 writes late, some of it only when a variable or the file is closed, and then it may fail
+//! without a word. So a file is written such that every failure is seen:
+//!
+//! ```text
+//! write     values go to the system at once, because there is no sieve buffer
+//! flush     writes what the library still holds, and its result is looked at
+//! close     has nothing left to write
+//! compare   the file is opened anew, and everything in it is compared with what was written
+//! seal      a checksum of the whole file, synced to the disk with it
+//! ```
+//!
+//! After a failed write or flush the handles are leaked on purpose, and the file is never touched
+//! again. Closing such a file crashes some versions of the library, and others report success.
+
+use super::StoreError;
+use super::errors::{WriteFailure, cause};
+use super::variables::OpenFile;
+use crate::dataset::{ColumnView, Dataset, ElementType, Entry, Source as _, layout};
+use crate::saved::seal::{self, superblock};
+use crate::saved::{Against, checksum};
+use hdf5::File;
+use hdf5::file::{FileCloseDegree, LibraryVersion};
+use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A file that is being written.
+#[derive(Debug)]
+pub(super) struct StagedFile {
+    path: PathBuf,
+    /// The open file; `None` after a failure.
+    place: Option<OpenFile>,
+}
+
+impl StagedFile {
+    /// Create a file, which must not exist.
+    pub fn create(path: &Path) -> Result<StagedFile, StoreError> {
+        let file = create(path).map_err(|error| StoreError::NotCreated {
+            partial: path.to_owned(),
+            cause: cause(&error),
+        })?;
+        Ok(StagedFile {
+            path: path.to_owned(),
+            place: Some(OpenFile::new(file)),
+        })
+    }
+
+    /// Do something with the file. After the first failure nothing is done any more.
+    pub fn write(
+        &mut self,
+        work: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>,
+    ) -> Result<(), WriteFailure> {
+        let closed = || WriteFailure {
+            cause: "the file is closed".into(),
+            full: false,
+        };
+        let done = work(self.place.as_mut().ok_or_else(closed)?);
+        done.map_err(|error| {
+            std::mem::forget(self.place.take());
+            error.into()
+        })
+    }
+
+    /// Close the file, of which every variable must be flushed, compare it with what was to be
+    /// written, and seal it.
+    pub fn finish(mut self) -> Result<(), WriteFailure> {
+        let mut written = Written::default();
+        self.write(|place| {
+            place.file.flush()?;
+            written = std::mem::take(&mut place.written);
+            Ok(())
+        })?;
+        drop(self.place.take());
+        if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open)
+        {
+            return Err(WriteFailure {
+                cause: "HDF5 could not close the file".into(),
+                full: false,
+            });
+        }
+        written.compare(&self.path)?;
+        // Some file systems report only at this point that they are full.
+        Ok(seal::seal(&self.path)?)
+    }
+}
+
+impl Drop for StagedFile {
+    /// A file that is given up is closed if nothing is left to be written, and leaked otherwise.
+    fn drop(&mut self) {
+        let _ = self.write(|place| place.file.flush());
+    }
+}
+
+/// Create an empty file of the kind that netCDF-4 readers expect.
+fn create(path: &Path) -> hdf5::Result<File> {
+    File::with_options()
+        // With V18 the file stays readable after the process is killed; V110 and later mark it as
+        // open for writing. A strong close closes the file even if a handle to one of its objects
+        // still exists. Without a sieve buffer no values wait for the close of their variable.
+        .with_fapl(|access| {
+            access
+                .libver_bounds(LibraryVersion::V18, LibraryVersion::V110)
+                .fclose_degree(FileCloseDegree::Strong)
+                .sieve_buf_size(0)
+        })
+        // netCDF-4 appends only to files that record the order in which their variables were
+        // created. Equal runs give equal files only if no modification times are stored.
+        .with_fcpl(|creation| {
+            creation
+                .link_creation_order(LinkCreationOrder::Indexed)
+                .attr_creation_order(AttrCreationOrder::Indexed)
+                .obj_track_times(false)
+        })
+        .create_excl(path)
+}
+
+/// Number of values that are read at a time.
+const PIECE: usize = 1 << 17;
+
+/// Number, type and checksum of the values of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sum {
+    kind: ElementType,
+    values: usize,
+    checksum: u32,
+}
+
+impl Sum {
+    /// The sum of no values of this type.
+    pub fn of(kind: ElementType) -> Self {
+        Sum {
+            kind,
+            values: 0,
+            checksum: 0,
+        }
+    }
+
+    /// Add values, which must have the type of this sum.
+    pub fn add(&mut self, values: ColumnView) {
+        self.values += values.len();
+        let mut bytes = Vec::new();
+        values.write(&mut bytes);
+        self.checksum = checksum(self.checksum, &bytes);
+    }
+}
+
+/// Everything that was written to a file: a data set, and the rows of single paths, of which only
+/// checksums are kept, however many there are.
+#[derive(Debug, Default)]
+pub(super) struct Written {
+    pub dataset: Dataset,
+    pub rows: Vec<(Entry, Sum)>,
+}
+
+impl Written {
+    /// Compare everything with the file at `path`. The first difference is a failure.
+    pub fn compare(&self, path: &Path) -> Result<(), WriteFailure> {
+        let file = File::open(path)?;
+        let mut against = Against::of(&file);
+        against.with_layout = true;
+        let failed = |cause| WriteFailure { cause, full: false };
+        against.variables(&self.dataset).map_err(failed)?;
+        against.exempt(&layout::EVENT);
+        for (entry, sum) in &self.rows {
+            against.described(entry).map_err(failed)?;
+            if sum_of(&file, &entry.name, sum).map_err(failed)? != *sum {
+                return Err(failed(format!("{} was not written correctly", entry.name)));
+            }
+        }
+        against.finish(&self.dataset).map_err(failed)?;
+        match against.difference {
+            Some(difference) => Err(failed(format!("{difference} was not written correctly"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The sum of all values of a variable in a file that must have this number of them.
+fn sum_of(file: &File, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum, String> {
+    let mut sum = Sum::of(*kind);
+    let rows = file.length(name)?.unwrap_or(0);
+    let some = (PIECE / (values / rows.max(1)).max(1)).max(1);
+    for start in (0..rows).step_by(some) {
+        sum.add(
+            file.rows(name, *kind, &(start..(start + some).min(rows)))?
+                .values(),
+        );
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::{Column, ColumnView, Dataset, ElementType, Entry, layout};
+    use crate::store::file::Sum;
+    use stickslip::stats::Units;
+
+    /// A file that was to hold something else than was written cannot be finished.
+    #[test]
+    fn what_is_not_in_the_file_as_it_was_to_be_written_is_found() {
+        let changes: [fn(&mut Written); 6] = [
+            |_| (),
+            |written| written.dataset.entries[0].column = Column::F64(vec![0.5, 0.25]),
+            |written| {
+                let (axes, attributes) = (vec!["lost".into()], Vec::new());
+                let entry = Entry {
+                    name: "lost".into(),
+                    axes,
+                    attributes,
+                    column: Column::F64(Vec::new()),
+                };
+                let mut sum = Sum::of(ElementType::F64);
+                sum.add(ColumnView::F64(&[1.0]));
+                written.rows.push((entry, sum));
+            },
+            |written| written.dataset.set_attribute("title", "another"),
+            |written| written.dataset.entries[0].attributes[0].1 = "another".into(),
+            |written| drop(written.dataset.entries.pop()),
+        ];
+        for (i, change) in changes.into_iter().enumerate() {
+            let here = tempfile::tempdir().expect("a folder");
+            let path = here.path().join("a.h5");
+            let mut draft = StagedFile::create(&path).expect("made");
+            let mut dataset = Dataset::new(&Units::default());
+            dataset.set_attribute("title", "a title");
+            dataset.set_attribute("program_version", "1");
+            dataset.set_attribute("git_hash", "1");
+            dataset.write(&layout::QUANTILE, &[0.25, 0.5]);
+            let written = draft.write(|place| {
+                place.write(dataset)?;
+                change(&mut place.written);
+                Ok(())
+            });
+            written.expect("written");
+            assert_eq!(draft.finish().is_ok(), i == 0, "change {i}");
+        }
+    }
+}
