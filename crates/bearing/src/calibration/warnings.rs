@@ -219,9 +219,16 @@ fn friction_changes(case: &Case) -> Option<String> {
 /// not those of the steel.
 const ELSEWHERE: f64 = 1.8;
 
-/// The temperatures at which slips begin scatter too much.
+/// The thermometer is slower than the steel, or the temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
     let by_slips = case.by_slips?;
+    if let Some(seconds) = by_slips.slow_thermometer {
+        return Some(format!(
+            "the thermometer is slower than the steel, by about {:.0} minutes: f_s and f_d are 5 to 20 % too small, beyond their \
+             intervals; put the thermometer on the steel",
+            seconds / 60.0
+        ));
+    }
     let scatter = by_slips.statistics.scatter;
     if case.calibration.friction_range.is_some() {
         return None;

@@ -83,7 +83,7 @@ pub fn kept_of(
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
     response.motion.start = steel.temperatures[0] + 0.9 * response.motion.reach * place;
-    let readings = readings(&response, &steel, share);
+    let readings = readings(&response, &steel, share, seed);
     let shown = if is_on_steel { &steel } else { &air };
 
     let mut random = Stream::new(seed, 55);
@@ -145,16 +145,25 @@ fn behind_air(air: &Air, lag: f64) -> Air {
 }
 
 /// The displacement of a bearing under steel that is known every minute, by slips one after the other.
-/// A is smaller by 0.5826 s sqrt(minute) where the steel is rough between these times, which corrects
-/// for crossings between them (Broadie, Glasserman and Kou, Mathematical Finance 7, 1997).
-fn readings(response: &Response, steel: &Air, share: impl Fn(f64) -> f64) -> Vec<f64> {
-    let overlooked = 0.5826 * (60.0 * steel.roughness).sqrt();
+/// Where the steel is rough, it is a Brownian bridge between these times, of which the highest and the
+/// lowest value are drawn.
+fn readings(response: &Response, steel: &Air, share: impl Fn(f64) -> f64, seed: u64) -> Vec<f64> {
+    let mut random = Stream::new(seed, 56);
     let mut xi = response.motion.start;
+    let mut before = steel.temperatures[0];
     let reading = |(time, temperature): (&f64, &f64)| {
         let share = share(*time);
-        while (temperature - xi).abs() > share * response.motion.reach - overlooked {
-            xi += share * response.motion.jump.copysign(temperature - xi);
+        let sum = before + temperature;
+        let mut farthest = |sign: f64| {
+            let gained = 2.0 * 60.0 * steel.roughness * -random.uniform().ln();
+            0.5 * (sum + sign * ((temperature - before).powi(2) + gained).sqrt())
+        };
+        for reached in [farthest(1.0), farthest(-1.0), *temperature] {
+            while (reached - xi).abs() > share * response.motion.reach {
+                xi += share * response.motion.jump.copysign(reached - xi);
+            }
         }
+        before = *temperature;
         response.sensor.reading(xi, *temperature)
     };
     steel
