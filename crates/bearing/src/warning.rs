@@ -56,8 +56,6 @@ pub const WARNINGS: &[WarningKind] = &[
     WarningKind("clocks", "the temperature of some minutes or hours earlier or later fits better than any lag; up to 55 minutes are corrected", "correct the clock", "0 of 126"),
     WarningKind("zero_set", "the sensor jumps where no slip does; the step was fitted", "check the log of the sensor", "0 of 126"),
     WarningKind("zero_drift", "the sensor drifts; the drift was fitted", "check the sensor", "0 of 126"),
-    WarningKind("methods_apart", "the estimates by slips and by least squares differ by more than their intervals", "use those by slips", "not measured"),
-    WarningKind("starts_disagree", "the starts of the least squares differ by more than 0.1 % of err", "use the estimates by slips, or raise `--starts`", "not measured"),
     WarningKind("mirrored", "the displacement falls as the temperature rises, so its sign was changed", "reverse the sign of z0", EXACT),
     WarningKind("one_process", "the samples do not determine a second noise process", "measure for longer", EXACT),
     WarningKind("held_memory", "the slow noise is held at a correlation time of a tenth of the record", "measure for longer", EXACT),

@@ -106,8 +106,8 @@ const SLOW: [f64; 9] = [2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0];
 pub enum Offset {
     /// The clock of the sensor is behind that of the thermometer by so many seconds.
     Clock(f64),
-    /// The thermometer follows the steel with this time constant, in seconds.
-    SlowThermometer(f64),
+    /// The thermometer is slower than the steel.
+    SlowThermometer,
 }
 
 /// The offset that is likelier than this lag and than none. A lag smooths the temperature from sample to
@@ -130,11 +130,12 @@ pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Optio
         return None;
     }
     // The temperature of later times resembles that of a thermometer that follows the steel.
-    let slow = best_of(&SLOW, MeasuredRecord::sharpened);
-    let slow = slow.filter(|(_, deviance)| seconds < 0.0 && *deviance < lowest);
-    Some(slow.map_or(Offset::Clock(seconds), |(seconds, _)| {
-        Offset::SlowThermometer(seconds)
-    }))
+    let is_slow = seconds < 0.0
+        && best_of(&SLOW, MeasuredRecord::sharpened).is_some_and(|(_, slow)| slow < lowest);
+    Some(match is_slow {
+        true => Offset::SlowThermometer,
+        false => Offset::Clock(seconds),
+    })
 }
 
 /// Whether two clocks that differ by so many seconds may have gone apart; otherwise somebody set one
@@ -144,7 +145,7 @@ pub fn is_small(seconds: f64) -> bool {
 }
 
 impl LagProfile {
-    /// The most likely lag, if it is longer than none beyond doubt, and shorter than the longest that is
+    /// The most likely lag, if it is clearly longer than none, and shorter than the longest that is
     /// considered.
     pub fn found(&self) -> Option<f64> {
         (self.gain > CONVINCING && !self.is_beyond()).then_some(self.likeliest)

@@ -110,8 +110,8 @@ pub struct Steel {
     pub is_estimated: bool,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub profile: Option<LagProfile>,
-    /// The time constant of a thermometer that is slower than the steel, in seconds.
-    pub slow_thermometer: Option<f64>,
+    /// Whether the thermometer is slower than the steel.
+    pub is_thermometer_slow: bool,
     /// The slips; `None` if too few are seen.
     pub slips: Option<DetectedSlips>,
     air: MeasuredAir,
@@ -138,10 +138,9 @@ impl Steel {
         let lagging = slips.as_ref().zip(profile.as_ref());
         let offset =
             lagging.and_then(|(slips, profile)| offset(&cleaned, slips, profile.likeliest));
-        let [clock, slow] = match offset {
-            Some(Offset::Clock(seconds)) => [Some(seconds), None],
-            Some(Offset::SlowThermometer(seconds)) => [None, Some(seconds)],
-            None => [None, None],
+        let clock = match offset {
+            Some(Offset::Clock(seconds)) => Some(seconds),
+            Some(Offset::SlowThermometer) | None => None,
         };
         let shift = clock.filter(|seconds| is_small(*seconds)).unwrap_or(0.0);
         if shift != 0.0 {
@@ -177,7 +176,7 @@ impl Steel {
             lag: used,
             is_estimated: lag == Lag::Auto && used > 0.0,
             profile,
-            slow_thermometer: slow,
+            is_thermometer_slow: offset == Some(Offset::SlowThermometer),
             slips,
             air,
         }

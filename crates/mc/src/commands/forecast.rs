@@ -10,7 +10,7 @@ use crate::session::progress::waiting;
 use crate::{Failure, note, print, print_data, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use stickslip_bearing::forecast::{Forecast, ForecastQuestion, Foreseen};
+use stickslip_bearing::forecast::{BearingForecast, Forecast, ForecastQuestion};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::store;
 
@@ -76,19 +76,19 @@ impl Arguments {
             share: self.share,
         };
         let record = self.source.record(&scene)?;
-        let foreseen = waiting(|begins| {
+        let outcome = waiting(|begins| {
             let processes = usize::from(self.processes);
-            Foreseen::of(
+            BearingForecast::of(
                 &scene, &record, &question, processes, threads, &stop, begins,
             )
         })
         .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
         .ok_or(Failure::Interrupted)?;
-        let warnings = foreseen.warnings();
+        let warnings = outcome.warnings();
         warnings.iter().for_each(|(_, text)| warn(text));
-        let found = &foreseen.forecast;
+        let found = &outcome.forecast;
         let content = |output: &Path| match is_page(output) {
-            true => report::of_forecast(&scene, &foreseen),
+            true => report::of_forecast(&scene, &outcome),
             false => csv(found),
         };
         let files: Vec<(&Path, String)> = self

@@ -9,7 +9,7 @@ use crate::output::failure::{Failure, note, writable};
 use crate::report::{self, Chosen, Report, html::Page};
 use std::path::PathBuf;
 use stickslip::scenario::BridgeScene;
-use stickslip_bearing::forecast::Foreseen;
+use stickslip_bearing::forecast::BearingForecast;
 use stickslip_figure::{Drawing, DrawnPath, FIGURES, Style, Subject};
 use stickslip_files::store::{self, Content, Stored, StoredCalibration, StoredSweep, StoredTrade};
 
@@ -138,14 +138,14 @@ const LEFT_OUT: &str = "Traffic, wind and braking, which move a bearing faster t
                         they cause add to the sliding path.";
 
 /// The page of a forecast.
-pub fn of_forecast(scene: &BridgeScene, foreseen: &Foreseen) -> String {
-    let stored = StoredCalibration::of(&scene.title, &scene.text, foreseen.calibration.clone());
-    of_bearing(&stored, Some(foreseen))
+pub fn of_forecast(scene: &BridgeScene, found: &BearingForecast) -> String {
+    let stored = StoredCalibration::of(&scene.title, &scene.text, found.calibration.clone());
+    of_bearing(&stored, Some(found))
 }
 
 /// The page of a calibration, after a forecast if there is one, in words for readers who did not
 /// make them.
-fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String {
+fn of_bearing(stored: &StoredCalibration, found: Option<&BearingForecast>) -> String {
     let StoredCalibration {
         title,
         scenario_text,
@@ -153,19 +153,18 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
         ..
     } = stored;
     let mut report = report::bearing::calibration(title, calibration, true);
-    let years =
-        foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast, true).tables);
+    let years = found.map(|found| report::bearing::forecast(title, &found.forecast, true).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
-    let warnings = foreseen.map_or_else(|| stored.warnings.clone(), Foreseen::warnings);
+    let warnings = found.map_or_else(|| stored.warnings.clone(), BearingForecast::warnings);
     let program = stored.other_program.clone().unwrap_or_else(crate::version);
     let page = Page {
         report,
-        lead: match foreseen {
-            Some(foreseen) => report::bearing::typical_year(&foreseen.forecast),
+        lead: match found {
+            Some(found) => report::bearing::typical_year(&found.forecast),
             None => report::bearing::found(calibration),
         },
-        leading_picture: foreseen
-            .map(|foreseen| stickslip_figure::years(title, &foreseen.forecast, &Style::default())),
+        leading_picture: found
+            .map(|found| stickslip_figure::years(title, &found.forecast, &Style::default())),
         warnings: warnings.into_iter().map(|(_, text)| text).collect(),
         words: vec![
             (
