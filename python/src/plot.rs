@@ -5,12 +5,10 @@ use crate::errors;
 use crate::scenario::Scenario;
 use crate::studies;
 use pyo3::prelude::*;
-use stickslip::config::Override;
-use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Statistic;
-use stickslip::study::sweep::{Setting, Sweep};
+use stickslip::study::sweep::Sweep;
 use stickslip_figure::{Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
-use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
+use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
@@ -135,7 +133,7 @@ fn draw_study(
         }
         (sweeps, _) => {
             let read = |(name, sweep): &(String, Dataset)| {
-                Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?))
+                Ok((name.clone(), sweep.sweep().map_err(wrong)?.sweep))
             };
             let sweeps: Vec<(String, Sweep)> = sweeps.iter().map(read).collect::<PyResult<_>>()?;
             let subject = Subject::Sweep {
@@ -145,17 +143,6 @@ fn draw_study(
             draw(py, &subject, drawn)
         }
     }
-}
-
-/// A sweep from a data set, with the scenarios of its points made again.
-fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
-    let (text, samples) = (stored.scenario_text.clone(), stored.samples.clone());
-    stored.whole(|settings| {
-        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
-        let own: Vec<Override> = settings.iter().map(laid).collect();
-        Checked::parse_stored("sweep", &text, &own, &samples)
-            .map_err(|error| errors::of_scenario(py, &error))
-    })
 }
 
 fn damaged(py: Python<'_>, problem: &str) -> PyErr {

@@ -17,7 +17,6 @@ command would write.
 from __future__ import annotations
 
 from . import _native
-from ._bearing import Layout, Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
 from ._frames import events, summary
@@ -28,6 +27,7 @@ from ._run import merge, replay, run
 from ._scenario import ScenarioLike, Scheme, scenarios
 from ._studies import sweep, trade
 from ._verify import Verified, verify
+from .bearing import Layout, Weather, calibrate, fit_temperature, forecast, twin
 from .errors import (
     ArgumentError,
     RunError,

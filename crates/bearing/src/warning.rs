@@ -1,5 +1,5 @@
 //! All warnings of calibrations, temperature models and forecasts, in one table, which
-//! docs/calibration.md shows.
+//! docs/bearing/calibration.md shows.
 
 use std::fmt;
 
@@ -82,11 +82,14 @@ mod tests {
             format!("| `{name}` | {when} | {remedy} | {rate} |\n")
         };
         let table: String = WARNINGS.iter().map(row).collect();
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/calibration.md");
+        let page = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/bearing/calibration.md"
+        );
         let page = std::fs::read_to_string(page).expect("the page");
         assert!(
             page.contains(&table),
-            "put this into docs/calibration.md:\n{table}"
+            "put this into docs/bearing/calibration.md:\n{table}"
         );
     }
 }

@@ -297,7 +297,7 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
     }
 }
 
-/// What docs/calibration.md says of sensors whose zero moves, from 24 synthetic measurements of
+/// What docs/bearing/calibration.md says of sensors whose zero moves, from 24 synthetic measurements of
 /// each kind (seeds 2100 to 2123).
 #[test]
 #[ignore = "a minute; prints a table"]

@@ -1,4 +1,4 @@
-//! The table of docs/calibration.md: how accurate estimates are, how often their intervals hold the
+//! The table of docs/bearing/calibration.md: how accurate estimates are, how often their intervals hold the
 //! truth, and which warnings appear, in records of known bearings that loggers keep in many ways.
 
 use crate::bridge::{BRIDGE, Bearing, DAY, ask, bias, covered, question, rmse};

@@ -215,3 +215,17 @@ pub(crate) fn read_variable<T: Element>(
         values => Ok(values),
     }
 }
+
+/// Read a variable that must have this number of values.
+pub(crate) fn read_sized<T: Element>(
+    from: &dyn Source,
+    variable: &Described,
+    length: usize,
+) -> Result<Vec<T>, String> {
+    let values = read_or_empty(from, variable)?;
+    if values.len() == length {
+        return Ok(values);
+    }
+    let (name, count) = (variable.name, values.len());
+    Err(format!("{name} has {count} values, not {length}"))
+}

@@ -114,6 +114,16 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
     walk.attribute("scenario", scenario_text)
 }
 
+/// The program that wrote the data set of a run or a sweep.
+pub(crate) fn read_program(from: &dyn Source) -> Result<Program, String> {
+    Ok(Program {
+        version: read_attribute(from, "program_version")?,
+        git_hash: read_attribute(from, "git_hash")?,
+        generator: read_attribute(from, "generator")?,
+        block_size: read_attribute(from, "block_size")?,
+    })
+}
+
 /// Write the status with which the run ended, its number of paths, and how many of them diverged.
 pub(super) fn write_end(to: &mut Dataset, completed: u64, diverged: u64, status: Status) {
     to.set_attribute("diverged_paths", diverged);

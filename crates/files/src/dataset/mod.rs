@@ -33,7 +33,7 @@ pub use calibration::StoredCalibration;
 pub use form::Attribute;
 pub(crate) use form::{
     Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program,
-    read_variable, texts,
+    read_sized, read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

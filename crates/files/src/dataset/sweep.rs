@@ -2,18 +2,20 @@
 //! points.
 
 use super::form::AttributeValue;
-use super::header::{Format, walk_origin};
-use super::layout::{self, Unit, variable};
+use super::header::{Format, write_origin};
+use super::layout::{self, Described, Unit, variable};
 use super::summary::{
     CORRECTED, PER_STATISTIC, corrected_of, estimate_of, numbers_of, write_statistics,
 };
 use super::sweep_layout as own;
-use super::walk::{Walk, Walked};
-use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
-use stickslip::engine::{Program, Provenance, Status};
-use stickslip::model::NamedSeries;
+use super::{
+    Attribute, Dataset, Element, Source, columns_of, counted, read_attribute, read_other_program,
+    read_sized, read_variable, series, texts,
+};
+use stickslip::config::Override;
+use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::Scenario;
-use stickslip::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
+use stickslip::stats::{Estimate, GROUPS, GroupValues, LimitCycle, Statistic};
 use stickslip::study::sweep::{
     Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion,
 };
@@ -24,87 +26,21 @@ pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 /// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSweep {
-    /// The scenario that the points are variations of, as TOML.
-    pub scenario_text: String,
-    /// The measured temperature of the scenario, if there is one.
-    pub samples: Vec<NamedSeries>,
-    /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
-    pub program: Program,
+    /// The sweep, with the points that are done.
+    pub sweep: Sweep,
     /// The program that wrote the sweep, if it was another one.
     pub other_program: Option<String>,
-    /// The design, which determines the points.
-    pub design: Design,
-    /// Whether all points see the same noise.
-    pub seeds: Seeds,
-    /// Whether the bias of the step was estimated.
-    pub with_bias: bool,
-    /// Whether all points are done.
-    pub status: Status,
-    /// The result of each point; none if the point is not done.
-    pub points: Vec<Option<Point>>,
-}
-
-impl StoredSweep {
-    /// The sweep, where `scenario_at` gives the scenario of a point from its settings. Fails if
-    /// `scenario_at` does.
-    pub fn whole<E>(
-        self,
-        scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
-    ) -> Result<Sweep, E> {
-        let question =
-            SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
-        Ok(Sweep {
-            question,
-            points: self.points,
-        })
-    }
 }
 
 impl Dataset {
     /// The data set of a sweep.
     pub fn of_sweep(sweep: &Sweep) -> Self {
-        let mut header = Provenance::of(&sweep.question.scenario);
-        let SweepQuestion {
-            design,
-            seeds,
-            with_bias,
-            ..
-        } = &sweep.question;
-        let status = if sweep.is_complete() {
-            Status::Complete
-        } else {
-            Status::Running
-        };
-        let axes: Vec<&str> = design
-            .axes()
-            .iter()
-            .map(|axis| axis.name.as_str())
-            .collect();
-        let mut about = About {
-            seeds: seeds.name().to_owned(),
-            status: status.name().to_owned(),
-            points: [sweep.points.len(), sweep.done()],
-            bias: if *with_bias { ESTIMATED } else { "left out" }.to_owned(),
-            design: name(design).to_owned(),
-            axes: Some(axes.join(" ")).filter(|axes| !axes.is_empty()),
-            relative_step: if let Design::Star { relative_step, .. } = design {
-                Some(*relative_step)
-            } else {
-                None
-            },
-        };
-        let units = header.units.clone();
-        let mut dataset =
-            Dataset::written(&units, |walk| attributes(walk, &mut header, &mut about));
+        let header = Provenance::of(&sweep.question.scenario);
+        let mut dataset = Dataset::new(&header.units);
+        attributes(&mut dataset, sweep, &header);
         series::write(&mut dataset, &header);
-        coordinates(&mut dataset, design);
-        let seeds: Vec<u64> = sweep
-            .question
-            .points
-            .iter()
-            .map(|scenario| scenario.ensemble.seed)
-            .collect();
-        dataset.write_by(|to| points(to, design, &seeds, &mut sweep.points.clone()));
+        coordinates(&mut dataset, &sweep.question.design);
+        results(&mut dataset, sweep);
         comparisons(&mut dataset, sweep);
         dataset
     }
@@ -115,38 +51,48 @@ impl Dataset {
     }
 }
 
-/// What the attributes of a sweep say about it, besides where it comes from.
-#[derive(Default)]
-struct About {
-    seeds: String,
-    status: String,
-    /// Number of points, and of those that are done.
-    points: [usize; 2],
-    bias: String,
-    design: String,
-    axes: Option<String>,
-    relative_step: Option<f64>,
+/// What the attributes say of the bias of the step.
+pub(crate) fn bias_name(with_bias: bool) -> &'static str {
+    if with_bias { "estimated" } else { "left out" }
 }
 
-/// What `bias` says if the bias of the step was estimated.
-const ESTIMATED: &str = "estimated";
-
-fn attributes(walk: &mut Walk, header: &mut Provenance, about: &mut About) -> Walked {
-    walk_origin(walk, SWEEP_FORMAT, &mut header.title, &mut header.program)?;
-    walk.derived_attribute("scheme", header.scheme.as_str());
-    walk.derived_attribute("seed", header.seed);
-    walk.attribute("seeds", &mut about.seeds)?;
-    walk.attribute("generator", &mut header.program.generator)?;
-    walk.derived_attribute("paths", header.paths);
-    walk.attribute("block_size", &mut header.program.block_size)?;
-    walk.attribute("status", &mut about.status)?;
-    walk.derived_attribute("points", about.points[0] as u64);
-    walk.derived_attribute("completed_points", about.points[1] as u64);
-    walk.attribute("bias_of_the_step", &mut about.bias)?;
-    walk.attribute("design", &mut about.design)?;
-    walk.attribute("axes", &mut about.axes)?;
-    walk.attribute("relative_step", &mut about.relative_step)?;
-    walk.attribute("scenario", &mut header.scenario_text)
+fn attributes(to: &mut Dataset, sweep: &Sweep, header: &Provenance) {
+    let SweepQuestion {
+        design,
+        seeds,
+        with_bias,
+        ..
+    } = &sweep.question;
+    write_origin(to, SWEEP_FORMAT, &header.title);
+    let status = if sweep.is_complete() {
+        Status::Complete
+    } else {
+        Status::Running
+    };
+    let all: [(&str, Attribute); 11] = [
+        ("scheme", header.scheme.as_str().into()),
+        ("seed", header.seed.into()),
+        ("seeds", seeds.name().into()),
+        ("generator", header.program.generator.as_str().into()),
+        ("paths", header.paths.into()),
+        ("block_size", header.program.block_size.into()),
+        ("status", status.name().into()),
+        ("points", (sweep.points.len() as u64).into()),
+        ("completed_points", (sweep.done() as u64).into()),
+        ("bias_of_the_step", bias_name(*with_bias).into()),
+        ("design", name(design).into()),
+    ];
+    for (name, value) in all {
+        to.set_attribute(name, value);
+    }
+    match design {
+        Design::Star { relative_step, .. } => to.set_attribute("relative_step", *relative_step),
+        Design::Grid(axes) | Design::Zip(axes) => {
+            let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+            to.set_attribute("axes", names.join(" "));
+        }
+    }
+    to.set_attribute("scenario", header.scenario_text.as_str());
 }
 
 /// The name of a design.
@@ -190,14 +136,12 @@ fn coordinates(to: &mut Dataset, design: &Design) {
             to.write(&own::ALONG, &texts(design.along()));
         }
         Design::Star { keys, .. } => {
-            let settings = (0..design.points()).map(|point| design.settings(point).pop());
-            let none = || Setting {
-                key: "none".into(),
-                value: f64::NAN,
+            let none = || ("none".to_string(), f64::NAN);
+            let moved = |point| {
+                let setting = design.settings(point).pop();
+                setting.map_or_else(none, |Setting { key, value }| (key, value))
             };
-            let settings = settings.map(|setting| setting.unwrap_or_else(none));
-            let (moved, values): (Vec<String>, Vec<f64>) =
-                settings.map(|Setting { key, value }| (key, value)).unzip();
+            let (moved, values): (Vec<String>, Vec<f64>) = (0..design.points()).map(moved).unzip();
             to.write(&own::POINT_KEY, &moved);
             to.write(&own::POINT_VALUE, &values);
             let (keys, values): (Vec<String>, Vec<f64>) = keys.iter().cloned().unzip();
@@ -207,208 +151,95 @@ fn coordinates(to: &mut Dataset, design: &Design) {
     }
 }
 
-/// Walk over the results of all points. `seeds` are those of the points.
-fn points(
-    walk: &mut Walk,
-    design: &Design,
-    seeds: &[u64],
-    points: &mut Vec<Option<Point>>,
-) -> Walked {
-    let mut columns = PointColumns::of(points);
-    columns.walk_estimates(walk, design)?;
-    columns.walk_paths(walk, design, seeds)?;
-    points.clear();
-    for p in 0..design.points() {
-        let is_right = columns.status[p] == 0 || columns.diverged[p] <= columns.completed[p];
-        walk.check(is_right, || "more diverged paths than paths".to_string())?;
-        points.push(columns.point(p));
-    }
-    Ok(())
-}
-
 const STATISTICS: usize = Statistic::ALL.len();
+const NUMBERS: usize = LimitCycle::NUMBERS.len();
 
-/// The results of all points, as the variables of a file.
-struct PointColumns {
-    estimates: [Vec<f64>; 7],
-    corrected: [Vec<f64>; 3],
-    /// The estimates without each group of paths.
-    without: Vec<f64>,
-    /// 0 if a point is not done, 1 if it is, and 2 if all of its paths diverged.
-    status: Vec<i8>,
-    completed: Vec<u64>,
-    diverged: Vec<u64>,
-    seconds: Vec<f64>,
-    cycles: Vec<Option<LimitCycle>>,
+/// Write a variable along the dimensions of a design of this shape and its own.
+fn write_along<T: Element>(
+    to: &mut Dataset,
+    shape: &[&str],
+    variable: &Described,
+    values: impl IntoIterator<Item = T>,
+) {
+    let dimensions = [shape, variable.axes].concat();
+    let values: Vec<T> = values.into_iter().collect();
+    to.write(&variable.along(&dimensions, variable.attributes), &values);
 }
 
-impl PointColumns {
-    fn of(points: &[Option<Point>]) -> Self {
-        let estimates = |point: &Option<Point>| match point {
-            Some(Point { estimates, .. }) => estimates
-                .each_ref()
-                .map(|e| (numbers_of(e), corrected_of(e))),
-            None => [([f64::NAN; 7], [f64::NAN; 3]); STATISTICS],
-        };
-        let (estimates, corrected): (Vec<_>, Vec<_>) = points.iter().flat_map(estimates).unzip();
-        let without = |point: &Option<Point>| {
-            let known = point.as_ref().map_or(&[][..], |point| &point.without);
-            (0..GROUPS)
-                .flat_map(|group| known.get(group).copied().unwrap_or([f64::NAN; STATISTICS]))
-                .collect::<Vec<f64>>()
-        };
-        let status = |point: &Option<Point>| match point {
-            None => 0,
-            Some(point) if point.diverged_paths < point.completed_paths => 1,
-            Some(_) => 2,
-        };
-        let each = || points.iter().map(Option::as_ref);
-        PointColumns {
-            estimates: columns_of(estimates),
-            corrected: columns_of(corrected),
-            without: points.iter().flat_map(without).collect(),
-            status: points.iter().map(status).collect(),
-            completed: each()
-                .map(|point| point.map_or(0, |point| point.completed_paths))
-                .collect(),
-            diverged: each()
-                .map(|point| point.map_or(0, |point| point.diverged_paths))
-                .collect(),
-            seconds: each()
-                .map(|point| point.map_or(f64::NAN, |point| point.seconds))
-                .collect(),
-            cycles: each()
-                .map(|point| point.and_then(|point| point.cycle.clone()))
-                .collect(),
-        }
-    }
-
-    fn walk_estimates(&mut self, walk: &mut Walk, design: &Design) -> Walked {
-        let mut coordinates = "statistic_long_name statistic_unit".to_string();
-        match design {
-            Design::Grid(_) => {}
-            Design::Zip(axes) => axes
-                .iter()
-                .for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
-            Design::Star { .. } => coordinates.push_str(" point_key point_value"),
-        }
-        let attributes = [("coordinates", coordinates.as_str())];
-        let shape = shape(design);
-        let length = design.points() * STATISTICS;
-        for (variable, values) in PER_STATISTIC.iter().zip(&mut self.estimates) {
-            let dimensions = [&shape, variable.axes].concat();
-            walk.sized(&variable.along(&dimensions, &attributes), values, length)?;
-        }
-        for (variable, values) in CORRECTED.iter().zip(&self.corrected) {
-            let dimensions = [&shape, variable.axes].concat();
-            walk.derived(&variable.along(&dimensions, &attributes), values);
-        }
-        let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
-        walk.sized(
-            &own::ESTIMATE_WITHOUT.along(&dimensions, &[]),
-            &mut self.without,
-            length * GROUPS,
-        )
-    }
-
-    /// Walk over what became of the paths of each point, and over the cycles.
-    fn walk_paths(&mut self, walk: &mut Walk, design: &Design, seeds: &[u64]) -> Walked {
-        let (shape, count) = (shape(design), design.points());
-        walk.sized(
-            &own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes),
-            &mut self.status,
-            count,
-        )?;
-        walk.sized(
-            &own::POINT_COMPLETED_PATHS.along(&shape, &[]),
-            &mut self.completed,
-            count,
-        )?;
-        walk.sized(
-            &own::POINT_DIVERGED_PATHS.along(&shape, &[]),
-            &mut self.diverged,
-            count,
-        )?;
-        walk.derived(&own::POINT_SEED.along(&shape, &[]), seeds);
-        walk.sized(
-            &own::POINT_SECONDS.along(&shape, &[]),
-            &mut self.seconds,
-            count,
-        )?;
-        // A walk that reads begins without points.
-        self.cycles.resize(count, None);
-        walk_cycles(walk, &shape, &mut self.cycles)
-    }
-
-    /// A point; none if it is not done.
-    fn point(&self, p: usize) -> Option<Point> {
-        let estimate = |statistic: Statistic| {
-            let row = p * STATISTICS + statistic.index();
-            estimate_of(
-                statistic,
-                self.estimates.each_ref().map(|column| column[row]),
-            )
-        };
-        let group = |values: &[f64]| -> GroupValues { std::array::from_fn(|i| values[i]) };
-        let groups = self.without[p * GROUPS * STATISTICS..]
-            .chunks(STATISTICS)
-            .take(GROUPS)
-            .map(group);
-        (self.status[p] != 0).then(|| Point {
-            estimates: Statistic::ALL.map(estimate),
-            completed_paths: self.completed[p],
-            diverged_paths: self.diverged[p],
-            seconds: self.seconds[p],
-            cycle: self.cycles[p].clone(),
-            // There are fewer groups where there are fewer paths.
-            without: groups
-                .take_while(|values| values.iter().any(|x| !x.is_nan()))
-                .collect(),
-        })
-    }
-}
-
-/// Walk over the cycles of the points of a design of this shape, if a point has one.
-fn walk_cycles(walk: &mut Walk, shape: &[&str], cycles: &mut [Option<LimitCycle>]) -> Walked {
-    const NUMBERS: usize = LimitCycle::NUMBERS.len();
-    let [cycle, section] = [layout::CYCLE, layout::SECTION];
-    let mut there = cycles.iter().any(Option::is_some).then_some(());
-    if walk.present(&cycle, &mut there).is_none() {
-        return Ok(());
-    }
-    let numbers = |cycle: &Option<LimitCycle>| {
-        cycle
-            .as_ref()
-            .map_or([f64::NAN; NUMBERS], LimitCycle::numbers)
+/// Write the results of all points.
+fn results(to: &mut Dataset, sweep: &Sweep) {
+    let design = &sweep.question.design;
+    let shape = &shape(design);
+    let missing = Point {
+        estimates: Statistic::ALL.map(|statistic| estimate_of(statistic, [f64::NAN; 7])),
+        completed_paths: 0,
+        diverged_paths: 0,
+        seconds: f64::NAN,
+        cycle: None,
+        without: Vec::new(),
     };
-    let states = |cycle: &Option<LimitCycle>| {
-        let mut states = cycle
-            .as_ref()
-            .map_or_else(Vec::new, |cycle| cycle.section.clone());
+    let points = || {
+        sweep
+            .points
+            .iter()
+            .map(|point| point.as_ref().unwrap_or(&missing))
+    };
+    let mut coordinates = "statistic_long_name statistic_unit".to_string();
+    match design {
+        Design::Grid(_) => {}
+        Design::Zip(axes) => axes
+            .iter()
+            .for_each(|axis| coordinates = format!("{coordinates} {}", axis.name)),
+        Design::Star { .. } => coordinates.push_str(" point_key point_value"),
+    }
+    let attributes = [("coordinates", coordinates.as_str())];
+    let numbers = columns_of(points().flat_map(|point| point.estimates.each_ref().map(numbers_of)));
+    let corrected =
+        columns_of(points().flat_map(|point| point.estimates.each_ref().map(corrected_of)));
+    let variables = PER_STATISTIC.iter().chain(&CORRECTED);
+    for (variable, values) in variables.zip(numbers.into_iter().chain(corrected)) {
+        write_along(to, shape, &variable.with(&attributes), values);
+    }
+    let without = points().flat_map(|point| {
+        let mut groups = point.without.clone();
+        groups.resize(GROUPS, [f64::NAN; STATISTICS]);
+        groups.concat()
+    });
+    write_along(to, shape, &own::ESTIMATE_WITHOUT, without);
+    let statuses = sweep.points.iter().map(|point| match point {
+        None => 0_i8,
+        Some(point) if point.diverged_paths < point.completed_paths => 1,
+        Some(_) => 2,
+    });
+    write_along(to, shape, &own::POINT_STATUS, statuses);
+    let completed = points().map(|point| point.completed_paths);
+    write_along(to, shape, &own::POINT_COMPLETED_PATHS, completed);
+    let diverged = points().map(|point| point.diverged_paths);
+    write_along(to, shape, &own::POINT_DIVERGED_PATHS, diverged);
+    let scenarios = sweep.question.points.iter();
+    let seeds = scenarios.map(|scenario| scenario.ensemble.seed);
+    write_along(to, shape, &own::POINT_SEED, seeds);
+    write_along(
+        to,
+        shape,
+        &own::POINT_SECONDS,
+        points().map(|point| point.seconds),
+    );
+    if points().all(|point| point.cycle.is_none()) {
+        return;
+    }
+    to.write(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS));
+    to.write(&layout::SECTION_STATE, &counted(0, LimitCycle::STATES));
+    let none = [f64::NAN; NUMBERS];
+    let cycles = || points().map(|point| point.cycle.as_ref());
+    let numbers = cycles().flat_map(|cycle| cycle.map_or(none, LimitCycle::numbers));
+    write_along(to, shape, &layout::CYCLE, numbers);
+    let sections = cycles().flat_map(|cycle| {
+        let mut states = cycle.map_or(Vec::new(), |cycle| cycle.section.clone());
         states.resize(LimitCycle::STATES, f64::NAN);
         states
-    };
-    let mut all: Vec<f64> = cycles.iter().flat_map(numbers).collect();
-    let mut sections: Vec<f64> = cycles.iter().flat_map(states).collect();
-    walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS));
-    walk.derived(&layout::SECTION_STATE, &counted(0, LimitCycle::STATES));
-    walk.sized(
-        &cycle.along(&[shape, cycle.axes].concat(), &[]),
-        &mut all,
-        cycles.len() * NUMBERS,
-    )?;
-    let length = cycles.len() * LimitCycle::STATES;
-    walk.sized(
-        &section.along(&[shape, section.axes].concat(), &[]),
-        &mut sections,
-        length,
-    )?;
-    let found = all.chunks(NUMBERS).zip(sections.chunks(LimitCycle::STATES));
-    for (cycle, (numbers, section)) in cycles.iter_mut().zip(found) {
-        let there = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), section);
-        *cycle = (!numbers[0].is_nan()).then_some(there);
-    }
-    Ok(())
+    });
+    write_along(to, shape, &layout::SECTION, sections);
 }
 
 /// Write the differences between points, or the elasticities.
@@ -454,72 +285,139 @@ fn comparisons(to: &mut Dataset, sweep: &Sweep) {
 
 /// Read a sweep.
 pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
-    let (mut header, mut about, mut results) =
-        (Provenance::default(), About::default(), Vec::new());
-    attributes(&mut Walk::Reading(from), &mut header, &mut about)?;
+    let text: String = read_attribute(from, "scenario")?;
+    let samples = series::read(from)?;
+    let scenario_at = |settings: &[Setting]| {
+        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
+        let overrides: Vec<Override> = settings.iter().map(laid).collect();
+        Scenario::parse_stored("scenario", &text, &overrides, &samples)
+    };
+    let (design, points) = read_points(from)?;
+    let name: String = read_attribute(from, "seeds")?;
     let seeds = [Seeds::Common, Seeds::Independent]
         .into_iter()
-        .find(|seeds| seeds.name() == about.seeds);
-    let design = read_design(from, &about)?;
-    points(&mut Walk::Reading(from), &design, &[], &mut results)?;
-    let Provenance {
-        scenario_text,
-        program,
-        ..
-    } = header;
+        .find(|seeds| seeds.name() == name)
+        .ok_or_else(|| format!("unknown seeds \"{name}\""))?;
+    let bias: String = read_attribute(from, "bias_of_the_step")?;
+    let with_bias = bias == bias_name(true);
+    let question = SweepQuestion::at_each(design, seeds, with_bias, scenario_at)
+        .map_err(|error| error.to_string())?;
     Ok(StoredSweep {
-        scenario_text,
-        samples: series::read(from)?,
-        other_program: program.other(),
-        program,
-        with_bias: about.bias == ESTIMATED,
-        seeds: seeds.ok_or_else(|| format!("unknown seeds \"{}\"", about.seeds))?,
-        status: Status::from_name(&about.status)
-            .ok_or_else(|| format!("unknown status \"{}\"", about.status))?,
-        points: results,
-        design,
+        sweep: Sweep { question, points },
+        other_program: read_other_program(from)?,
     })
 }
 
-fn read_design(from: &dyn Source, about: &About) -> Result<Design, String> {
-    let axes = |dimension: Option<&str>| -> Result<Vec<SweepAxis>, String> {
-        let names = about
-            .axes
-            .as_ref()
-            .ok_or_else(|| "axes is missing".to_owned())?;
-        let axis = |name: &str| {
-            let axes = [dimension.unwrap_or(name)];
-            let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
-            let key = AttributeValue::of(
-                from.attribute(Some(name), "key")?,
-                &format!("key of {name}"),
-            )?;
-            Ok(SweepAxis {
-                name: name.to_string(),
-                key,
-                values,
-            })
-        };
-        names.split(' ').map(axis).collect()
-    };
-    let refused = |error: DesignError| error.to_string();
-    match about.design.as_str() {
-        "grid" => Design::of(axes(None)?, false).map_err(refused),
-        "zip" => Design::of(axes(Some("point"))?, true).map_err(refused),
+pub(crate) fn read_design(from: &dyn Source) -> Result<Design, String> {
+    let design: String = read_attribute(from, "design")?;
+    let is_zipped = design == "zip";
+    match design.as_str() {
+        "grid" | "zip" => {
+            let axis = |name: &str| {
+                let along = [if is_zipped { "point" } else { name }];
+                let key = from.attribute(Some(name), "key")?;
+                Ok(SweepAxis {
+                    name: name.to_string(),
+                    key: AttributeValue::of(key, &format!("key of {name}"))?,
+                    values: read_variable(from, &variable(name, &along, Unit::None, ""))?,
+                })
+            };
+            let names: String = read_attribute(from, "axes")?;
+            let axes = names.split(' ').map(axis).collect::<Result<_, String>>()?;
+            Design::of(axes, is_zipped).map_err(|error: DesignError| error.to_string())
+        }
         "elasticity" => {
             let keys: Vec<String> = read_variable(from, &own::KEY)?;
-            let keys = keys
-                .into_iter()
-                .zip(read_variable(from, &own::KEY_VALUE)?)
-                .collect();
-            let relative_step = about
-                .relative_step
-                .ok_or_else(|| "relative_step is missing".to_owned())?;
+            let values = read_variable(from, &own::KEY_VALUE)?;
             Ok(Design::Star {
-                keys,
-                relative_step,
+                keys: keys.into_iter().zip(values).collect(),
+                relative_step: read_attribute(from, "relative_step")?,
             })
         }
         other => Err(format!("unknown design \"{other}\"")),
     }
+}
+
+/// The design of a sweep and the result of each point; none if the point is not done.
+pub(crate) fn read_points(from: &dyn Source) -> Result<(Design, Vec<Option<Point>>), String> {
+    let design = read_design(from)?;
+    let (shape, count) = (shape(&design), design.points());
+    let mut estimates = Vec::new();
+    for variable in &PER_STATISTIC {
+        estimates.push(along::<f64>(from, &shape, variable, count * STATISTICS)?);
+    }
+    let without: Vec<f64> = along(
+        from,
+        &shape,
+        &own::ESTIMATE_WITHOUT,
+        count * GROUPS * STATISTICS,
+    )?;
+    let statuses: Vec<i8> = along(from, &shape, &own::POINT_STATUS, count)?;
+    let completed: Vec<u64> = along(from, &shape, &own::POINT_COMPLETED_PATHS, count)?;
+    let diverged: Vec<u64> = along(from, &shape, &own::POINT_DIVERGED_PATHS, count)?;
+    let seconds: Vec<f64> = along(from, &shape, &own::POINT_SECONDS, count)?;
+    let cycles = read_cycles(from, &shape, count)?;
+    let estimate = |p: usize, statistic: Statistic| -> Estimate {
+        let row = p * STATISTICS + statistic.index();
+        estimate_of(statistic, std::array::from_fn(|i| estimates[i][row]))
+    };
+    let groups = |p: usize| -> Vec<GroupValues> {
+        let (groups, _) = without[p * GROUPS * STATISTICS..].as_chunks();
+        // There are fewer groups where there are fewer paths.
+        let is_there = |values: &&GroupValues| values.iter().any(|x| !x.is_nan());
+        groups
+            .iter()
+            .take(GROUPS)
+            .take_while(is_there)
+            .copied()
+            .collect()
+    };
+    let point = |p: usize| {
+        if statuses[p] == 0 {
+            return Ok(None);
+        }
+        if diverged[p] > completed[p] {
+            return Err("more diverged paths than paths".to_string());
+        }
+        Ok(Some(Point {
+            estimates: Statistic::ALL.map(|statistic| estimate(p, statistic)),
+            completed_paths: completed[p],
+            diverged_paths: diverged[p],
+            seconds: seconds[p],
+            cycle: cycles[p].clone(),
+            without: groups(p),
+        }))
+    };
+    let points = (0..count).map(point).collect::<Result<_, String>>()?;
+    Ok((design, points))
+}
+
+/// The cycle of each point that has one.
+fn read_cycles(
+    from: &dyn Source,
+    shape: &[&str],
+    count: usize,
+) -> Result<Vec<Option<LimitCycle>>, String> {
+    if !from.has(layout::CYCLE.name) {
+        return Ok(vec![None; count]);
+    }
+    let numbers: Vec<f64> = along(from, shape, &layout::CYCLE, count * NUMBERS)?;
+    let sections: Vec<f64> = along(from, shape, &layout::SECTION, count * LimitCycle::STATES)?;
+    let (numbers, _) = numbers.as_chunks::<NUMBERS>();
+    let cycles = numbers.iter().zip(sections.chunks(LimitCycle::STATES));
+    let cycle = |(numbers, section): (&[f64; NUMBERS], _)| {
+        (!numbers[0].is_nan()).then(|| LimitCycle::of_numbers(*numbers, section))
+    };
+    Ok(cycles.map(cycle).collect())
+}
+
+/// The values of a variable along the dimensions of a design of this shape and its own.
+fn along<T: Element>(
+    from: &dyn Source,
+    shape: &[&str],
+    variable: &Described,
+    length: usize,
+) -> Result<Vec<T>, String> {
+    let dimensions = [shape, variable.axes].concat();
+    read_sized(from, &variable.along(&dimensions, &[]), length)
 }

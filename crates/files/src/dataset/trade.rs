@@ -1,17 +1,16 @@
 //! A trade as a data set: what was measured for every setting, and what was predicted for every
 //! target.
 
-use super::header::{Format, walk_origin};
+use super::header::{Format, write_origin};
 use super::layout::{Unit, Variable, coordinate, table, variable};
 use super::summary::write_statistics;
-use super::walk::{Walk, Walked};
 use super::{
-    Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable,
-    series, texts,
+    Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_sized,
+    read_variable, series, texts,
 };
 use stickslip::engine::Provenance;
 use stickslip::scenario::Scenario;
-use stickslip::scheme::Kind;
+use stickslip::scheme::{Kind, Scheme};
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{
     Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting,
@@ -23,27 +22,20 @@ pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
 impl Dataset {
     /// The data set of a trade of this scenario.
     pub fn of_trade(scenario: &Scenario, trade: &Trade) -> Self {
-        let mut header = Provenance::of(scenario);
-        let units = header.units.clone();
-        let mut reference = trade.reference().scheme.to_string();
-        let mut dataset =
-            Dataset::written(&units, |walk| attributes(walk, &mut header, &mut reference));
+        let header = Provenance::of(scenario);
+        let mut dataset = Dataset::new(&header.units);
+        write_origin(&mut dataset, TRADE_FORMAT, &header.title);
+        dataset.set_attribute("seed", header.seed);
+        dataset.set_attribute("generator", header.program.generator.as_str());
+        dataset.set_attribute("reference", trade.reference().scheme.to_string());
+        dataset.set_attribute("scenario", header.scenario_text.as_str());
         series::write(&mut dataset, &header);
         write_statistics(&mut dataset, &Statistic::ALL);
+        let schemes = trade.schemes().into_iter().map(Kind::name);
         dataset.write(&RUNG, &counted(0, trade.settings.len()));
-        dataset.write(
-            &SCHEME,
-            &texts(trade.schemes().into_iter().map(|scheme| scheme.name())),
-        );
+        dataset.write(&SCHEME, &texts(schemes));
         dataset.write(&TARGET, &TARGETS);
-        let of_rung = |setting: &TradeSetting| {
-            Statistic::ALL.map(|statistic| {
-                let Number { value, error } = trade.bias(setting, statistic);
-                [setting.variance(statistic), value, error]
-            })
-        };
-        let derived = columns_of(trade.settings.iter().flat_map(of_rung));
-        dataset.write_by(|to| measured(to, &mut trade.settings.clone(), derived));
+        settings(&mut dataset, trade);
         orders(&mut dataset, trade);
         predicted(&mut dataset, trade);
         dataset
@@ -55,136 +47,102 @@ impl Dataset {
     }
 }
 
-fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) -> Walked {
-    walk_origin(walk, TRADE_FORMAT, &mut header.title, &mut header.program)?;
-    walk.derived_attribute("seed", header.seed);
-    walk.derived_attribute("generator", header.program.generator.as_str());
-    walk.attribute("reference", reference)?;
-    walk.attribute("scenario", &mut header.scenario_text)
+const STATISTICS: usize = Statistic::ALL.len();
+
+/// The step and the tolerance of a scheme; NaN where it has none.
+fn parameters(scheme: Scheme) -> [f64; 2] {
+    [scheme.step(), scheme.tolerance()].map(|parameter| parameter.unwrap_or(f64::NAN))
 }
 
-/// Walk over the measurements of the settings. Variance, bias and the error of the bias follow from
-/// them.
-fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64>; 3]) -> Walked {
-    let mut columns = SettingColumns::of(settings);
-    columns.walk(walk, &derived)?;
-    *settings = (0..columns.names.len())
-        .map(|i| columns.setting(i))
-        .collect::<Result<_, _>>()?;
-    Ok(())
-}
-
-/// The measurements of all settings, as the variables of a file.
-struct SettingColumns {
-    names: Vec<String>,
-    steps: Vec<f64>,
-    tolerances: Vec<f64>,
-    paths: Vec<u64>,
-    diverged: Vec<u64>,
-    first: Vec<f64>,
-    each: Vec<f64>,
-    estimates: Vec<f64>,
-    errors: Vec<f64>,
-    changes: Vec<f64>,
-    change_errors: Vec<f64>,
-}
-
-impl SettingColumns {
-    const ALL: usize = Statistic::ALL.len();
-
-    fn of(settings: &[TradeSetting]) -> Self {
-        let of_rung = |setting: &TradeSetting| {
-            let TradeSetting {
-                scheme,
-                cost: Cost { first, each },
-                ..
-            } = setting;
+/// The measurements of the settings, and the biases that follow from them.
+fn settings(to: &mut Dataset, trade: &Trade) {
+    let all = || trade.settings.iter();
+    let counts = |count: fn(&TradeSetting) -> u64| all().map(count).collect::<Vec<u64>>();
+    let reals = |real: fn(&TradeSetting) -> f64| all().map(real).collect::<Vec<f64>>();
+    let [steps, tolerances] = columns_of(all().map(|setting| parameters(setting.scheme)));
+    let names = all().map(|setting| setting.scheme.name());
+    to.write(&RUNG_SCHEME, &texts(names));
+    to.write(&RUNG_STEP, &steps);
+    to.write(&RUNG_TOLERANCE, &tolerances);
+    to.write(&RUNG_PATHS, &counts(|setting| setting.paths));
+    to.write(&RUNG_DIVERGED, &counts(|setting| setting.diverged));
+    to.write(&RUNG_SECONDS_FIRST, &reals(|setting| setting.cost.first));
+    to.write(&RUNG_SECONDS, &reals(|setting| setting.cost.each));
+    let numbers = |setting: &TradeSetting| {
+        Statistic::ALL.map(|statistic| {
+            let estimate = setting.estimate(statistic);
+            let bias = trade.bias(setting, statistic);
+            let missing = Number {
+                value: f64::NAN,
+                error: f64::NAN,
+            };
+            let change = setting.change(statistic).unwrap_or(missing);
             [
-                scheme.step().unwrap_or(f64::NAN),
-                scheme.tolerance().unwrap_or(f64::NAN),
-                *first,
-                *each,
+                estimate.value,
+                estimate.error,
+                setting.variance(statistic),
+                bias.value,
+                bias.error,
+                change.value,
+                change.error,
             ]
-        };
-        let numbers = |setting: &TradeSetting| {
-            Statistic::ALL.map(|statistic| {
-                let estimate = setting.estimate(statistic);
-                let change = setting.change(statistic).unwrap_or(Number {
-                    value: f64::NAN,
-                    error: f64::NAN,
-                });
-                [estimate.value, estimate.error, change.value, change.error]
-            })
-        };
-        let [steps, tolerances, first, each] = columns_of(settings.iter().map(of_rung));
-        let [estimates, errors, changes, change_errors] =
-            columns_of(settings.iter().flat_map(numbers));
-        SettingColumns {
-            names: texts(settings.iter().map(|setting| setting.scheme.name())),
-            steps,
-            tolerances,
-            paths: settings.iter().map(|setting| setting.paths).collect(),
-            diverged: settings.iter().map(|setting| setting.diverged).collect(),
-            first,
-            each,
-            estimates,
-            errors,
-            changes,
-            change_errors,
-        }
+        })
+    };
+    let variables = [
+        RUNG_ESTIMATE,
+        RUNG_STANDARD_ERROR,
+        RUNG_VARIANCE,
+        RUNG_BIAS,
+        RUNG_BIAS_ERROR,
+        RUNG_CHANGE,
+        RUNG_CHANGE_ERROR,
+    ];
+    let columns = columns_of(all().flat_map(numbers));
+    for (variable, values) in variables.iter().zip(&columns) {
+        to.write(variable, values);
     }
+}
 
-    fn walk(&mut self, walk: &mut Walk, derived: &[Vec<f64>; 3]) -> Walked {
-        walk.variable(&RUNG_SCHEME, &mut self.names)?;
-        walk.check(!self.names.is_empty(), || {
-            format!("{} is missing", RUNG_SCHEME.name)
-        })?;
-        let count = self.names.len();
-        walk.sized(&RUNG_STEP, &mut self.steps, count)?;
-        walk.sized(&RUNG_TOLERANCE, &mut self.tolerances, count)?;
-        walk.sized(&RUNG_PATHS, &mut self.paths, count)?;
-        walk.sized(&RUNG_DIVERGED, &mut self.diverged, count)?;
-        walk.sized(&RUNG_SECONDS_FIRST, &mut self.first, count)?;
-        walk.sized(&RUNG_SECONDS, &mut self.each, count)?;
-        let length = count * Self::ALL;
-        walk.sized(&RUNG_ESTIMATE, &mut self.estimates, length)?;
-        walk.sized(&RUNG_STANDARD_ERROR, &mut self.errors, length)?;
-        let variables = [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR];
-        for (variable, values) in variables.into_iter().zip(derived) {
-            walk.derived(variable, values);
-        }
-        walk.sized(&RUNG_CHANGE, &mut self.changes, length)?;
-        walk.sized(&RUNG_CHANGE_ERROR, &mut self.change_errors, length)
-    }
-
-    fn setting(&self, i: usize) -> Result<TradeSetting, String> {
-        let name = &self.names[i];
-        let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
-        let numbers = |values: &[f64], errors: &[f64]| -> Vec<Number> {
-            let of_rung = i * Self::ALL..(i + 1) * Self::ALL;
-            let pairs = values[of_rung.clone()].iter().zip(&errors[of_rung]);
-            pairs
-                .map(|(&value, &error)| Number { value, error })
-                .collect()
-        };
-        let changes = numbers(&self.changes, &self.change_errors);
+fn read_settings(from: &dyn Source) -> Result<Vec<TradeSetting>, String> {
+    let names: Vec<String> = read_variable(from, &RUNG_SCHEME)?;
+    let count = names.len();
+    let reals = |variable| read_sized::<f64>(from, variable, count);
+    let [steps, tolerances] = [reals(&RUNG_STEP)?, reals(&RUNG_TOLERANCE)?];
+    let [first, each] = [reals(&RUNG_SECONDS_FIRST)?, reals(&RUNG_SECONDS)?];
+    let paths: Vec<u64> = read_sized(from, &RUNG_PATHS, count)?;
+    let diverged: Vec<u64> = read_sized(from, &RUNG_DIVERGED, count)?;
+    let numbers = |values, errors| -> Result<Vec<Number>, String> {
+        let read = |variable| read_sized::<f64>(from, variable, count * STATISTICS);
+        let pairs = read(values)?.into_iter().zip(read(errors)?);
+        Ok(pairs
+            .map(|(value, error)| Number { value, error })
+            .collect())
+    };
+    let estimates = numbers(&RUNG_ESTIMATE, &RUNG_STANDARD_ERROR)?;
+    let changes = numbers(&RUNG_CHANGE, &RUNG_CHANGE_ERROR)?;
+    let setting = |(i, name): (usize, String)| {
+        let kind = Kind::from_name(&name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
+        let parameters = if kind.has_step() { &steps } else { &tolerances };
+        let of_rung = i * STATISTICS..(i + 1) * STATISTICS;
+        let changes = &changes[of_rung.clone()];
         let is_measured = changes.iter().any(|change| !change.value.is_nan());
         Ok(TradeSetting {
-            scheme: kind.with(if kind.has_step() {
-                self.steps[i]
-            } else {
-                self.tolerances[i]
-            }),
-            paths: self.paths[i],
-            diverged: self.diverged[i].min(self.paths[i]),
+            scheme: kind.with(parameters[i]),
+            paths: paths[i],
+            diverged: diverged[i].min(paths[i]),
             cost: Cost {
-                first: self.first[i],
-                each: self.each[i],
+                first: first[i],
+                each: each[i],
             },
-            estimates: numbers(&self.estimates, &self.errors),
-            changes: if is_measured { changes } else { Vec::new() },
+            estimates: estimates[of_rung].to_vec(),
+            changes: if is_measured {
+                changes.to_vec()
+            } else {
+                Vec::new()
+            },
         })
-    }
+    };
+    names.into_iter().enumerate().map(setting).collect()
 }
 
 fn orders(to: &mut Dataset, trade: &Trade) {
@@ -220,15 +178,17 @@ fn predicted(to: &mut Dataset, trade: &Trade) {
                 .extend(TARGETS.map(|target| trade.best(Some(scheme), &[statistic], target).ok()));
         }
     }
-    let numbers = |choice: &Option<Choice>| match choice {
-        Some(choice) => [
-            choice.seconds,
-            choice.paths as f64,
-            choice.scheme.step().unwrap_or(f64::NAN),
-            choice.scheme.tolerance().unwrap_or(f64::NAN),
-            choice.bias,
-        ],
-        None => [f64::NAN; 5],
+    let numbers = |choice: &Option<Choice>| {
+        choice.map_or([f64::NAN; 5], |choice| {
+            let [step, tolerance] = parameters(choice.scheme);
+            [
+                choice.seconds,
+                choice.paths as f64,
+                step,
+                tolerance,
+                choice.bias,
+            ]
+        })
     };
     let is_antithetic =
         |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
@@ -283,8 +243,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let text: String = read_attribute(from, "scenario")?;
     let scenario = Scenario::parse_stored("scenario", &text, &[], &series::read(from)?);
     let scenario = scenario.map_err(|error| error.to_string())?;
-    let mut settings = Vec::new();
-    measured(&mut Walk::Reading(from), &mut settings, Default::default())?;
+    let settings = read_settings(from)?;
     let reference: String = read_attribute(from, "reference")?;
     let reference = settings
         .iter()

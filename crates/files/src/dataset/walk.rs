@@ -3,7 +3,9 @@
 
 use super::form::AttributeValue;
 use super::layout::{Described, WithInterval};
-use super::{Attribute, Dataset, Element, Source, read_attribute, read_or_empty, read_variable};
+use super::{
+    Attribute, Dataset, Element, Source, read_attribute, read_or_empty, read_sized, read_variable,
+};
 use stickslip::stats::{Dimension, Units};
 use stickslip::sums::Ends;
 
@@ -52,14 +54,11 @@ impl Walk<'_> {
         values: &mut Vec<T>,
         length: usize,
     ) -> Walked {
-        self.variable(variable, values)?;
-        self.check(values.len() == length, || {
-            format!(
-                "{} has {} values, not {length}",
-                variable.name,
-                values.len()
-            )
-        })
+        match self {
+            Walk::Writing(to) => to.write(variable, &*values),
+            Walk::Reading(from) => *values = read_sized(*from, variable, length)?,
+        }
+        Ok(())
     }
 
     /// A variable with one value.

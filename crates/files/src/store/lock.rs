@@ -7,8 +7,8 @@
 //! The file holds a mark, because other programs have locks of such names too, `Cargo.lock` for
 //! example. What holds anything else is not touched.
 
-use super::own::identity;
-use super::{StoreError, leftovers, own};
+use super::system::identity;
+use super::{StoreError, errors, system};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::os::unix::fs::MetadataExt as _;
@@ -86,7 +86,7 @@ impl Lock {
 
     /// Whether a process holds the lock of a target.
     pub fn is_taken(target: &Path) -> bool {
-        let file = own::open(&lock_path(target), File::options().read(true));
+        let file = system::open(&lock_path(target), File::options().read(true));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }
 }
@@ -98,7 +98,7 @@ fn open(path: &Path) -> io::Result<Option<(File, bool)>> {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
         made => return made.map(|file| Some((file, true))),
     }
-    let mut file = match own::open(path, File::options().read(true).write(true)) {
+    let mut file = match system::open(path, File::options().read(true).write(true)) {
         // The previous holder has removed it meanwhile.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return open(path),
         opened => opened?,
@@ -124,7 +124,7 @@ impl Drop for Lock {
         if is_at(&self.file, &self.path)
             && let Err(error) = std::fs::remove_file(&self.path)
         {
-            leftovers::stays(&self.path, &error);
+            errors::stays(&self.path, &error);
         }
     }
 }

@@ -1,14 +1,14 @@
-//! The log of a run: the rows of its single paths, block after block. Blocks are only ever
-//! appended.
+//! A run as it is saved: its state, and the log with the rows of its single paths, to which blocks
+//! are only ever appended.
 //!
 //! A block is stored as its length in bytes, its bytes, and a checksum of everything in the log up
 //! to there. Therefore the state of a run needs to contain only the length of the log that is valid
 //! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
 //! this length is cut off.
 
-use super::error::not_opened;
-use super::{StoreError, own};
-use crate::saved::{Position, SavedError, checksum, read_rows};
+use super::errors::not_opened;
+use super::{StoreError, system};
+use crate::saved::{MAGIC, Position, SavedError, State, checksum, of_bytes, read_rows};
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -30,7 +30,7 @@ pub(super) struct Log {
 impl Log {
     /// Create a new log. One that a killed process has left is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
-        let file = own::create(path)?;
+        let file = system::create(path)?;
         Ok(Log {
             file,
             waiting: Vec::new(),
@@ -40,7 +40,7 @@ impl Log {
 
     /// Open a log to continue it; everything beyond `end` is cut off.
     pub fn go_on(path: &Path, end: Position) -> io::Result<Log> {
-        let mut file = own::open(path, File::options().write(true))?;
+        let mut file = system::open(path, File::options().write(true))?;
         file.set_len(end.length)?;
         file.seek(SeekFrom::End(0))?;
         Ok(Log {
@@ -92,7 +92,7 @@ struct LogReading<'a> {
 
 impl<'a> LogReading<'a> {
     fn open(path: &'a Path, end: Position) -> Result<Self, StoreError> {
-        let file = own::open(path, File::options().read(true)).map_err(not_opened(path))?;
+        let file = system::open(path, File::options().read(true)).map_err(not_opened(path))?;
         // The claimed length is compared with that of the file before any memory is allocated.
         if file.metadata().map_err(not_opened(path))?.len() < end.length {
             return Err(SavedError::Damaged {
@@ -173,6 +173,37 @@ pub(super) fn read(
     } else {
         Err(log.damaged())
     }
+}
+
+/// Size limit in bytes; a larger file is reported as damaged without being read. The largest state,
+/// with 100 000 rows of the output grid, is smaller.
+const LARGEST: u64 = 1 << 31;
+
+/// Whether a file begins as only states of this program do, damaged or not.
+pub(super) fn has_mark(path: &Path) -> bool {
+    let mut bytes = [0; MAGIC.len()];
+    let read = system::open(path, File::options().read(true))
+        .and_then(|mut file| file.read_exact(&mut bytes));
+    read.is_ok() && bytes == *MAGIC
+}
+
+/// Read the state of a run from a file.
+pub(super) fn read_state(path: &Path) -> Result<State, StoreError> {
+    let mut file = system::open(path, File::options().read(true)).map_err(not_opened(path))?;
+    let mut bytes = Vec::new();
+    if file.metadata().map_err(not_opened(path))?.len() <= LARGEST {
+        (&mut file)
+            .take(MAGIC.len() as u64)
+            .read_to_end(&mut bytes)
+            .map_err(not_opened(path))?;
+        // A file with other first bytes is not a state, so the rest of it is not read.
+        if bytes == MAGIC {
+            file.take(LARGEST)
+                .read_to_end(&mut bytes)
+                .map_err(not_opened(path))?;
+        }
+    }
+    Ok(of_bytes(&bytes, path)?)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Joining the files of the parts of a run: their rows are written one after the other.
 
-use super::naming::parent;
-use super::reader::{damaged, open, read_kind};
+use super::kinds::{damaged, open, read_kind};
 use super::staging::Staging;
+use super::system::parent;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::header::FORMAT;
 use crate::dataset::{Source as _, header, layout, read_variable};
@@ -75,7 +75,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
             path: path.to_owned(),
             status,
         }),
-        Err(_) if super::reader::unfinished(path).is_some() => Err(PartError::Unfinished {
+        Err(_) if super::kinds::unfinished(path).is_some() => Err(PartError::Unfinished {
             path: path.to_owned(),
         }),
         Err(error) => Err(error.into()),

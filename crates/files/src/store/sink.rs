@@ -1,12 +1,12 @@
 //! The sink that writes a run to a file.
 
-use super::content::check_finished;
-use super::folder::{ROWS, STATE, partial_path};
-use super::log::{self, Log};
-use super::naming::parent;
-use super::staging::{Staging, lock};
-use super::state;
-use super::{StoreError, Writer, check_space, found};
+use super::kinds::check_finished;
+
+use super::log::{self, Log, read_state};
+use super::staging::{self, ROWS, STATE, Staging, lock, partial_path};
+use super::system::parent;
+
+use super::{StoreError, Writer, check_space};
 use crate::saved::{Position, RunQuestion, State, to_bytes};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -109,26 +109,26 @@ impl FileSink {
             partial: partial.clone(),
         };
         let is_ours = |found| {
-            use found::Partial::{Foreign, Nothing, Unsealed};
+            use staging::Partial::{Foreign, Nothing, Unsealed};
             !matches!(found, Nothing | Foreign | Unsealed)
         };
-        if !is_there && !is_ours(found::unfinished(target)) {
-            return Err(match found::unfinished(target) {
-                found::Partial::Unsealed => StoreError::NotSealed { path: partial },
+        if !is_there && !is_ours(staging::unfinished(target)) {
+            return Err(match staging::unfinished(target) {
+                staging::Partial::Unsealed => StoreError::NotSealed { path: partial },
                 _ => nothing(),
             });
         }
         // A lock file that a killed process has left is removed together with this lock.
         let lock = lock(target)?;
-        match found::unfinished(target) {
-            found::Partial::Folder { is_saved: true } if is_there && !force => {
+        match staging::unfinished(target) {
+            staging::Partial::Folder { is_saved: true } if is_there && !force => {
                 return Err(StoreError::Appeared {
                     partial,
                     target: target.to_owned(),
                 });
             }
-            found::Partial::Folder { is_saved: true } => {}
-            found::Partial::File => {
+            staging::Partial::Folder { is_saved: true } => {}
+            staging::Partial::File => {
                 return Err(StoreError::LeftOver {
                     partial,
                     target: target.to_owned(),
@@ -138,19 +138,19 @@ impl FileSink {
             found if is_there => {
                 check_finished(target)?;
                 if is_ours(found) {
-                    found::clear(target)?;
+                    staging::clear(target)?;
                 }
                 return Ok(None);
             }
-            found::Partial::Folder { is_saved: false } => {
-                found::clear(target)?;
+            staging::Partial::Folder { is_saved: false } => {
+                staging::clear(target)?;
                 return Err(nothing());
             }
             _ => return Err(nothing()),
         }
         let mut staging = Staging::enter(target, force, lock)?;
         let path = staging.path(STATE);
-        let state = state::read(&path)?;
+        let state = read_state(&path)?;
         state.check_program(&path)?;
         staging.saved_paths = state.paths();
         let log = match is_logged(&state.question.scenario.record) {
@@ -231,7 +231,7 @@ fn go_on_with_log(staging: &Staging, end: Position) -> Result<Log, StoreError> {
 /// The error for a folder that already contains a run: the same run, another run, or something that
 /// cannot be read.
 fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> StoreError {
-    let Ok(state) = state::read(&partial.join(STATE)) else {
+    let Ok(state) = read_state(&partial.join(STATE)) else {
         return StoreError::LeftOver { partial, target };
     };
     let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
@@ -284,7 +284,7 @@ impl Open {
         // The state of a part contains a checksum of its rows, which is checked when parts are
         // merged. It does not say how long the part took, so that equal parts are equal files.
         let of_part = |part| -> Result<(Part, Vec<u8>), StoreError> {
-            let totals = state::read(&state)?.so_far.totals;
+            let totals = read_state(&state)?.so_far.totals;
             Ok((
                 part,
                 to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows),

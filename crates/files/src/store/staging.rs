@@ -15,12 +15,11 @@
 //! the process is interrupted after that, the two names of one file show that only the folder is
 //! left to be removed.
 
-use super::error::is_full;
-use super::folder::{self, LINK, MARK, NEW_STATE, RESULTS, STATE, partial_path};
+use super::errors::{is_full, stays};
 use super::lock::Lock;
-use super::naming::{give_name, parent, sync_folder};
-use super::own::{self, identity};
-use super::{StoreError, found, leftovers};
+use super::system::{self, give_name, has_name, identity, parent, sync_folder};
+use super::{StoreError, kinds, log};
+use crate::saved::seal;
 use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
@@ -44,11 +43,11 @@ impl Staging {
     /// unless `force` lets it be removed.
     pub fn open(target: &Path, force: bool) -> Result<Staging, StoreError> {
         let lock = lock(target)?;
-        found::make_room(target, force)?;
+        make_room(target, force)?;
         let folder = partial_path(target);
         let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
         let mark =
-            || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
+            || system::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
         let made = made.and_then(|()| mark().map(drop));
         made.map_err(|error| StoreError::NotCreated {
             partial: folder.clone(),
@@ -61,7 +60,7 @@ impl Staging {
     pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let staging = Staging::of(target, force, lock)?;
         // Where the state alone shows whose the folder is, it is not the first file to be removed.
-        own::create(&staging.path(MARK)).map_err(|error| staging.failed(&error))?;
+        system::create(&staging.path(MARK)).map_err(|error| staging.failed(&error))?;
         Ok(staging)
     }
 
@@ -107,7 +106,7 @@ impl Staging {
     pub fn save(&mut self, state: &[u8], paths: u64) -> Result<(), StoreError> {
         let new = self.path(NEW_STATE);
         let write = || {
-            let mut file = own::create(&new)?;
+            let mut file = system::create(&new)?;
             file.write_all(state)?;
             file.sync_all()?;
             fs::rename(&new, self.path(STATE))?;
@@ -180,8 +179,8 @@ impl Staging {
     /// folder stays too.
     pub fn discard(&self) {
         // A folder without a state hinders no later run, so this is no more than said.
-        if let Err(error) = folder::clear(&self.folder) {
-            leftovers::stays(&self.folder, &error);
+        if let Err(error) = remove_files(&self.folder) {
+            stays(&self.folder, &error);
         }
     }
 }
@@ -210,7 +209,7 @@ pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(
     let write = |(target, bytes): &(P, B)| {
         let staging = Staging::open(target.as_ref(), force)?;
         let write = || {
-            let mut file = own::create(&staging.path(RESULTS))?;
+            let mut file = system::create(&staging.path(RESULTS))?;
             file.write_all(bytes.as_ref())?;
             file.sync_all()?;
             let made = file.metadata()?;
@@ -257,4 +256,156 @@ pub(super) fn lock(target: &Path) -> Result<Lock, StoreError> {
         });
     }
     Lock::take(target)
+}
+
+/// The state of a run.
+pub(super) const STATE: &str = "state";
+/// The rows of its single paths.
+pub(super) const ROWS: &str = "rows";
+/// The file itself, while it is written.
+pub(super) const RESULTS: &str = "results.h5";
+/// A new state, before it replaces the old one.
+const NEW_STATE: &str = "state.new";
+/// A second name of the results, from which they are renamed to replace an earlier file.
+const LINK: &str = "results.link";
+
+/// The mark of the folder. It is the first file in it, and it is removed last.
+const MARK: &str = "made-by-mc";
+
+/// The files of the folder in the order of their removal. If the process is interrupted in between,
+/// the files that remain still show what the folder was.
+const NAMES: [&str; 6] = [ROWS, NEW_STATE, LINK, STATE, RESULTS, MARK];
+
+/// The name of the folder in which a file is written: `NAME.partial`.
+pub fn partial_path(target: &Path) -> PathBuf {
+    let mut name = target.as_os_str().to_owned();
+    name.push(".partial");
+    PathBuf::from(name)
+}
+
+/// The target that a path stands for: `NAME` if the path is `NAME.partial`, and the path itself
+/// otherwise.
+pub fn file_of(path: &Path) -> PathBuf {
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "partial")
+    {
+        path.with_extension("")
+    } else {
+        path.to_owned()
+    }
+}
+
+/// Whether this program has made a folder.
+fn is_ours(folder: &Path) -> bool {
+    let is_file =
+        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    let is_empty = || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    is_file(MARK) || is_file(STATE) && log::has_mark(&folder.join(STATE)) || is_empty()
+}
+
+/// The name of something in a folder of ours that this program has not made, if there is any.
+fn foreign_file(folder: &Path) -> Option<String> {
+    let names = fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
+    let is_file =
+        |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
+    names
+        .into_iter()
+        .find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))
+}
+
+/// Remove the files of this program, and then the folder. The folder stays, with an error, if it
+/// holds anything else.
+fn remove_files(folder: &Path) -> io::Result<()> {
+    NAMES
+        .iter()
+        .try_for_each(|name| system::remove(&folder.join(name)))?;
+    fs::remove_dir(folder)
+}
+
+/// What lies under `NAME.partial`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Partial {
+    /// Nothing.
+    Nothing,
+    /// The folder in which a file was being made.
+    Folder {
+        /// Whether a run is saved in it.
+        is_saved: bool,
+    },
+    /// The points of a sweep, or another file that this program has sealed.
+    File,
+    /// An HDF5 file without a seal: another program has changed or written it. It is not opened.
+    Unsealed,
+    /// The file that is finished already; only this name of it is left to be removed.
+    Named,
+    /// Something that this program has not made.
+    Foreign,
+}
+
+/// Look at what lies under `NAME.partial`.
+pub(super) fn unfinished(target: &Path) -> Partial {
+    let partial = partial_path(target);
+    let Ok(there) = fs::symlink_metadata(&partial) else {
+        return Partial::Nothing;
+    };
+    match () {
+        () if there.is_dir() && is_ours(&partial) => {
+            match has_name(&partial.join(RESULTS), target) {
+                true => Partial::Named,
+                false => Partial::Folder {
+                    is_saved: fs::exists(partial.join(STATE)).unwrap_or(true),
+                },
+            }
+        }
+        () if there.is_file() && has_name(&partial, target) => Partial::Named,
+        () if there.is_file() && has_mark(&partial) => Partial::File,
+        () if there.is_file() && kinds::check_file(&partial).is_ok() => Partial::Unsealed,
+        () => Partial::Foreign,
+    }
+}
+
+fn has_mark(path: &Path) -> bool {
+    let opened = system::open(path, File::options().read(true));
+    opened
+        .and_then(|mut file| seal::has_mark(&mut file))
+        .unwrap_or(false)
+}
+
+/// Whether `NAME.partial` holds a sweep that is not finished.
+pub fn is_unfinished_sweep(target: &Path) -> bool {
+    unfinished(target) == Partial::File
+}
+
+/// Remove what lies under `NAME.partial`, so that something new is begun there. Without `force`, a
+/// saved run or sweep is an error. What this program has not made is never removed.
+pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
+    let partial = partial_path(target);
+    let left_over = || StoreError::LeftOver {
+        partial: partial.clone(),
+        target: target.to_owned(),
+    };
+    match unfinished(target) {
+        Partial::Folder { is_saved: true } | Partial::File if !force => Err(left_over()),
+        Partial::Unsealed => Err(StoreError::NotSealed { path: partial }),
+        Partial::Foreign => Err(StoreError::InTheWay { path: partial }),
+        Partial::Nothing => Ok(()),
+        Partial::Folder { .. } | Partial::File | Partial::Named => clear(target),
+    }
+}
+
+/// Remove what lies under `NAME.partial`, which must be ours.
+pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
+    let partial = partial_path(target);
+    if !partial.is_dir() {
+        return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
+    }
+    if let Some(name) = foreign_file(&partial) {
+        return Err(StoreError::InTheWay {
+            path: partial.join(name),
+        });
+    }
+    remove_files(&partial).map_err(|source| StoreError::Remove { partial, source })
 }

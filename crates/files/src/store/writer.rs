@@ -1,14 +1,15 @@
-//! Writing the file of a run, once its statistics are known.
+//! Writing the file of a run, once its statistics are known, or a data set in one go.
 
-use super::failure::WriteFailure;
-use super::folder::RESULTS;
-use super::growing::GrowingTable;
-use super::staged_file::StagedFile;
-use super::staging::Staging;
-use super::variable::{Growth, OpenFile};
-use super::{StoreError, own};
+use super::errors::WriteFailure;
+use super::file::{StagedFile, Sum};
+use super::staging::{RESULTS, Staging};
+use super::variables::{Growth, OpenFile};
+use super::{StoreError, system};
 use crate::dataset::rows::RowAxis;
-use crate::dataset::{Dataset, header, layout, run};
+use crate::dataset::{Column, Dataset, Entry, header, layout, run};
+use hdf5::H5Type;
+use ndarray::{ArrayView1, ArrayView2, s};
+use std::ops::Range;
 use std::path::Path;
 use stickslip::engine::{Part, Provenance, Status};
 use stickslip::stats::{BlockRows, Record, Summary};
@@ -54,7 +55,7 @@ impl Writer {
     ) -> Result<Writer, StoreError> {
         let path = staging.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
-        own::remove(&path).map_err(|error| staging.failed(&error))?;
+        system::remove(&path).map_err(|error| staging.failed(&error))?;
         let (draft, header) = (StagedFile::create(&path)?, header.clone());
         let mut writer = Writer {
             staging,
@@ -120,7 +121,7 @@ impl Writer {
                 .into());
             }
             for table in tables {
-                place.written.rows.extend(table.write_all()?);
+                place.written.rows.extend(table.written());
             }
             let mut end = Dataset::new(&header.units);
             run::write_end(&mut end, summary, status);
@@ -185,6 +186,144 @@ fn growth(along: RowAxis, header: &Provenance, record: &Record) -> Growth {
             Growth { rows, columns }
         }
     }
+}
+
+/// One growing variable.
+#[derive(Debug)]
+struct GrowingVariable {
+    /// The variable, without values.
+    entry: Entry,
+    dataset: hdf5::Dataset,
+    /// Number of values in a row.
+    width: usize,
+    /// All values.
+    sum: Sum,
+}
+
+/// A growing dimension with all its variables.
+#[derive(Debug)]
+pub(super) struct GrowingTable {
+    pub along: RowAxis,
+    /// The dataset of the dimension itself, where no variable is its coordinate.
+    bare_dimension: Option<hdf5::Dataset>,
+    columns: Vec<GrowingVariable>,
+    /// Number of rows so far.
+    rows: usize,
+}
+
+/// The variables of a data set along this dimension.
+fn of_table(along: RowAxis, dataset: &Dataset) -> impl Iterator<Item = &Entry> {
+    dataset
+        .entries
+        .iter()
+        .filter(move |entry| RowAxis::of(entry) == Some(along))
+}
+
+impl GrowingTable {
+    /// Create the variables of an empty data set that grow along a dimension; none if there are
+    /// none. The first variable is the coordinate of the dimension; only the dimension of events
+    /// has no coordinate and gets a bare dimension instead.
+    pub(super) fn define(
+        place: &mut OpenFile,
+        along: RowAxis,
+        empty: &Dataset,
+        growth: Growth,
+    ) -> hdf5::Result<Option<GrowingTable>> {
+        if of_table(along, empty).next().is_none() {
+            return Ok(None);
+        }
+        let bare_dimension = (along == RowAxis::Event)
+            .then(|| place.define_bare(layout::EVENT.name, growth))
+            .transpose()?;
+        let define = |entry: &Entry| -> hdf5::Result<GrowingVariable> {
+            let dataset = place.define_growing(entry, growth)?;
+            let width = dataset.shape().iter().skip(1).product();
+            Ok(GrowingVariable {
+                entry: entry.clone(),
+                dataset,
+                width,
+                sum: Sum::of(entry.column.values().kind()),
+            })
+        };
+        let columns = of_table(along, empty)
+            .map(define)
+            .collect::<hdf5::Result<_>>()?;
+        Ok(Some(GrowingTable {
+            along,
+            bare_dimension,
+            columns,
+            rows: 0,
+        }))
+    }
+
+    /// Add rows, with the variables in the order given to `define`.
+    pub(super) fn push(&mut self, rows: &Dataset) -> hdf5::Result<()> {
+        let new: Vec<&Entry> = of_table(self.along, rows).collect();
+        let Some(first) = new.first().filter(|entry| !entry.column.is_empty()) else {
+            return Ok(());
+        };
+        let names = self.columns.iter().map(|column| &column.entry.name);
+        if !names.eq(new.iter().map(|entry| &entry.name)) {
+            return Err("a block has different variables from the file".into());
+        }
+        let rows = self.rows..self.rows + first.column.len() / self.columns[0].width;
+        if let Some(dimension) = &self.bare_dimension {
+            dimension.resize(rows.end)?;
+        }
+        for (column, entry) in self.columns.iter_mut().zip(new) {
+            column.write(&entry.column, &rows)?;
+        }
+        self.rows = rows.end;
+        Ok(())
+    }
+
+    /// The variables, without values, and the sums of all their values.
+    fn written(&self) -> impl Iterator<Item = (Entry, Sum)> {
+        let columns = self.columns.iter();
+        columns.map(|column| (column.entry.clone(), column.sum))
+    }
+}
+
+impl GrowingVariable {
+    /// Write the values of these rows, the next ones.
+    fn write(&mut self, values: &Column, rows: &Range<usize>) -> hdf5::Result<()> {
+        let (name, expected) = (&self.entry.name, rows.len() * self.width);
+        if values.len() != expected {
+            return Err(format!("{name} has {} values, not {expected}", values.len()).into());
+        }
+        self.sum.add(values.values());
+        match values {
+            Column::F64(values) => self.write_rows(values, rows),
+            Column::U64(values) => self.write_rows(values, rows),
+            Column::U32(values) => self.write_rows(values, rows),
+            Column::I8(values) => self.write_rows(values, rows),
+            Column::U8(values) => self.write_rows(values, rows),
+            Column::Text(_) => Err("text is not stored per path".into()),
+        }
+    }
+
+    fn write_rows<T: H5Type>(&self, values: &[T], rows: &Range<usize>) -> hdf5::Result<()> {
+        let (dataset, width) = (&self.dataset, self.width);
+        if dataset.ndim() == 1 {
+            dataset.resize(rows.end)?;
+            return dataset.write_slice(ArrayView1::from(values), s![rows.clone()]);
+        }
+        dataset.resize((rows.end, width))?;
+        let values = ArrayView2::from_shape((rows.len(), width), values)?;
+        dataset.write_slice(values, s![rows.clone(), ..])
+    }
+}
+
+/// Write a data set to `target`. Like every file it is made in the folder `NAME.partial`. With
+/// `force`, an existing file of this name is replaced.
+pub fn write_dataset(target: &Path, dataset: Dataset, force: bool) -> Result<(), StoreError> {
+    let staging = Staging::open(target, force)?;
+    let mut draft = StagedFile::create(&staging.path(RESULTS))?;
+    let written = draft
+        .write(|place| place.write(dataset))
+        .and_then(|()| draft.finish());
+    written.map_err(|failure| staging.failure(failure.cause, failure.full))?;
+    staging.publish()
 }
 
 #[cfg(test)]

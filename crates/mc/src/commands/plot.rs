@@ -1,7 +1,6 @@
 //! `mc plot`: draws a path of a scenario, a run, a trade, a sweep or a calibration.
 
 use crate::arguments::overrides::Settings;
-use crate::commands::sweep;
 use crate::inputs::files;
 use crate::inputs::results;
 use crate::output::failure::{Failure, note, writable};
@@ -154,10 +153,7 @@ impl Arguments {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned();
-            Ok((
-                name,
-                sweep::stored(file, files::read(file, store::read_sweep)?)?,
-            ))
+            Ok((name, files::read(file, store::read_sweep)?.sweep))
         };
         let sweeps = std::iter::once(&self.subject)
             .chain(&self.beside)

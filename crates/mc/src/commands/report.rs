@@ -2,7 +2,6 @@
 //! pictures.
 
 use crate::commands::show;
-use crate::commands::sweep;
 use crate::inputs::files;
 use crate::inputs::results;
 use crate::output::failure::{Failure, note, writable};
@@ -60,7 +59,7 @@ impl Arguments {
         match content {
             Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
             Content::Run(stored) => self.fill_with_run(&mut page, &stored),
-            Content::Sweep(stored) => self.fill_with_sweep(&mut page, *stored)?,
+            Content::Sweep(stored) => self.fill_with_sweep(&mut page, *stored),
             Content::Trade(stored) => self.fill_with_trade(&mut page, &stored),
         }
         Ok(page.html())
@@ -96,9 +95,9 @@ impl Arguments {
             .collect();
     }
 
-    fn fill_with_sweep(&self, page: &mut Page<'_>, stored: StoredSweep) -> Result<(), Failure> {
+    fn fill_with_sweep(&self, page: &mut Page<'_>, stored: StoredSweep) {
         page.provenance = self.provenance(stored.other_program.as_deref());
-        let sweeps = [(String::new(), sweep::stored(&self.file, stored)?)];
+        let sweeps = [(String::new(), stored.sweep)];
         let [(_, sweep)] = &sweeps;
         page.pictures = pictures(&Subject::Sweep {
             sweeps: &sweeps,
@@ -106,7 +105,6 @@ impl Arguments {
         });
         page.report = report::sweep(sweep, Chosen::First, &self.file);
         page.warnings = report::warnings(sweep);
-        Ok(())
     }
 
     fn fill_with_trade(&self, page: &mut Page<'_>, stored: &StoredTrade) {

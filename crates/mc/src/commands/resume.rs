@@ -1,6 +1,5 @@
 //! `mc resume`: continues a run or a sweep that was interrupted or killed.
 
-use crate::commands::sweep;
 use crate::inputs::files;
 use crate::output::numbers::grouped;
 use crate::session::cost;
@@ -89,7 +88,7 @@ impl Arguments {
             }
             .into());
         }
-        let question = sweep::stored(&partial, files::read(&partial, store::read_sweep)?)?.question;
+        let question = files::read(&partial, store::read_sweep)?.sweep.question;
         let RunOptions { quiet, json, .. } = self.options;
         SweepSession {
             output,

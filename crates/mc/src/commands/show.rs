@@ -1,7 +1,6 @@
 //! `mc show`: prints the results in a file and where they come from; several files are printed side
 //! by side.
 
-use crate::commands::sweep;
 use crate::inputs::files;
 use crate::inputs::results;
 use crate::output::dataset;
@@ -170,12 +169,11 @@ impl Arguments {
             }
             Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
             Content::Sweep(stored) => {
-                let sweep = sweep::stored(file, *stored)?;
-                report::warnings(&sweep)
+                report::warnings(&stored.sweep)
                     .into_iter()
                     .filter(|_| is_text)
                     .for_each(warn);
-                report::sweep(&sweep, chosen, file)
+                report::sweep(&stored.sweep, chosen, file)
             }
         })
     }
@@ -242,10 +240,7 @@ fn json(file: &Path) -> Result<String, Failure> {
             &Dataset::of_trade(&stored.scenario, &stored.trade),
             Some(file),
         ),
-        Content::Sweep(stored) => dataset::json(
-            &Dataset::of_sweep(&sweep::stored(file, *stored)?),
-            Some(file),
-        ),
+        Content::Sweep(stored) => dataset::json(&Dataset::of_sweep(&stored.sweep), Some(file)),
     })
 }
 

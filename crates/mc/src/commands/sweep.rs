@@ -8,15 +8,15 @@ use crate::output::numbers::{bytes, counted, duration, grouped, parse_share_in};
 use crate::report::{self, Report};
 use crate::session::sweep::SweepSession;
 use crate::{Failure, Threads, print};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use stickslip::config::{Override, symbol_and_meaning};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{
-    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis,
-    SweepQuestion, estimated_seconds,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, SweepAxis, SweepQuestion,
+    estimated_seconds,
 };
-use stickslip_files::store::{StoredSweep, sweep_bytes};
+use stickslip_files::store::sweep_bytes;
 
 /// Arguments of `mc sweep`.
 #[derive(Debug, clap::Args)]
@@ -184,19 +184,6 @@ impl Arguments {
             keys.map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
         Ok((design, shown.collect()))
     }
-}
-
-/// A sweep read from a file, with the scenarios of its points made again.
-pub fn stored(path: &Path, stored: StoredSweep) -> Result<Sweep, Failure> {
-    let (name, text, samples) = (
-        path.display().to_string(),
-        stored.scenario_text.clone(),
-        stored.samples.clone(),
-    );
-    let point = |settings: &[Setting]| {
-        Scenario::parse_stored(&name, &text, &overrides(settings, &[]), &samples)
-    };
-    Ok(stored.whole(point)?)
 }
 
 /// For each key, the words of the command line that messages about its value quote.

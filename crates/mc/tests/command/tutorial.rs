@@ -47,8 +47,8 @@ fn printed(commands: &str, folder: &Path) -> String {
 
 #[test]
 fn every_command_of_the_tutorial_runs_and_prints_what_it_says() {
-    let page =
-        std::fs::read_to_string(Path::new(ROOT).join("docs/tutorial-bridge.md")).expect("the page");
+    let page = std::fs::read_to_string(Path::new(ROOT).join("docs/bearing/tutorial.md"))
+        .expect("the page");
     let folder = tempfile::tempdir().expect("a folder");
     std::os::unix::fs::symlink(
         Path::new(ROOT).join("examples"),

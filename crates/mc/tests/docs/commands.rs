@@ -167,7 +167,7 @@ const NOT_RUN: [(&str, &str); 9] = [
 ];
 
 /// Pages whose commands have tests of their own.
-const TESTED: [&str; 2] = ["docs/model.md", "docs/tutorial-bridge.md"];
+const TESTED: [&str; 2] = ["docs/model.md", "docs/bearing/tutorial.md"];
 
 /// Makes the files that examples read. The record of measurements has every other sample of the bridge.
 const INPUTS: &str = r#"

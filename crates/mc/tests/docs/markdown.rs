@@ -25,9 +25,9 @@ impl Page {
         Page { path, text }
     }
 
-    /// All pages: those at the root and those in `docs/`.
+    /// All pages: those at the root, in `docs/` and in `docs/bearing/`.
     pub fn all() -> Vec<Page> {
-        let mut paths: Vec<PathBuf> = ["", "docs"]
+        let mut paths: Vec<PathBuf> = ["", "docs", "docs/bearing"]
             .iter()
             .flat_map(|folder| {
                 fs::read_dir(root().join(folder)).expect("a folder of the repository")

@@ -2,7 +2,6 @@
 
 use super::{Again, Arguments};
 use crate::arguments::measurements;
-use crate::commands::sweep;
 use crate::output::failure::Failure;
 use crate::output::numbers::grouped;
 use std::fmt::Display;
@@ -15,7 +14,7 @@ use stickslip_files::store::{self, StoreError, StoredCalibration, StoredSweep, S
 impl Arguments {
     /// Check a sweep: all points are simulated again. The time that each took is that of the file.
     pub(super) fn sweep(&self, stored: &StoredSweep) -> Result<Again, Failure> {
-        let mut again = sweep::stored(&self.file, stored.clone())?;
+        let mut again = stored.sweep.clone();
         let count = again.points.len();
         let before = std::mem::replace(&mut again.points, vec![None; count]);
         let simulation = SweepSimulation {

@@ -1,8 +1,8 @@
 //! A netCDF variable in HDF5: a dataset with attributes, and a coordinate attached to each of its
 //! axes.
 
-use super::error::cause;
-use super::read_back::Written;
+use super::errors::cause;
+use super::file::Written;
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
 use crate::dataset::rows::RowAxis;

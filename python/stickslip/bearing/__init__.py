@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Literal
 
-from . import _native
-from ._data import dataset, ready, warn
-from ._public import public
-from ._scenario import ScenarioLike, Settings, samples, source, written
-from ._time import Time
-from ._time import seconds as _seconds
-from .errors import require, within
+from .. import _native
+from .._data import dataset, ready, warn
+from .._public import public
+from .._scenario import ScenarioLike, Settings, samples, source, written
+from .._time import Time
+from .._time import seconds as _seconds
+from ..errors import require, within
 
 if TYPE_CHECKING:
     import numpy as np

@@ -3,8 +3,8 @@
 use crate::saved::SavedError;
 use std::io;
 use std::path::{Path, PathBuf};
-use stickslip_data::numbers::bytes;
-use stickslip_data::numbers::grouped;
+use std::sync::{Mutex, PoisonError};
+use stickslip_data::numbers::{bytes, grouped};
 
 /// Why a file could not be written or read. Each message names the file and says what to do.
 #[derive(Debug, thiserror::Error)]
@@ -302,4 +302,55 @@ fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
             target.display()
         ),
     }
+}
+
+/// Why a file could not be written.
+#[derive(Clone, Debug)]
+pub(super) struct WriteFailure {
+    /// What the system or HDF5 says.
+    pub cause: String,
+    /// Whether there was no room left.
+    pub full: bool,
+}
+
+impl From<hdf5::Error> for WriteFailure {
+    fn from(error: hdf5::Error) -> Self {
+        WriteFailure {
+            cause: cause(&error),
+            full: system_error(&error).is_some_and(|system| is_full(&system)),
+        }
+    }
+}
+
+impl From<io::Error> for WriteFailure {
+    fn from(error: io::Error) -> Self {
+        WriteFailure {
+            full: is_full(&error),
+            cause: error.to_string(),
+        }
+    }
+}
+
+static REMAINS: Mutex<Vec<(PathBuf, String)>> = Mutex::new(Vec::new());
+
+/// Note that this could not be removed.
+pub(super) fn stays(path: &Path, error: &io::Error) {
+    REMAINS
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .push((path.to_owned(), error.to_string()));
+}
+
+/// What this process has left behind so far, in sentences. Each is returned once.
+pub fn take_leftovers() -> Vec<String> {
+    let mut remains = std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner));
+    // A second attempt may have removed it.
+    remains.retain(|(path, _)| path.symlink_metadata().is_ok());
+    let line = |(path, error): (PathBuf, String)| {
+        format!(
+            "cannot remove {}: {error}; remove it by hand",
+            path.display()
+        )
+    };
+    remains.into_iter().map(line).collect()
 }

@@ -1,0 +1,333 @@
+//! Files of results as they are read: what a file holds, and every kind of content.
+
+use super::StoreError;
+use super::errors::{cause, not_opened, system_error};
+use super::lock::Lock;
+use super::log::read_state;
+use super::staging::{STATE, file_of, partial_path};
+use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
+use crate::dataset::header::{FORMAT, Format};
+use crate::dataset::sweep::{self, SWEEP_FORMAT};
+use crate::dataset::trade::{self, TRADE_FORMAT};
+use crate::dataset::{
+    Column, Dataset, ElementType, Source as _, StoredCalibration, StoredRun as Stored, StoredSweep,
+    StoredTrade, layout, read_attribute,
+};
+use crate::saved::seal::{self, superblock};
+use crate::saved::{Verified, compare};
+use hdf5::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use stickslip::engine::Status;
+use stickslip::stats::PathColumns;
+use stickslip::stats::column::Columns as _;
+
+/// Files larger than this many bytes are opened without reading them through first, which would
+/// take minutes.
+const LARGEST: u64 = 1 << 30;
+
+/// The target of an unfinished run, if there is one. `path` is either the target itself or the
+/// folder in which the run is saved.
+pub(super) fn unfinished(path: &Path) -> Option<PathBuf> {
+    let target = if path.is_dir() {
+        file_of(path)
+    } else {
+        path.to_owned()
+    };
+    let is_saved = (path.is_dir() || !path.exists()) && partial_path(&target).join(STATE).exists();
+    is_saved.then_some(target)
+}
+
+/// Read the state of an unfinished run, given its target.
+fn read_unfinished(target: &Path) -> Result<Stored, StoreError> {
+    let state = read_state(&partial_path(target).join(STATE))?;
+    let (header, completed_paths, part) =
+        (state.header(), state.paths(), state.question.asked.part);
+    let status = if Lock::is_taken(target) {
+        Status::Running
+    } else {
+        Status::Interrupted
+    };
+    let summary = state.so_far.totals.totals().summary();
+    let unfinished = Some(target.to_owned()).filter(|_| status != Status::Running);
+    Ok(Stored {
+        header,
+        status,
+        part,
+        ended_by: None,
+        unfinished,
+        completed_paths,
+        summary,
+    })
+}
+
+/// Read the header and the statistics of a finished file, or of a run that is not finished.
+pub fn read(path: &Path) -> Result<Stored, StoreError> {
+    if let Some(target) = unfinished(path) {
+        return read_unfinished(&target);
+    }
+    read_kind(path, FORMAT, |file| Stored::read(file))
+}
+
+/// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
+/// library gives the same error for a missing, an unreadable and a foreign_file, and it follows
+/// whatever address a flipped bit has made.
+pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
+    check_is_hdf5(path)?;
+    check_seal(path, LARGEST)
+}
+
+/// Compare a file with its seal, and return whether it has one. A wrong seal is an error. In larger
+/// files than these the seal is found but the checksum is not computed.
+pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
+    let sealed = seal::is_right(path, largest);
+    match sealed.map_err(not_opened(path))? {
+        Some(false) => Err(damaged(path)(
+            "its checksum does not match its contents".to_string(),
+        )),
+        sealed => Ok(sealed.is_some()),
+    }
+}
+
+/// Check that a file begins as HDF5 files do.
+pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
+    // Opening a pipe would wait for its other end.
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return Err(StoreError::NotHdf5 {
+            path: path.to_owned(),
+        });
+    }
+    let mut file = std::fs::File::open(path).map_err(not_opened(path))?;
+    match superblock(&mut file).map_err(not_opened(path))? {
+        Some(_) => Ok(()),
+        None => Err(StoreError::NotHdf5 {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// Whether a file has a checksum, right or wrong; its readers compare it. A file that another
+/// program has changed has none. A file that is not an HDF5 file is an error.
+pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
+    check_is_hdf5(path)?;
+    seal::is_there(path).map_err(not_opened(path))
+}
+
+/// Read a file of the kind and the format of this name and version.
+pub(super) fn read_kind<T>(
+    path: &Path,
+    (name, (reads, _)): Format,
+    read: impl FnOnce(&File) -> Result<T, String>,
+) -> Result<T, StoreError> {
+    check_file(path)?;
+    let file = open(path)?;
+    if read_attribute::<String>(&file, "format_name")
+        .ok()
+        .as_deref()
+        != Some(name)
+    {
+        return Err(StoreError::Foreign {
+            path: path.to_owned(),
+        });
+    }
+    let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
+    let parts = version
+        .split_once('.')
+        .and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
+    let (major, minor) = parts.unwrap_or((u32::MAX, 0));
+    if major != reads {
+        return Err(StoreError::OtherFormat {
+            path: path.to_owned(),
+            major,
+            minor,
+            reads,
+        });
+    }
+    read(&file).map_err(damaged(path))
+}
+
+/// The error of a file that could not be read.
+pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
+    move |cause| StoreError::Damaged {
+        path: path.to_owned(),
+        cause,
+    }
+}
+
+pub(super) fn open(path: &Path) -> Result<File, StoreError> {
+    File::open(path).map_err(|error| match system_error(&error) {
+        Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse {
+            path: path.to_owned(),
+        },
+        Some(system) => not_opened(path)(system),
+        None => damaged(path)(cause(&error)),
+    })
+}
+
+/// From one list: the kinds of files, with the format of each, and the readers of their contents.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $Kind:ident: $format:ident, $read:ident -> $Content:ident $(= $of:path)?;)+) => {
+        /// What a file of this program holds.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum FileKind {
+            $($(#[$doc])* $Kind,)+
+        }
+
+        const FORMATS: &[(&str, FileKind)] = &[$(($format.0, FileKind::$Kind),)+];
+
+        /// The content of a file of any kind.
+        #[derive(Debug)]
+        pub enum Content {
+            $($(#[$doc])* $Kind(Box<$Content>),)+
+        }
+
+        $($(
+            /// Read such a file. A file of another kind, of another format, or a damaged one, is an
+            /// error.
+            pub fn $read(path: &Path) -> Result<$Content, StoreError> {
+                read_kind(path, $format, |file| $of(file))
+            }
+        )?)+
+
+        impl FileKind {
+            /// Read a file of this kind.
+            pub(super) fn read(self, path: &Path) -> Result<Content, StoreError> {
+                match self {
+                    $(FileKind::$Kind => Ok(Content::$Kind(Box::new($read(path)?))),)+
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// The ensemble of a run.
+    Run: FORMAT, read -> Stored;
+    /// A trade: the price of accuracy for each scheme.
+    Trade: TRADE_FORMAT, read_trade -> StoredTrade = trade::read;
+    /// A sweep: statistics as functions of keys of the scenario.
+    Sweep: SWEEP_FORMAT, read_sweep -> StoredSweep = sweep::read;
+    /// A calibration: parameters fitted to a measurement.
+    Calibration: CALIBRATION_FORMAT, read_calibration -> StoredCalibration = calibration::read;
+}
+
+/// Check that there is a finished file of this name: every byte is that of its seal, and it can be
+/// read. Whether a file without a seal was changed cannot be known.
+pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
+    check_file(target)?;
+    check_seal(target, u64::MAX)?;
+    let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 {
+        path: target.to_owned(),
+    })?;
+    kind.read(target).map(drop)
+}
+
+/// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
+/// another program is an error, and so is a damaged one.
+pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
+    if unfinished(path).is_some() {
+        return Ok(Some(FileKind::Run));
+    }
+    match check_file(path) {
+        Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
+        other => other?,
+    };
+    let format: String = read_attribute(&open(path)?, "format_name").unwrap_or_default();
+    let known = FORMATS.iter().find(|(name, _)| *name == format);
+    known
+        .map(|(_, kind)| Some(*kind))
+        .ok_or_else(|| StoreError::Foreign {
+            path: path.to_owned(),
+        })
+}
+
+/// The content of a file of any kind. A file that is none of these is read as a run, whose reader
+/// says what is wrong with it.
+pub fn content(path: &Path) -> Result<Content, StoreError> {
+    kind(path)
+        .ok()
+        .flatten()
+        .unwrap_or(FileKind::Run)
+        .read(path)
+}
+
+impl Content {
+    /// The program that wrote the file, if it was another one.
+    pub fn other_program(&self) -> Option<String> {
+        match self {
+            Content::Run(run) => run.header.program.other(),
+            Content::Trade(trade) => trade.other_program.clone(),
+            Content::Sweep(sweep) => sweep.other_program.clone(),
+            Content::Calibration(calibration) => calibration.other_program.clone(),
+        }
+    }
+
+    /// The text of the scenario, and whether the file also holds the measured values that the text
+    /// names.
+    pub fn scenario(&self) -> (String, bool) {
+        match self {
+            Content::Run(run) => (
+                run.header.scenario_text.clone(),
+                !run.header.samples.is_empty(),
+            ),
+            Content::Trade(stored) => (
+                stored.scenario.to_toml(),
+                !stored.scenario.measured.is_empty(),
+            ),
+            Content::Sweep(stored) => {
+                let scenario = &stored.sweep.question.scenario;
+                (scenario.to_toml(), !scenario.measured.is_empty())
+            }
+            Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
+        }
+    }
+}
+
+/// The scalars of one path from the file of a run; `None` if the file does not record paths, or not
+/// this one.
+pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
+    read_kind(path, FORMAT, |file| {
+        if !file.has(PathColumns::VARIABLES[0].0.name) {
+            return Ok(None);
+        }
+        let paths = file.length(layout::PATH.name)?.unwrap_or(0);
+        let Column::U64(first) = file.rows(layout::PATH.name, ElementType::U64, &(0..1))? else {
+            return Ok(None);
+        };
+        let row = number
+            .checked_sub(first[0])
+            .and_then(|row| usize::try_from(row).ok())
+            .filter(|row| *row < paths);
+        let read = |row| {
+            PathColumns::read(|variable, kind| file.rows(variable.name, kind, &(row..row + 1)))
+        };
+        row.map(read).transpose()
+    })
+}
+
+/// Compare a file with a data set that was computed again.
+pub fn verify(path: &Path, again: &Dataset) -> Result<Verified, StoreError> {
+    compare(&open(path)?, again).map_err(damaged(path))
+}
+
+/// The result of checking a file against its checksum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sealed {
+    /// Size of the file in bytes.
+    pub bytes: u64,
+    /// Whether the file has a checksum, which is then right. It has none if another program has
+    /// changed the file.
+    pub has_checksum: bool,
+}
+
+/// Check all bytes of a file against its checksum, however large the file is. A wrong checksum is
+/// an error.
+pub fn check_bytes(path: &Path) -> Result<Sealed, StoreError> {
+    check_file(path)?;
+    let has_checksum = check_seal(path, u64::MAX)?;
+    let there = std::fs::metadata(path).map_err(not_opened(path))?;
+    Ok(Sealed {
+        bytes: there.len(),
+        has_checksum,
+    })
+}
