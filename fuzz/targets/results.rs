@@ -6,7 +6,9 @@ use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use stickslip::scenario::Scenario;
-use stickslip_files::store::{self, FileKind};
+use stickslip_bearing::dataset::{CALIBRATION_FORMAT, StoredCalibration};
+use stickslip_files::dataset::{RUN_FORMAT, SWEEP_FORMAT, TRADE_FORMAT};
+use stickslip_files::store;
 
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> =
@@ -15,14 +17,17 @@ static FILE: LazyLock<PathBuf> = LazyLock::new(|| FOLDER.path().join("run.h5"));
 
 fuzz_target!(|bytes: &[u8]| {
     std::fs::write(&*FILE, bytes).expect("room");
-    let _ = match store::kind(&FILE) {
-        Ok(Some(FileKind::Run)) => store::read(&FILE).map(|stored| {
+    let format = store::format(&FILE).ok().flatten();
+    let _ = match format.as_deref() {
+        Some(name) if name == RUN_FORMAT.0 => store::read(&FILE).map(|stored| {
             let header = &stored.header;
             let _ = Scenario::parse_stored("fuzz", &header.scenario_text, &[], &header.samples);
         }),
-        Ok(Some(FileKind::Sweep)) => store::read_sweep(&FILE).map(drop),
-        Ok(Some(FileKind::Calibration)) => store::read_calibration(&FILE).map(drop),
-        Ok(Some(FileKind::Trade)) => store::read_trade(&FILE).map(drop),
-        Ok(None) | Err(_) => Ok(()),
+        Some(name) if name == SWEEP_FORMAT.0 => store::read_sweep(&FILE).map(drop),
+        Some(name) if name == TRADE_FORMAT.0 => store::read_trade(&FILE).map(drop),
+        Some(name) if name == CALIBRATION_FORMAT.0 => {
+            store::read_kind(&FILE, CALIBRATION_FORMAT, StoredCalibration::read).map(drop)
+        }
+        _ => Ok(()),
     };
 });

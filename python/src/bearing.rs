@@ -16,12 +16,12 @@ use stickslip_bearing::calibration::{
     Air, Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
     NotHeld, Quantity, Response, calibrate as calibrated, twin as made, values,
 };
+use stickslip_bearing::dataset::{self, StoredCalibration};
 use stickslip_bearing::forecast::{BearingForecast, ForecastQuestion as Asked};
 use stickslip_bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
 use stickslip_data::{
     BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
 };
-use stickslip_files::dataset::{Dataset, StoredCalibration};
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
 /// overrides as pairs of a key and a value in TOML.
@@ -268,7 +268,7 @@ fn quantities(py: Python<'_>, keys: &[String]) -> PyResult<Vec<Quantity>> {
             "fit or bounds",
             key,
             "it is not a parameter of a bearing",
-            &format!("write some of {known}"),
+            &format!("use one or more of {known}"),
         )
     };
     keys.iter()
@@ -318,7 +318,7 @@ pub fn calibrate<'py>(
             "method",
             method,
             "unknown method",
-            "write slips, err or both",
+            "write slips, criterion or both",
         )
     };
     let fitted = quantities(py, &fit)?;
@@ -343,7 +343,7 @@ pub fn calibrate<'py>(
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
     let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
-    Ok((to_python(py, Dataset::of_calibration(&stored))?, remarks))
+    Ok((to_python(py, stored.dataset())?, remarks))
 }
 
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
@@ -384,7 +384,7 @@ pub fn forecast<'py>(
     let found = &outcome.forecast;
     remarks.extend(outcome.warnings().into_iter().map(|(_, text)| text));
     Ok((
-        to_python(py, Dataset::of_forecast(&title, &text, found))?,
+        to_python(py, dataset::forecast(&title, &text, found))?,
         remarks,
     ))
 }
@@ -634,7 +634,7 @@ pub fn twin<'py>(
         .map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
     Ok((
-        to_python(py, Dataset::of_twin(&scene.title, &start, &truth, &found))?,
+        to_python(py, dataset::twin(&scene.title, &start, &truth, &found))?,
         remarks,
     ))
 }

@@ -7,8 +7,12 @@ use crate::studies;
 use pyo3::prelude::*;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::Sweep;
-use stickslip_figure::{Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
-use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration};
+use stickslip_bearing::dataset::CALIBRATION_FORMAT;
+use stickslip_bearing::figures::FIGURES;
+use stickslip_figure::{
+    Absent, Drawing, DrawnPath, Figure, NoPage, Only, RUN, SWEEP, Style, Subject, TRADE, Theme,
+};
+use stickslip_files::dataset::{Attribute, Dataset};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
@@ -34,6 +38,11 @@ impl Picture {
         stickslip_figure::pdf(&self.0)
             .ok_or_else(|| errors::of_run(py, "internal error: no PDF", "report it"))
     }
+}
+
+/// The figures of all kinds of results.
+fn figures() -> impl Iterator<Item = &'static Figure> + Clone {
+    [RUN, TRADE, SWEEP, FIGURES].into_iter().flatten()
 }
 
 /// How a picture is drawn: the name of its only figure or panel (none for all figures), whether it is dark,
@@ -121,15 +130,8 @@ fn draw_study(
             let prices = prices.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
             draw(py, &Subject::Trade(&prices), drawn)
         }
-        ([(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
-            let StoredCalibration {
-                title, calibration, ..
-            } = fit.calibration().map_err(wrong)?;
-            let subject = Subject::Calibration {
-                title: &title,
-                calibration: &calibration,
-            };
-            draw(py, &subject, drawn)
+        ([(_, fit)], Some(Attribute::Text(kind))) if kind == CALIBRATION_FORMAT.0 => {
+            draw(py, &Subject::Dataset(fit), drawn)
         }
         (sweeps, _) => {
             let read = |(name, sweep): &(String, Dataset)| {
@@ -183,10 +185,10 @@ fn draw(
         errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says")
     };
     let only = only
-        .map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem)))
+        .map(|name| Only::named(&name, figures()).map_err(|problem| unknown(&name, problem)))
         .transpose()?;
     let drawn = || {
-        stickslip_figure::draw(only, subject, &style).map_err(|no| match no {
+        stickslip_figure::draw(only, figures(), subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
             NoPage::Empty => errors::of_run(
                 py,

@@ -147,7 +147,7 @@ pub fn sweep<'py>(
 ) -> PyResult<(Variables<'py>, bool)> {
     let design = if elasticity.is_empty() {
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
-        let remedy = "give {key: values}, where values are numbers, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
+        let remedy = "give {key: values}, where values are numbers, names of files, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
         let axis = |text: &String| {
             SweepAxis::parse(text, symbol).map_err(|error| {
                 // Its own remedy is for those who write the values as a text.
@@ -173,9 +173,7 @@ pub fn sweep<'py>(
             &remedy,
         ));
     }
-    let laid = |Setting { key, value }: &Setting| {
-        Override::number(&format!("{key}, swept to"), key, *value)
-    };
+    let laid = |setting: &Setting| setting.change(&format!("{}, swept to", setting.key));
     let point = |settings: &[Setting]| {
         let own: Vec<Override> = settings.iter().map(laid).collect();
         scenario

@@ -65,4 +65,4 @@ def _instead(word: str, names: Iterable[str]) -> str:
         return f"write `{alike[0]}=`"
     if key and "set" in names:
         return f'write `set={{"{key}": ...}}` for that key of the scenario ({meaning})'
-    return f"give some of {', '.join(names)}"
+    return f"the arguments are {', '.join(names)}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
@@ -16,8 +18,8 @@ from .errors import require
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Values of a key: numbers, or a text "START:STOP:COUNT" or "log:START:STOP:COUNT".
-Values = Union[str, Sequence[float], Any]
+#: Values of a key: numbers, names of files, or a text "START:STOP:COUNT" or "log:START:STOP:COUNT".
+Values = Union[str, Sequence[float], Sequence[str], Any]
 
 
 @public
@@ -51,7 +53,8 @@ def sweep(
     Args:
         scenario: as for `run`.
         vary: the values of each key, as a sequence of numbers or as a text "START:STOP:COUNT" or
-            "log:START:STOP:COUNT", e.g. `{"temperature.noise.intensity": np.linspace(0, 1, 21)}`.
+            "log:START:STOP:COUNT", e.g. `{"temperature.noise.intensity": np.linspace(0, 1, 21)}`;
+            or the files of an input, e.g. `{"input.ag.file": ["a.at2", "b.at2"]}`.
             Each key is a dimension of the result, with the symbol of the key as its name. A key
             written "rho=temperature.noise.intensity" has the name rho. Several keys are combined
             each with each.
@@ -150,5 +153,10 @@ def _values(key: str, values: Values) -> str:
     return (
         values
         if isinstance(values, str)
-        else ",".join(_toml.value(key, float(value)) for value in values)
+        else ",".join(
+            os.fspath(value)
+            if isinstance(value, (str, os.PathLike))
+            else _toml.value(key, float(value))
+            for value in values
+        )
     )

@@ -102,7 +102,7 @@ def test_an_argument_that_the_engine_refuses_is_named(call, argument):
         (lambda: ss.run("rho025", path=10), "write `paths=`"),
         (lambda: ss.check("rho025", rho=0.3), 'write `set={"temperature.noise.intensity": ...}`'),
         (lambda: ss.sweep("rho025", {}, fs=1), 'write `set={"friction.static": ...}`'),
-        (lambda: ss.load("a.h5", zebra=1), "give some of file"),
+        (lambda: ss.load("a.h5", zebra=1), "the arguments are file"),
     ],
 )
 def test_an_unknown_argument_gets_a_suggestion(call, words):

@@ -136,3 +136,30 @@ def test_an_accuracy_chooses_how_to_run_a_scenario():
     assert "stick_duration_mean" in ds.attrs["accuracy"]
     with pytest.raises(ss.ArgumentError, match="remove one of them"):
         ss.run("rho025", accuracy=0.05, paths=100)
+
+
+def test_a_sweep_over_records_has_the_slip_of_each(mc, tmp_path):
+    """A rectangular pulse A of 0.4 s moves a block that slides at a = 0.2 g by A T^2 (A/a - 1)/2."""
+    g, pulses = 9.80665, np.array([0.5, 0.3])
+    for pulse in pulses:
+        text = f"time_s,ag\n0,{pulse}\n0.4,{pulse}\n0.4000001,0\n3,0\n"
+        (tmp_path / f"{pulse}.csv").write_text(text)
+    (tmp_path / "block.toml").write_text(
+        """oscillator = { mass = 1, stiffness = 0, dilatation = 0 }
+friction = { static = 1.96133, dynamic = 1.96133 }
+force.expression = "-ag"
+input.ag = { file = "0.5.csv", unit = "g" }
+initial.displacement = 0
+scheme.kind = "event-driven"
+ensemble.paths = 1
+"""
+    )
+    vary = {"record=input.ag.file": [tmp_path / f"{pulse}.csv" for pulse in pulses]}
+    swept = ss.sweep(tmp_path / "block.toml", vary)
+    slip = -swept.estimate.sel(statistic="displacement_end_mean").values
+    assert np.allclose(slip, pulses * g * 0.16 * (pulses / 0.2 - 1) / 2, rtol=1e-5)
+    assert swept.record.values.tolist() == [str(tmp_path / f"{pulse}.csv") for pulse in pulses]
+    mc("sweep", "block.toml", "--vary", "record=input.ag.file=0.5.csv,0.3.csv", "-o", "s.h5")
+    file = ss.load(tmp_path / "s.h5")
+    np.testing.assert_array_equal(file.estimate.values, swept.estimate.values)
+    assert "0.3.csv" in file.record.values and ss.plot(file).svg

@@ -1,5 +1,5 @@
-//! Reading only what a calibration needs from a scenario. Nothing is simulated, so `[time]` and the
-//! tables that drive the body may be missing.
+//! Reading only what a study of measurements needs from a scenario. Nothing is simulated, so `[time]`
+//! and the tables that drive the body may be missing.
 
 use super::error::ScenarioError;
 use super::fields::Fields;

@@ -349,12 +349,6 @@ impl<'a> Fields<'a> {
 
     /// The numbers of a table whose keys are free, with their places; none if it is missing.
     pub fn numbers(&self, key: Key) -> Vec<(String, f64, Option<Place>)> {
-        let free = Key {
-            name: "",
-            symbol: "",
-            meaning: "a parameter",
-            range: Allowed::Any,
-        };
         let read = |at: &ValueAt<'a>| {
             let Value::Table(entries) = &at.node.value else {
                 return Err(at.wrong_kind("a table", "write names with numbers"));
@@ -371,7 +365,9 @@ impl<'a> Fields<'a> {
                 };
                 (
                     key.clone(),
-                    self.sources.or_report(inside.literal(free)).unwrap_or(1.0),
+                    self.sources
+                        .or_report(inside.literal(keys::PARAMETER))
+                        .unwrap_or(1.0),
                     Some(*key_place),
                 )
             };

@@ -63,6 +63,26 @@ pub(super) struct Key {
     pub symbol: &'static str,
     pub meaning: &'static str,
     pub range: Allowed,
+    /// The unit, in words; empty for a number without one.
+    pub unit: &'static str,
+    /// What holds if the key is not given; empty if it must be given.
+    pub default: &'static str,
+    /// The values that it may have, where the range does not say it.
+    pub allowed: &'static str,
+}
+
+impl Key {
+    const fn unit(self, unit: &'static str) -> Key {
+        Key { unit, ..self }
+    }
+
+    const fn default(self, default: &'static str) -> Key {
+        Key { default, ..self }
+    }
+
+    const fn allowed(self, allowed: &'static str) -> Key {
+        Key { allowed, ..self }
+    }
 }
 
 /// A key that holds a number.
@@ -73,10 +93,9 @@ const fn number(
     range: Allowed,
 ) -> Key {
     Key {
-        name,
         symbol,
-        meaning,
         range,
+        ..other(name, meaning)
     }
 }
 
@@ -87,6 +106,9 @@ const fn other(name: &'static str, meaning: &'static str) -> Key {
         symbol: "",
         meaning,
         range: Allowed::None,
+        unit: "",
+        default: "",
+        allowed: "",
     }
 }
 
@@ -94,6 +116,9 @@ const fn other(name: &'static str, meaning: &'static str) -> Key {
 const fn table(name: &'static str) -> Key {
     other(name, "")
 }
+
+/// Any key of the table of parameters.
+pub(super) const PARAMETER: Key = number("", "", "a parameter", Any);
 
 /// From one list: a constant for each key, and the tables with their keys. A key without a value is
 /// that of another table.
@@ -108,14 +133,17 @@ macro_rules! keys {
 
 keys! {
     "" {
-        TITLE = other("title", "title of the scenario, in one line");
+        TITLE = other("title", "title of the scenario, in one line")
+            .default("the file name").allowed("one line");
         OSCILLATOR = table("oscillator");
         FRICTION = table("friction");
         TEMPERATURE = table("temperature");
         SENSOR = table("displacement");
         INPUT = table("input");
         FORCE = table("force");
-        PARAMETERS = table("parameters");
+        PARAMETERS = other("parameters", "names of numbers for all keys and expressions")
+            .default("none")
+            .allowed("a table of at most 64 numbers");
         INITIAL = table("initial");
         BEARING = table("bearing");
         TIME = table("time");
@@ -126,47 +154,75 @@ keys! {
         UNITS = table("units");
     }
     "oscillator" {
-        MASS = number("mass", "m", "mass", Positive);
-        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", NonNegative);
-        DAMPING = number("damping", "alpha", "damping force 2 alpha x'; a negative alpha drives the body", Any);
-        DILATATION = number("dilatation", "beta", "rest position beta T", Any);
+        MASS = number("mass", "m", "mass", Positive)
+            .unit("mass");
+        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", NonNegative)
+            .unit("force / length");
+        DAMPING = number("damping", "alpha", "damping force 2 alpha x'; a negative alpha drives the body", Any)
+            .unit("force time / length").default("0");
+        DILATATION = number("dilatation", "beta", "rest position beta T", Any)
+            .unit("length / temperature").default("required, or the next key");
         FORCE_PER_TEMPERATURE = number(
-            "force_per_temperature", "c", "force c T on the body, instead of a dilatation", Any);
+            "force_per_temperature", "c", "force c T on the body, instead of a dilatation", Any)
+            .unit("force / temperature").default("K beta");
     }
     "friction" {
-        STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", StaticThreshold);
-        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
-        LOAD = other("load", "expression that multiplies f_s and f_d, at least 0");
+        STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", StaticThreshold)
+            .unit("force");
+        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold)
+            .unit("force");
+        LOAD = other("load", "expression that multiplies f_s and f_d, at least 0")
+            .default("none").allowed("an expression");
     }
     "temperature" {
-        TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);
-        TREND = number("trend", "", "slope of a linear trend (belt, pulled spring)", Any);
+        TEMPERATURE_OFFSET = number("offset", "", "a constant", Any)
+            .unit("temperature").default("0");
+        TREND = number("trend", "", "slope of a linear trend (belt, pulled spring)", Any)
+            .unit("temperature / time").default("0");
         HARMONICS = table("harmonics");
         SERIES = table("series");
         NOISE = table("noise");
     }
     "temperature.harmonics" {
-        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Any);
+        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Any)
+            .unit("temperature");
         ANGULAR_FREQUENCY = number(
-            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", NonNegative);
-        PHASE = number("phase", "phi", "phase at t = 0, in radians", Phase);
+            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", NonNegative)
+            .unit("1 / time");
+        PHASE = number("phase", "phi", "phase at t = 0, in radians", Phase)
+            .unit("radians").default("0");
     }
     "temperature.series" {
-        FILE = other("file", "path of the data file, relative to the scenario");
-        SERIES_TIME = other("time", "time column");
-        VALUE = other("value", "temperature column");
-        UNIT = other("unit", "of the values");
-        ZONE = other("zone", "time zone of stamps without one");
-        DATES = other("dates", "order of year, month and day");
-        SKIP = other("skip", "lines before the header");
-        MISSING = other("missing", "markers of missing values");
-        SKIP_BAD = other("skip_bad", "leave out lines that cannot be read");
-        DECIMAL = other("decimal", "decimal separator");
-        AVERAGED = number("averaged", "", "averaging time of each value, ending at its stamp", Allowed::NonNegative);
-        OUTLIERS = other("outliers", "leave out values beyond this many standard deviations");
-        MAX_GAP = number("max_gap", "", "longest gap between two samples", Positive);
-        START = other("start", "date of t = 0, from the samples");
-        HASH = other("hash", "of the samples");
+        FILE = other("file", "path of the data file, relative to the scenario")
+            .allowed("a path");
+        SERIES_TIME = other("time", "time column")
+            .default("found by its name").allowed("a name; date and time with a comma");
+        VALUE = other("value", "value column")
+            .default("found by its name").allowed("a name");
+        UNIT = other("unit", "of the values")
+            .default("from the file").allowed("a unit");
+        ZONE = other("zone", "time zone of stamps without one")
+            .default("none").allowed("such as Europe/Berlin or +01:00");
+        DATES = other("dates", "order of year, month and day")
+            .default("inferred").allowed("`\"ymd\"`, `\"dmy\"`, `\"mdy\"`");
+        SKIP = other("skip", "lines before the header")
+            .unit("lines").default("inferred").allowed("0 to 1000000");
+        MISSING = other("missing", "markers of missing values")
+            .default("none").allowed("texts");
+        SKIP_BAD = other("skip_bad", "leave out lines that cannot be read")
+            .default("`false`").allowed("`true`, `false`");
+        DECIMAL = other("decimal", "decimal separator")
+            .default("inferred").allowed("`\".\"`, `\",\"`");
+        AVERAGED = number("averaged", "", "averaging time of each value, ending at its stamp", Allowed::NonNegative)
+            .unit("s").default("from the column name").allowed("0 or above, or a text such as `\"10min\"`");
+        OUTLIERS = other("outliers", "leave out values beyond this many standard deviations")
+            .default("none").allowed("1 to 1000000");
+        MAX_GAP = number("max_gap", "", "longest gap between two samples", Positive)
+            .unit("s").default("`\"6h\"` if times are in seconds").allowed("above 0, or a text such as `\"6h\"`");
+        START = other("start", "date of t = 0, from the samples")
+            .default("from the samples").allowed("a stamp");
+        HASH = other("hash", "of the samples")
+            .default("from the samples").allowed("16 digits");
     }
     "displacement" {
         SERIES;
@@ -186,19 +242,28 @@ keys! {
         AVERAGED;
     }
     "temperature.noise" {
-        NOISE_KIND = other("kind", "\"ornstein-uhlenbeck\", or \"white\"");
-        STRENGTH = number("strength", "D", "of white noise sqrt(2 D) xi(t)", Positive);
-        INTENSITY = number("intensity", "rho", "weight of v in T", NonNegative);
-        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Positive);
-        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative);
-        INITIAL_NOISE = number("initial", "v(0)", "initial value of the noise", Any);
-        PINNED = other("pinned", "v is zero at every sample of the series");
+        NOISE_KIND = other("kind", "\"ornstein-uhlenbeck\", or \"white\"")
+            .default("`\"ornstein-uhlenbeck\"`").allowed("`\"ornstein-uhlenbeck\"`, `\"white\"`");
+        STRENGTH = number("strength", "D", "of white noise sqrt(2 D) xi(t)", Positive)
+            .unit("temperature^2 time").default("required if white");
+        INTENSITY = number("intensity", "rho", "weight of v in T", NonNegative)
+            .unit("temperature").default("required unless white");
+        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Positive)
+            .unit("1 / time").default("1");
+        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative)
+            .unit("1 / time^(1/2)").default("1");
+        INITIAL_NOISE = number("initial", "v(0)", "initial value of the noise", Any)
+            .unit("that of v").default("0").allowed("any, or `\"stationary\"`");
+        PINNED = other("pinned", "v is zero at every sample of the series")
+            .default("`false`").allowed("`true`, `false`");
     }
     "input" {
         FILE;
         SERIES_TIME;
-        COLUMN = other("column", "value column");
-        SAMPLE_STEP = number("step", "", "time between the values of a file without times, in seconds", Positive);
+        COLUMN = other("column", "value column")
+            .default("found by its name").allowed("a name or a number");
+        SAMPLE_STEP = number("step", "", "time between the values of a file without times, in seconds", Positive)
+            .unit("s").default("none");
         UNIT;
         ZONE;
         DATES;
@@ -208,49 +273,76 @@ keys! {
         HASH;
     }
     "force" {
-        EXPRESSION = other("expression", "g(x, xdot, t), added to b");
+        EXPRESSION = other("expression", "g(x, xdot, t), added to b")
+            .unit("force").allowed("an expression");
     }
     "initial" {
-        DISPLACEMENT = number("displacement", "x0", "x(0)", Any);
-        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Any);
+        DISPLACEMENT = number("displacement", "x0", "x(0)", Any)
+            .unit("length").allowed("any, or `\"balanced\"`");
+        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Any)
+            .unit("length / time").default("0");
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear stiffness of the bearing", Positive);
-        OFFSET = number("offset", "z0", "sensor reading at x = 0", Any);
+        BEARING_STIFFNESS = number("stiffness", "K_B", "shear stiffness of the bearing", Positive)
+            .unit("force / length").default("a rigid bearing");
+        OFFSET = number("offset", "z0", "sensor reading at x = 0", Any)
+            .unit("length").default("0");
     }
     "time" {
-        END = number("end", "t_end", "duration", NonNegative);
-        STEP = number("step", "h", "time step", Positive);
-        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Positive);
+        END = number("end", "t_end", "duration", NonNegative)
+            .unit("time").default("the earliest last sample").allowed("0 to the earliest last sample, in whole steps");
+        STEP = number("step", "h", "time step", Positive)
+            .unit("time").default("required by schemes with a step");
+        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Positive)
+            .unit("time").default("about 120 rows").allowed("whole steps; at most 100000 rows");
     }
     "scheme" {
-        KIND = other("kind", "the scheme");
-        TOLERANCE = number("tolerance", "", "permitted relative discretisation error", Tolerance);
+        KIND = other("kind", "the scheme")
+            .default("`\"discrete-vi\"`").allowed("[a scheme](scenario.md#time-and-scheme)");
+        TOLERANCE = number("tolerance", "", "permitted relative discretisation error", Tolerance)
+            .default("1e-3");
     }
     "statistics" {
-        AFTER = number("after", "", "start of the counted time", NonNegative);
-        LEVELS = number("levels", "", "distances from the start for first-passage times", Positive);
-        COMPARED = number("period", "P", "period at which displacements are compared", Positive);
+        AFTER = number("after", "", "start of the counted time", NonNegative)
+            .unit("time").default("0").allowed("from 0 to below `time.end`");
+        LEVELS = number("levels", "", "distances from the start for first-passage times", Positive)
+            .unit("length").default("none").allowed("at most 8 numbers above 0");
+        COMPARED = number("period", "P", "period at which displacements are compared", Positive)
+            .unit("time").default("the forcing period, or a tenth of the counted time");
     }
     "ensemble" {
-        PATHS = other("paths", "number of paths");
-        SEED = other("seed", "seed of the random numbers");
-        ANTITHETIC = other("antithetic", "paths 2k and 2k + 1 use mirrored noise");
+        PATHS = other("paths", "number of paths")
+            .default("10000").allowed("1 to 2^40");
+        SEED = other("seed", "seed of the random numbers")
+            .default("1").allowed("0 to 2^64 - 1");
+        ANTITHETIC = other("antithetic", "paths 2k and 2k + 1 use mirrored noise")
+            .default("`false`").allowed("`true`, `false`");
     }
     "record" {
-        RECORD_PATHS = other("paths", "scalar results of every path");
-        EVENTS = other("events", "events of every path");
-        TRAJECTORIES = other("trajectories", "number of leading paths to record on the output grid");
-        LAWS = other("laws", "distributions of slips, jumps and times from slip to slip");
-        DENSITY = other("density", "densities of x and x' over time");
-        ENERGY = other("energy", "work of every force");
-        SPECTRUM = other("spectrum", "autocovariance and spectrum of x and x'");
+        RECORD_PATHS = other("paths", "scalar results of every path")
+            .default("`true`").allowed("`true`, `false`");
+        EVENTS = other("events", "events of every path")
+            .default("`false`").allowed("`true`, `false`");
+        TRAJECTORIES = other("trajectories", "number of leading paths to record on the output grid")
+            .default("0").allowed("0 to 1000000");
+        LAWS = other("laws", "distributions of slips, jumps and times from slip to slip")
+            .default("`false`").allowed("`true`, `false`");
+        DENSITY = other("density", "densities of x and x' over time")
+            .default("`false`").allowed("`true`, `false`");
+        ENERGY = other("energy", "work of every force")
+            .default("`false`").allowed("`true`, `false`");
+        SPECTRUM = other("spectrum", "autocovariance and spectrum of x and x'")
+            .default("`false`").allowed("`true`, `false`");
     }
     "units" {
-        TIME_LABEL = other("time", "label");
-        LENGTH_LABEL = other("length", "label");
-        FORCE_LABEL = other("force", "label");
-        TEMPERATURE_LABEL = other("temperature", "label");
+        TIME_LABEL = other("time", "label")
+            .default("none").allowed("one line");
+        LENGTH_LABEL = other("length", "label")
+            .default("none").allowed("one line");
+        FORCE_LABEL = other("force", "label")
+            .default("none").allowed("one line");
+        TEMPERATURE_LABEL = other("temperature", "label")
+            .default("none").allowed("one line");
     }
 }
 

@@ -7,7 +7,7 @@
 //!             -> parse     the whole scenario (physics and time are files of their own)
 //!                  -> a checked Scenario, or the Faults with their places (blame, error)
 //! series    the files of a measured temperature and of inputs
-//! bridge    reads only what a calibration needs, from the same tree: a BridgeScene
+//! bridge    reads only what a study of measurements needs, from the same tree: a BridgeScene
 //! text      a Scenario as TOML with every default; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
 //! ```
@@ -54,7 +54,8 @@ use std::sync::{Mutex, PoisonError};
 /// assert_eq!((key.as_str(), meaning.as_str()), ("temperature.noise.intensity", "rho, weight of v in T"));
 /// ```
 pub fn key_meant(word: &str) -> Option<(String, String)> {
-    let key = keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))?;
+    let key = keys::suggestion("", word)
+        .filter(|key| key.contains('.') || keys().iter().any(|known| known.key == *key))?;
     let meaning = symbol_and_meaning(&key).map_or_else(String::new, |(symbol, meaning)| {
         [symbol, meaning].join(if symbol.is_empty() { "" } else { ", " })
     });
@@ -75,19 +76,56 @@ pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
     keys::of_name(key).map(|key| (key.symbol, key.meaning))
 }
 
-/// Every key of a scenario, dotted, in the order in which `mc check` prints them. Of the harmonics
-/// only the first is listed, and `NAME` stands for that of an input.
-pub fn keys() -> Vec<String> {
+/// A key of a scenario, in the words of the documentation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyDescription {
+    /// The dotted key. Of the harmonics only the first is listed, and `NAME` stands for that of an
+    /// input.
+    pub key: String,
+    /// The symbol of the paper; empty if there is none.
+    pub symbol: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Its unit; empty if it has none.
+    pub unit: &'static str,
+    /// What holds if it is not given, or `required`.
+    pub default: &'static str,
+    /// The values that it may have.
+    pub allowed: &'static str,
+}
+
+/// Every key of a scenario, in the order in which `mc check` prints them.
+pub fn keys() -> Vec<KeyDescription> {
     let dotted = |table: &str, name: &str| match table {
         "" => name.to_string(),
         "temperature.harmonics" => format!("{table}.0.{name}"),
         "input" => format!("{table}.NAME.{name}"),
         table => format!("{table}.{name}"),
     };
-    let is_table = |key: &String| keys::TABLES.iter().any(|(table, _)| table == key);
+    let described = |(table, key): (&str, &keys::Key)| KeyDescription {
+        key: dotted(table, key.name),
+        symbol: key.symbol,
+        meaning: key.meaning,
+        unit: key.unit,
+        default: match (table, key.default) {
+            ("displacement.series", "") => "none",
+            ("displacement.series", _)
+                if ![keys::VALUE.name, keys::UNIT.name].contains(&key.name) =>
+            {
+                "as in `temperature.series`"
+            }
+            (_, "") => "required",
+            (_, default) => default,
+        },
+        allowed: match key.allowed {
+            "" => key.range.words(),
+            allowed => allowed,
+        },
+    };
+    let is_table = |key: &KeyDescription| keys::TABLES.iter().any(|(table, _)| *table == key.key);
     let all = keys::TABLES
         .iter()
-        .flat_map(|(table, keys)| keys.iter().map(|key| dotted(table, key.name)));
+        .flat_map(|(table, keys)| keys.iter().map(|key| described((table, key))));
     all.filter(|key| !is_table(key)).collect()
 }
 

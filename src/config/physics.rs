@@ -120,7 +120,7 @@ fn harmonic(table: &Fields<'_>) -> Harmonic {
 
 /// The measured temperature, if there is one.
 fn measured_temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Vec<Measured> {
-    // Only a calibration reads this table, but mistakes in it are reported by every command.
+    // No run reads this table, but mistakes in it are reported by every command.
     let displacement = root.table("displacement").table("series");
     series::source(&displacement, keys::VALUE, None);
     sources

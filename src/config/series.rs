@@ -204,10 +204,13 @@ impl Reader<'_> {
         }
         let hash = table.line_or(keys::HASH, "");
         let is_override = sources.is_override(place);
+        // The files that a sweep sets are stored under the key and the file.
+        let stored_name = match is_override {
+            true => format!("{}.file={}", self.name, measured.file),
+            false => self.name.clone(),
+        };
         let stored = match sources.measured_from {
-            MeasuredFrom::Stored(stored) if !is_override => {
-                stored.iter().find(|stored| stored.name == self.name)
-            }
+            MeasuredFrom::Stored(stored) => stored.iter().find(|stored| stored.name == stored_name),
             _ => None,
         };
         match stored {

@@ -1,5 +1,5 @@
-//! The parts of a scenario that a calibration needs. A run needs more, but a calibration simulates
-//! nothing.
+//! The parts of a scenario that a study of measurements needs. A run needs more, but such a study
+//! simulates nothing.
 
 use stickslip_data::ColumnSource;
 

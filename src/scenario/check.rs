@@ -64,10 +64,10 @@ impl Scenario {
             .series
             .iter()
             .map(|series| ("the measured temperature".into(), series));
-        let inputs = self
-            .measured
-            .iter()
-            .filter_map(|of| Some((format!("the input `{}`", of.input()?), &of.series)));
+        let inputs = self.measured.iter().filter_map(|of| {
+            let what = format!("the input `{}` ({})", of.input()?, of.file);
+            Some((what, &of.series))
+        });
         let all: Vec<(String, _)> = temperature.chain(inputs).collect();
         let close = |series: &Series| {
             Some(

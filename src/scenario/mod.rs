@@ -8,7 +8,7 @@
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
 //! written    a force as the user wrote it
 //! measured   measured temperatures and inputs with where they come from, and how a sensor sees the body
-//! bridge     the parts of a scenario that a calibration needs: a BridgeScene
+//! bridge     the parts of a scenario that a study of measurements needs: a BridgeScene
 //! limits     the largest number of paths, rows, steps and periods
 //! ```
 //!

@@ -433,7 +433,7 @@ fn line() -> Design {
     let axis = SweepAxis {
         name: "rho".into(),
         key: "rho".into(),
-        values: vec![1.0, 2.0, 3.0],
+        values: vec![1.0, 2.0, 3.0].into(),
     };
     Design::of(vec![axis], false).expect("a line")
 }

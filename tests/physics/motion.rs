@@ -313,7 +313,7 @@ fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
         let axis = SweepAxis {
             name: "f_s".into(),
             key: "friction.static".into(),
-            values: vec![scene.model.friction.static_force],
+            values: vec![scene.model.friction.static_force].into(),
         };
         let design = Design::of(vec![axis], false).expect("one point");
         for scene in [&scene, &coarse] {

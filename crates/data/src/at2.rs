@@ -217,10 +217,7 @@ impl Sampling<'_> {
             );
         }
         if cells.len() < 2 {
-            let problem = format!(
-                "it has {} values, and a record takes two or more",
-                cells.len()
-            );
+            let problem = format!("it has {} values; a record needs at least two", cells.len());
             return Err(DataError::file(file, problem, "give a file of numbers"));
         }
         if is_too_close(time.of(*step), 0.0) {

@@ -2,7 +2,7 @@
 //! the same code.
 //!
 //! ```text
-//! Subject     what a picture shows: a scenario, a run, a trade, sweeps, a calibration
+//! Subject     what a picture shows: a scenario, a run, a trade, sweeps, another data set
 //!   -> FIGURES    one file each: what it takes from its subject, and its layout
 //!        Axis, Panel   numbers to positions; curves, bands, bars, marks, notes without overlap
 //!   -> Sheet      a legend above panels that are aligned below each other
@@ -10,17 +10,15 @@
 //!   -> svg, png, pdf
 //! ```
 //!
-//! A new figure is a file with a function `draw` in it, and its row in [`FIGURES`].
+//! A new figure is a file with a function `draw` in it, and its row in [`RUN`], [`TRADE`] or [`SWEEP`]. Figures of other
+//! data sets are in the crates that write them, and made of the same parts.
 
 #![deny(missing_docs)]
 
 mod axis;
-mod calendar;
-mod calibration;
 mod density;
 mod drift;
 mod fan;
-mod hysteresis;
 mod kit;
 mod laws;
 mod legend;
@@ -31,7 +29,6 @@ mod page;
 mod panel;
 mod passages;
 mod path;
-mod residuals;
 mod section;
 mod sheet;
 mod spectrum;
@@ -45,25 +42,23 @@ mod tornado;
 mod trace;
 mod trade;
 mod words;
-mod years;
 
 pub use kit::{Drawing, escaped, pdf, png, svg};
 pub use only::Only;
 pub use page::{NoPage, draw, page};
 pub use subject::{Absent, DrawnPath, Figure, Subject};
-pub use theme::{COLUMN, Style, Theme};
-pub use years::years;
+pub use theme::{COLUMN, Palette, Style, THIN, Theme};
 
 // What every figure is made of.
-use axis::{Axis, range_of};
-use kit::{Colour, Label, Stroke};
-use legend::LegendEntry;
-use mark::Mark;
-use panel::Panel;
-use sheet::{Sheet, sheet, solid};
+pub use axis::{Axis, range_of};
+pub use kit::{Colour, Label, Stroke};
+pub use legend::LegendEntry;
+pub use mark::Mark;
+pub use panel::Panel;
+pub use sheet::{Sheet, sheet, solid};
 
-/// Every figure, in the order in which a page shows them.
-pub const FIGURES: &[Figure] = &[
+/// The figures of a run, in the order in which a page shows them. Those of a path need no run.
+pub const RUN: &[Figure] = &[
     Figure {
         name: "path",
         draws: path::draw,
@@ -101,9 +96,19 @@ pub const FIGURES: &[Figure] = &[
         draws: spectrum::draw,
     },
     Figure {
-        name: "trade",
-        draws: trade::draw,
+        name: "overview",
+        draws: overview::draw,
     },
+];
+
+/// The figure of a trade.
+pub const TRADE: &[Figure] = &[Figure {
+    name: "trade",
+    draws: trade::draw,
+}];
+
+/// The figures of a sweep, in the order in which a page shows them.
+pub const SWEEP: &[Figure] = &[
     Figure {
         name: "sweep",
         draws: sweep::draw,
@@ -115,21 +120,5 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "section",
         draws: section::draw,
-    },
-    Figure {
-        name: "calibration",
-        draws: calibration::draw,
-    },
-    Figure {
-        name: "loops",
-        draws: hysteresis::draw,
-    },
-    Figure {
-        name: "residuals",
-        draws: residuals::draw,
-    },
-    Figure {
-        name: "overview",
-        draws: overview::draw,
     },
 ];

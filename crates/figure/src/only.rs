@@ -1,6 +1,6 @@
 //! A part that is drawn by itself: a figure, or one of its panels.
 
-use super::{Absent, Drawing, FIGURES, Figure, Style, Subject};
+use super::{Absent, Drawing, Figure, Style, Subject};
 use std::fmt;
 
 /// A figure, e.g. `sticks`, or one of its panels, e.g. `sticks.B`.
@@ -20,28 +20,31 @@ const CALLED: [(&str, &str); 3] = [
 ];
 
 impl Only {
-    /// The names of all figures, separated by commas.
-    pub fn names() -> String {
-        FIGURES
-            .iter()
+    /// The names of figures, separated by commas.
+    pub fn names(figures: impl Iterator<Item = &'static Figure>) -> String {
+        figures
             .map(|figure| figure.name)
             .collect::<Vec<_>>()
             .join(", ")
     }
 
-    /// The part with this name.
+    /// The part of one of these figures with this name.
     ///
     /// # Errors
     ///
     /// The message says which names there are.
-    pub fn named(text: &str) -> Result<Only, String> {
+    pub fn named(
+        text: &str,
+        mut figures: impl Iterator<Item = &'static Figure> + Clone,
+    ) -> Result<Only, String> {
+        let all = figures.clone();
         let (name, panel) = text
             .split_once('.')
             .map_or((text, None), |(name, panel)| (name, Some(panel)));
-        let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
+        let Some(figure) = figures.find(|figure| figure.name == name) else {
             return Err(match CALLED.iter().find(|(word, _)| *word == name) {
                 Some((_, panel)) => format!("that is {panel}"),
-                None => format!("unknown figure; use one of {}", Only::names()),
+                None => format!("unknown figure; use one of {}", Only::names(all)),
             });
         };
         let letter = |panel: &str| panel.parse().ok().filter(char::is_ascii_uppercase);

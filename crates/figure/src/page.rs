@@ -1,6 +1,5 @@
 //! All figures of a subject on one page, in two columns of the same height.
 
-use super::FIGURES;
 use super::kit::{Align, Drawing, Item, Label};
 use super::only::Only;
 use super::sheet::Sheet;
@@ -32,12 +31,17 @@ pub enum NoPage {
     Label(String, String),
 }
 
-/// One figure or panel of a subject, or else the page of all of them.
+/// One figure or panel of a subject, or else the page of all of these figures that it has.
 ///
 /// # Errors
 ///
 /// It cannot be drawn, or a label names nothing that is at its axes.
-pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
+pub fn draw(
+    only: Option<Only>,
+    figures: impl Iterator<Item = &'static Figure>,
+    subject: &Subject,
+    style: &Style,
+) -> Result<Drawing, NoPage> {
     let known: Vec<&str> = match subject {
         Subject::Sweep { sweeps, .. } => sweeps
             .iter()
@@ -53,7 +57,7 @@ pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Draw
         Some(only) => only
             .draw(subject, style)
             .map_err(|absent| NoPage::Without(only.figure, absent)),
-        None => page(subject, style),
+        None => page(figures, subject, style),
     }
 }
 
@@ -63,8 +67,12 @@ pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Draw
 /// # Errors
 ///
 /// No figure of the subject can be drawn.
-pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
-    let sheets = sheets(subject, style)?;
+pub fn page(
+    figures: impl Iterator<Item = &'static Figure>,
+    subject: &Subject,
+    style: &Style,
+) -> Result<Drawing, NoPage> {
+    let sheets = sheets(figures, subject, style)?;
     let columns = columns(sheets, style);
     let palette = style.palette();
     let width = columns.len() as f64 * (style.points() + GAP) - GAP + 2.0 * EDGE;
@@ -132,10 +140,12 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
 }
 
 /// The figures of the page that can be drawn from the subject.
-fn sheets(subject: &Subject, style: &Style) -> Result<Vec<Sheet>, NoPage> {
-    let figures = FIGURES
-        .iter()
-        .filter(|figure| !APART.contains(&figure.name));
+fn sheets(
+    figures: impl Iterator<Item = &'static Figure>,
+    subject: &Subject,
+    style: &Style,
+) -> Result<Vec<Sheet>, NoPage> {
+    let figures = figures.filter(|figure| !APART.contains(&figure.name));
     let mut sheets = Vec::new();
     let mut without = NoPage::Empty;
     for figure in figures {

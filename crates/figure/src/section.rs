@@ -17,9 +17,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Elsewhere("a sweep over one key (--vary)"));
     }
     let axis = &sweep.question.design.axes()[0];
-    let points = axis.values.iter().zip(&sweep.points);
+    let points = axis.values.positions().into_iter().zip(&sweep.points);
     let cycles: Vec<(f64, &LimitCycle)> = points
-        .filter_map(|(at, point)| Some((*at, point.as_ref()?.cycle.as_ref()?)))
+        .filter_map(|(at, point)| Some((at, point.as_ref()?.cycle.as_ref()?)))
         .collect();
     if cycles.is_empty() {
         return Err(Absent::Nothing(

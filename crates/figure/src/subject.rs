@@ -9,7 +9,7 @@ use stickslip::scheme::Scheme;
 use stickslip::stats::{Statistic, Summary};
 use stickslip::study::sweep::Sweep;
 use stickslip::study::trade::Prices;
-use stickslip_bearing::calibration::Calibration;
+use stickslip_files::dataset::{Attribute, Dataset};
 
 /// The path that is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +45,8 @@ pub enum Subject<'a> {
         /// The statistics to draw. If the list is empty, a default selection is drawn.
         statistics: &'a [Statistic],
     },
-    /// A calibration: parameters estimated from a measurement.
-    Calibration {
-        /// A title in one line.
-        title: &'a str,
-        /// The result of the calibration.
-        calibration: &'a Calibration,
-    },
+    /// Another data set, whose figures know what is in it.
+    Dataset(&'a Dataset),
 }
 
 /// The statistics of a sweep that are drawn unless others are named: the first two that exist and
@@ -154,7 +149,7 @@ impl<'a> Subject<'a> {
                 );
                 (format!("{over}: {}", drawn.join(", ")), line)
             }
-            Subject::Calibration { title, .. } => (title.to_string(), String::new()),
+            Subject::Dataset(dataset) => (text(dataset, "title").to_string(), String::new()),
         }
     }
 
@@ -185,12 +180,18 @@ impl<'a> Subject<'a> {
         Ok((sweeps, named_or_usual(statistics, sweeps)))
     }
 
-    /// The title and the result of a calibration.
-    pub(super) fn calibration(&self) -> Result<(&'a str, &'a Calibration), Absent> {
-        let Subject::Calibration { title, calibration } = self else {
-            return Err(Absent::Elsewhere("a file of `mc calibrate`"));
-        };
-        Ok((title, calibration))
+    /// Another data set and its title, if it has this format; `wanted` says which file has.
+    pub fn dataset(
+        &self,
+        format: &str,
+        wanted: &'static str,
+    ) -> Result<(&'a str, &'a Dataset), Absent> {
+        match self {
+            Subject::Dataset(dataset) if text(dataset, "format_name") == format => {
+                Ok((text(dataset, "title"), dataset))
+            }
+            _ => Err(Absent::Elsewhere(wanted)),
+        }
     }
 
     /// The costs that a trade has found.
@@ -199,6 +200,14 @@ impl<'a> Subject<'a> {
             return Err(Absent::Elsewhere("a file of `mc trade`"));
         };
         Ok(prices)
+    }
+}
+
+/// An attribute of a data set that is a text; empty if there is none.
+fn text<'a>(dataset: &'a Dataset, name: &str) -> &'a str {
+    match dataset.attribute(name) {
+        Some(Attribute::Text(text)) => text,
+        _ => "",
     }
 }
 
@@ -265,7 +274,7 @@ pub struct Figure {
     /// Its name on the command line.
     pub name: &'static str,
     /// The function that draws it.
-    pub(super) draws: fn(&Subject, &Style) -> Result<Sheet, Absent>,
+    pub draws: fn(&Subject, &Style) -> Result<Sheet, Absent>,
 }
 
 impl Figure {

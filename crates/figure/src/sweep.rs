@@ -10,7 +10,8 @@ use super::{
     sheet,
 };
 use stickslip::stats::{Estimate, Statistic};
-use stickslip::study::sweep::{self, Design, Sweep};
+use stickslip::study::sweep::{self, AxisValue, AxisValues, Design, Sweep};
+use stickslip_data::numbers::significant;
 
 /// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;
@@ -20,6 +21,9 @@ const MOST_MARKS: usize = 30;
 
 /// The most curves of a sweep; more could not be distinguished.
 const MOST_CURVES: usize = 6;
+
+/// Names of files that are longer than this in all have no room at an axis.
+const MOST_LETTERS: usize = 60;
 
 /// The points of one sweep along its first axis, at one value of each other axis.
 struct Curve<'a> {
@@ -34,18 +38,21 @@ struct Curve<'a> {
 impl Curve<'_> {
     /// The values of the key and the estimates there, in their order.
     fn estimates(&self, statistic: Statistic) -> Vec<(f64, Estimate)> {
-        let values = &self.sweep.question.design.axes()[0].values;
-        let point = |(x, p): (&f64, &usize)| {
+        let values = self.sweep.question.design.axes()[0].values.positions();
+        let point = |(x, p): (f64, &usize)| {
             Some((
-                *x,
+                x,
                 *self.sweep.points[*p]
                     .as_ref()?
                     .estimates
                     .get(statistic.index())?,
             ))
         };
-        let mut known: Vec<(f64, Estimate)> =
-            values.iter().zip(&self.points).filter_map(point).collect();
+        let mut known: Vec<(f64, Estimate)> = values
+            .into_iter()
+            .zip(&self.points)
+            .filter_map(point)
+            .collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         known
     }
@@ -136,10 +143,13 @@ fn panel(
     let mut has_corrected = false;
     for (curve, points) in curves.iter().zip(&drawn) {
         let colour = curve.stroke.colour;
-        panel.line(
-            points.iter().map(|(x, e)| [*x, e.estimate]).collect(),
-            curve.stroke.clone(),
-        );
+        // A line through files would suggest values between them.
+        if let AxisValues::Numbers(_) = axis.values {
+            panel.line(
+                points.iter().map(|(x, e)| [*x, e.estimate]).collect(),
+                curve.stroke.clone(),
+            );
+        }
         for (x, e) in points {
             panel.interval(*x, [e.low, e.high], colour);
             if let Some(y) = without_step(e) {
@@ -188,8 +198,19 @@ const MARGIN: f64 = 0.02;
 
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
 pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
-    let values = &axis.values;
     let title = of_axis(axis, style);
+    let values = match &axis.values {
+        AxisValues::Numbers(numbers) => numbers,
+        AxisValues::Files(files) if files.iter().map(String::len).sum::<usize>() > MOST_LETTERS => {
+            let title = Label::verbatim("number of the file");
+            return Axis::linear([-0.5, files.len() as f64 - 0.5], title, "").whole();
+        }
+        AxisValues::Files(files) => {
+            let names = files.iter().enumerate();
+            let names = names.map(|(i, file)| (i as f64, Label::verbatim(file)));
+            return Axis::named([-0.5, files.len() as f64 - 0.5], names.collect());
+        }
+    };
     let [low, high] = range_of(values.iter().copied());
     let is_even = |pair: [f64; 2]| (pair[0] - pair[1]).abs() < 1e-6 * pair[0].abs();
     let is_log = low > 0.0
@@ -268,9 +289,11 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
             };
             for (n, (axis, setting)) in axes.enumerate() {
                 let comma = if n > 0 || sweeps.len() > 1 { ", " } else { "" };
-                let value = stickslip_data::numbers::significant(setting.value, 4);
-                label = label.and(comma).and(letter(&axis.name));
-                label = label.and(format!(" = {}", minus(&value)));
+                label = label.and(comma).and(letter(&axis.name)).and(" = ");
+                label = match &setting.value {
+                    AxisValue::Number(x) => label.and(minus(&significant(*x, 4))),
+                    AxisValue::File(file) => label.and(Label::verbatim(file)),
+                };
             }
             curves.push(Curve {
                 sweep,

@@ -4,7 +4,7 @@ use super::kit::Label;
 use super::{LegendEntry, Style};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
-use stickslip::study::sweep::SweepAxis;
+use stickslip::study::sweep::{SweepAxis, table_of_file};
 use stickslip_data::numbers;
 
 /// The names of Greek letters that people give to quantities, each before its letter.
@@ -36,6 +36,7 @@ fn key_words(key: &str) -> String {
         ["temperature", "noise", .., name] => format!("{name} of the noise"),
         ["temperature", "harmonics", .., name] => format!("{name} of the forcing"),
         ["temperature", name] => format!("{name} of the temperature"),
+        ["input", name, "file"] => format!("file of {name}"),
         ["bearing", name] => format!("{name} of the bearing"),
         ["initial", name] => format!("initial {name}"),
         [.., name] => name.to_string(),
@@ -68,6 +69,8 @@ pub fn of_axis(axis: &SweepAxis, style: &Style) -> Label {
     let words = key_words(key);
     match *name == words || *name == key.replace('.', "_") {
         true => letter(&words),
+        // Files have no symbol, so a name is given in place of the words.
+        false if table_of_file(key).is_some() => Label::verbatim(name),
         false => Label::verbatim(&format!("{words} ")).and(letter(name)),
     }
 }

@@ -1,15 +1,36 @@
 //! The command line: one file for each verb, which parses its arguments, calls the library, and
 //! prints.
 
+/// From one list: the verbs, and what each of them calls.
+macro_rules! verbs {
+    ($($(#[$about:meta])* $Verb:ident($($module:ident)::+),)+) => {
+        #[derive(Debug, clap::Subcommand)]
+        pub enum Verb {
+            $($(#[$about])* $Verb($($module::)+Arguments),)+
+        }
+
+        impl Verb {
+            pub fn call(&self) -> Result<(), Failure> {
+                match self {
+                    $(Verb::$Verb(verb) => verb.call(),)+
+                }
+            }
+        }
+    };
+}
+
 mod arguments;
+mod bearing;
 mod commands;
 mod inputs;
+mod kinds;
 mod output;
 mod report;
 mod session;
 
 // What most verbs use.
 use crate::arguments::threads::Threads;
+use crate::kinds::{Kind, RUN, SWEEP, TRADE};
 use crate::output::failure::{Failure, note, print, print_data, warn, writable};
 use crate::session::interrupt::stop_on_signals;
 
@@ -34,64 +55,42 @@ struct Arguments {
     verb: Verb,
 }
 
-/// From one list: the verbs, and what each of them calls.
-macro_rules! verbs {
-    ($($(#[$about:meta])* $Verb:ident($module:ident),)+) => {
-        #[derive(Debug, clap::Subcommand)]
-        enum Verb {
-            $($(#[$about])* $Verb(commands::$module::Arguments),)+
-        }
-
-        impl Verb {
-            fn call(&self) -> Result<(), Failure> {
-                match self {
-                    $(Verb::$Verb(verb) => verb.call(),)+
-                }
-            }
-        }
-    };
-}
+/// Every kind of result. This list and the verbs below are the only places that mention bearings.
+const KINDS: [&Kind; 4] = [&RUN, &TRADE, &SWEEP, &bearing::CALIBRATION];
 
 verbs! {
     /// Simulate an ensemble of paths and write its statistics
-    Run(run),
+    Run(commands::run),
     /// Continue an interrupted run or sweep
-    Resume(resume),
+    Resume(commands::resume),
     /// Join the parts of a run
-    Merge(merge),
+    Merge(commands::merge),
     /// Validate a scenario; print it in full, with derived quantities and warnings
-    Check(check),
+    Check(commands::check),
     /// Print the results in a file
-    Show(show),
+    Show(commands::show),
     /// Draw results as SVG, PNG or PDF
-    Plot(plot),
+    Plot(commands::plot),
     /// Write an HTML report: table, warnings and pictures
-    Report(report),
+    Report(commands::report),
     /// Simulate one path of a stored ensemble again, with its events and trajectory
-    Replay(replay),
+    Replay(commands::replay),
     /// Check that a file is intact and reproducible from its scenario and seed
-    Verify(verify),
+    Verify(commands::verify),
     /// Measure the cost of accuracy: every scheme at several settings, and the cheapest for a
     /// target
-    Trade(trade),
+    Trade(commands::trade),
     /// Compute statistics as functions of keys of the scenario, with precise differences, or
     /// elasticities
-    Sweep(sweep),
-    /// Estimate friction, stiffness and dilatation of a bearing from measured temperatures and
-    /// displacements
-    Calibrate(calibrate),
-    /// Make a synthetic record of a bearing with known parameters, to test calibration
-    Twin(twin),
-    /// Fit harmonics and noise of a scenario to a measured temperature
-    FitTemperature(fit_temperature),
-    /// Simulate future years of a measured bearing: sliding path, slips, displacements, forces
-    Forecast(forecast),
+    Sweep(commands::sweep),
+    #[command(flatten)]
+    Bearing(bearing),
     /// Write a commented scenario to start from
-    Init(init),
+    Init(commands::init),
     /// Print a completion script for a shell
-    Completions(completions),
+    Completions(commands::completions),
     /// Print a manual page for `man`
-    Man(man),
+    Man(commands::man),
 }
 
 /// Starts the thread that does the work.

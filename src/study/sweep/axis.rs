@@ -1,5 +1,7 @@
 //! One axis of a sweep: a key of the scenario, and the values that it takes.
 
+use crate::scenario::{INPUT, TEMPERATURE_SERIES};
+
 use std::fmt;
 use std::ops::Range;
 use stickslip_data::excerpt::underlined;
@@ -14,9 +16,11 @@ pub const MOST_POINTS: usize = 100_000;
 /// use stickslip::study::sweep::SweepAxis;
 ///
 /// let rho = SweepAxis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
-/// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0]));
+/// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0].into()));
 /// let thresholds = SweepAxis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
-/// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0]));
+/// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0].into()));
+/// let records = SweepAxis::parse("input.ag.file=a.at2,b.at2", |_| None)?;
+/// assert_eq!((records.name.as_str(), records.values.to_string()), ("input_ag_file", "a.at2, b.at2".into()));
 /// assert!(SweepAxis::parse("friction.static=1:2", |_| None).is_err());
 /// # Ok::<(), stickslip::study::sweep::AxisError>(())
 /// ```
@@ -27,7 +31,83 @@ pub struct SweepAxis {
     /// The dotted key of the scenario.
     pub key: String,
     /// Its values, all different.
-    pub values: Vec<f64>,
+    pub values: AxisValues,
+}
+
+/// The values that a key takes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AxisValues {
+    /// Numbers.
+    Numbers(Vec<f64>),
+    /// Files of measured values, as the scenario would name them.
+    Files(Vec<String>),
+}
+
+impl AxisValues {
+    /// Number of values.
+    #[expect(clippy::len_without_is_empty, reason = "an axis has values")]
+    pub fn len(&self) -> usize {
+        match self {
+            AxisValues::Numbers(numbers) => numbers.len(),
+            AxisValues::Files(files) => files.len(),
+        }
+    }
+
+    /// One of the values.
+    pub fn at(&self, i: usize) -> AxisValue {
+        match self {
+            AxisValues::Numbers(numbers) => AxisValue::Number(numbers[i]),
+            AxisValues::Files(files) => AxisValue::File(files[i].clone()),
+        }
+    }
+
+    /// The numbers, or the positions 0, 1, 2, ... of files.
+    pub fn positions(&self) -> Vec<f64> {
+        match self {
+            AxisValues::Numbers(numbers) => numbers.clone(),
+            AxisValues::Files(files) => (0..files.len()).map(|i| i as f64).collect(),
+        }
+    }
+}
+
+impl From<Vec<f64>> for AxisValues {
+    fn from(numbers: Vec<f64>) -> Self {
+        AxisValues::Numbers(numbers)
+    }
+}
+
+/// Writes the values with commas between them.
+impl fmt::Display for AxisValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values = (0..self.len()).map(|i| self.at(i).to_string());
+        f.write_str(&values.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// The value of a key at a point of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AxisValue {
+    /// A number.
+    Number(f64),
+    /// A file of measured values.
+    File(String),
+}
+
+/// Writes the number with all digits, or the name of the file.
+impl fmt::Display for AxisValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            AxisValue::Number(number) => write!(f, "{number:?}"),
+            AxisValue::File(file) => f.write_str(file),
+        }
+    }
+}
+
+/// The table that a key names the file of, such as `input.ag` for `input.ag.file`; `None` for a key
+/// that does not hold the file of measured values.
+pub fn table_of_file(key: &str) -> Option<&str> {
+    let table = key.strip_suffix(".file")?;
+    (table == TEMPERATURE_SERIES || table.starts_with(INPUT)).then_some(table)
 }
 
 /// Why a text does not describe an axis, and which part of it is wrong.
@@ -70,6 +150,7 @@ impl fmt::Display for AxisError {
 
 /// The forms that values may have.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
+const FILES: &str = "write the names of files with commas between them, such as a.at2,b.at2";
 
 impl SweepAxis {
     /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),
@@ -101,19 +182,18 @@ impl SweepAxis {
                 "a letter, then letters, digits and underscores, such as rho",
             ));
         }
-        let numbers = numbers(&values)?;
         let key = key.text().to_string();
+        let values = match table_of_file(&key) {
+            Some(_) => AxisValues::Files(list(&values, FILES, TextPart::file)?),
+            None => AxisValues::Numbers(numbers(&values)?),
+        };
         let own = || {
             symbol(&key)
                 .filter(|symbol| is_name(symbol))
                 .unwrap_or_else(|| plain(&key))
         };
         let name = name.map_or_else(own, |name| name.text().to_string());
-        Ok(SweepAxis {
-            name,
-            key,
-            values: numbers,
-        })
+        Ok(SweepAxis { name, key, values })
     }
 }
 
@@ -176,6 +256,14 @@ impl<'a> TextPart<'a> {
         }
     }
 
+    fn file(&self) -> Result<String, AxisError> {
+        let file = self.text().trim();
+        match file.is_empty() {
+            true => Err(self.wrong("missing name of a file", FILES)),
+            false => Ok(file.to_string()),
+        }
+    }
+
     fn number(&self) -> Result<f64, AxisError> {
         let number = self
             .text()
@@ -194,11 +282,8 @@ impl<'a> TextPart<'a> {
 }
 
 fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
-    if values.text().is_empty() {
-        return Err(values.wrong("no values given", VALUES));
-    }
     if !values.text().contains(':') {
-        return list(values);
+        return list(values, VALUES, TextPart::number);
     }
     let parts = values.split(':');
     match parts.as_slice() {
@@ -220,15 +305,22 @@ fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     }
 }
 
-fn list(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
-    let mut list: Vec<f64> = Vec::new();
-    for piece in values.split(',') {
-        let number = piece.number()?;
-        if list.contains(&number) {
-            let problem = format!("{number} is listed twice");
-            return Err(piece.wrong(&problem, "list each value once"));
+fn list<'a, T: PartialEq + fmt::Display>(
+    values: &TextPart<'a>,
+    written: &str,
+    read: impl Fn(&TextPart<'a>) -> Result<T, AxisError>,
+) -> Result<Vec<T>, AxisError> {
+    if values.text().is_empty() {
+        return Err(values.wrong("no values given", written));
+    }
+    let mut list: Vec<T> = Vec::new();
+    for part in values.split(',') {
+        let value = read(&part)?;
+        if list.contains(&value) {
+            let problem = format!("{value} is listed twice");
+            return Err(part.wrong(&problem, "list each value once"));
         }
-        list.push(number);
+        list.push(value);
     }
     Ok(list)
 }
@@ -302,9 +394,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn values(text: &str) -> Vec<f64> {
-        SweepAxis::parse(&format!("k={text}"), |_| None)
-            .expect(text)
-            .values
+        let axis = SweepAxis::parse(&format!("k={text}"), |_| None).expect(text);
+        axis.values.positions()
     }
 
     #[test]
@@ -360,6 +451,9 @@ mod tests {
             ("2x=k=1", "2x", "not a valid name"),
             ("a=b=c=1", "1", "more than two"),
             ("k=1:2", "1:2", "no valid values"),
+            ("input.ag.file=a,,b", "", "missing name"),
+            ("input.ag.file=a,b, a", " a", "twice"),
+            ("other.file=a", "a", "not a finite number"),
         ];
         for (text, wrong, problem) in cases {
             let error = SweepAxis::parse(text, |_| None).expect_err(text);
@@ -378,7 +472,7 @@ mod tests {
         #[test]
         fn any_text_is_an_axis_or_a_mistake_that_can_be_shown(text in "\\PC{0,40}|[a-z.=:,0-9 -]{0,24}") {
             match SweepAxis::parse(&text, |_| None) {
-                Ok(axis) => prop_assert!(!axis.values.is_empty() && axis.values.iter().all(|x| x.is_finite())),
+                Ok(axis) => prop_assert!(axis.values.len() > 0 && axis.values.positions().iter().all(|x| x.is_finite())),
                 Err(error) => prop_assert!(error.to_string().contains("fix: ")),
             }
         }

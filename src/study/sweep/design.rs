@@ -1,6 +1,7 @@
 //! The points of a sweep, and which of them are compared.
 
-use super::axis::{MOST_POINTS, SweepAxis};
+use super::axis::{AxisValue, MOST_POINTS, SweepAxis};
+use crate::config::Override;
 use stickslip_data::numbers::tidy;
 
 /// The points of a sweep.
@@ -25,7 +26,17 @@ pub struct Setting {
     /// The dotted key.
     pub key: String,
     /// Its value.
-    pub value: f64,
+    pub value: AxisValue,
+}
+
+impl Setting {
+    /// The change of the scenario; messages call it `shown` with the value behind.
+    pub fn change(&self, shown: &str) -> Override {
+        match &self.value {
+            AxisValue::Number(number) => Override::number(shown, &self.key, *number),
+            AxisValue::File(file) => Override::text(shown, &self.key, file),
+        }
+    }
 }
 
 /// Why axes cannot be combined to a design.
@@ -62,7 +73,7 @@ pub enum StarError {
 }
 
 /// Names that the file of a sweep uses itself, which no axis may have.
-pub const RESERVED: [&str; 40] = [
+pub const RESERVED: [&str; 41] = [
     "cycle_number",
     "section_state",
     "cycle",
@@ -92,6 +103,7 @@ pub const RESERVED: [&str; 40] = [
     "point_completed_paths",
     "point_diverged_paths",
     "point_seed",
+    "point_end",
     "point_seconds",
     "difference",
     "difference_error",
@@ -205,7 +217,7 @@ impl Design {
     pub fn settings(&self, point: usize) -> Vec<Setting> {
         let setting = |axis: &SweepAxis, i: usize| Setting {
             key: axis.key.clone(),
-            value: axis.values[i],
+            value: axis.values.at(i),
         };
         match self {
             Design::Grid(axes) => {
@@ -222,7 +234,7 @@ impl Design {
             } => {
                 let moved = |(key, value): &(String, f64), side: f64| Setting {
                     key: key.clone(),
-                    value: tidy(value * (1.0 + side * relative_step)),
+                    value: AxisValue::Number(tidy(value * (1.0 + side * relative_step))),
                 };
                 match point.checked_sub(1) {
                     None => Vec::new(),
@@ -269,19 +281,17 @@ mod tests {
         SweepAxis {
             name: name.into(),
             key: format!("key.{name}"),
-            values: values.to_vec(),
+            values: values.to_vec().into(),
         }
     }
 
     fn values(design: &Design) -> Vec<Vec<f64>> {
+        let number = |setting: Setting| match setting.value {
+            AxisValue::Number(number) => number,
+            AxisValue::File(file) => panic!("{file} is a file"),
+        };
         (0..design.points())
-            .map(|p| {
-                design
-                    .settings(p)
-                    .iter()
-                    .map(|setting| setting.value)
-                    .collect()
-            })
+            .map(|p| design.settings(p).into_iter().map(number).collect())
             .collect()
     }
 

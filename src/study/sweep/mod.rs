@@ -20,13 +20,14 @@ mod paired;
 mod point;
 mod simulate;
 
-pub use axis::{AxisError, MOST_POINTS, SweepAxis};
+pub use axis::{AxisError, AxisValue, AxisValues, MOST_POINTS, SweepAxis, table_of_file};
 pub use cost::estimated_seconds;
 pub use design::{Design, DesignError, RELATIVE_STEPS, RESERVED, Setting, StarError};
 pub use paired::Paired;
 pub use point::Point;
 pub use simulate::{SweepEnd, SweepSimulation};
 
+use crate::model::NamedSeries;
 use crate::scenario::Scenario;
 use crate::stats::Statistic;
 
@@ -106,6 +107,24 @@ impl SweepQuestion {
             seeds,
             with_bias,
         ))
+    }
+
+    /// The samples of all files that the axes name, each called `KEY=FILE`.
+    pub fn samples_of_files(&self) -> Vec<NamedSeries> {
+        let mut found: Vec<NamedSeries> = Vec::new();
+        for (i, point) in self.points.iter().enumerate() {
+            for Setting { key, value } in self.design.settings(i) {
+                let name = format!("{key}={value}");
+                let is_known = found.iter().any(|known| known.name == name);
+                let Some(table) = table_of_file(&key).filter(|_| !is_known) else {
+                    continue;
+                };
+                let samples = point.samples().into_iter().find(|of| of.name == table);
+                found
+                    .extend(samples.map(|NamedSeries { series, .. }| NamedSeries { name, series }));
+            }
+        }
+        found
     }
 
     /// Whether the paths of any point are random.

@@ -5,7 +5,7 @@
 use super::by_slips::BySlips;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
-use super::question::{CalibrationMethod, Lag};
+use super::question::Lag;
 use super::report::{Calibration, ParameterEstimate};
 use super::samples::{HOUR, interval};
 use crate::warning::CalibrationWarning;
@@ -336,7 +336,7 @@ fn clocks(case: &Case) -> Option<String> {
             "the clocks may differ; this is corrected to five minutes; set the clock that is wrong"
         }
         false => {
-            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals before"
+            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals until then"
         }
     };
     Some(format!(
@@ -379,8 +379,8 @@ fn mirrored(case: &Case) -> Option<String> {
 mod tests {
     use super::*;
     use crate::calibration::{
-        Air, CalibrationQuestion, Imperfections, MeasuredRecord, Motion, ParameterEstimate,
-        Response, Sensor, calibrate, twin,
+        Air, CalibrationMethod, CalibrationQuestion, Imperfections, MeasuredRecord, Motion,
+        ParameterEstimate, Response, Sensor, calibrate, twin,
     };
 
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,

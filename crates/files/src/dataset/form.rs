@@ -47,7 +47,7 @@ pub(crate) fn attributes_of(variable: &Described, units: &Units) -> Vec<(String,
 }
 
 /// A value that is kept as an attribute of a data set.
-pub(crate) trait AttributeValue: Sized {
+pub trait AttributeValue: Sized {
     /// The attribute; none if it is left out.
     fn attribute(&self) -> Option<Attribute>;
 
@@ -109,19 +109,17 @@ impl AttributeValue for bool {
 }
 
 /// Names as values of a variable.
-pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+pub fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
 }
 
 /// Numbers from this one on, as values of a variable.
-pub(crate) fn counted(first: u32, count: usize) -> Vec<u32> {
+pub fn counted(first: u32, count: usize) -> Vec<u32> {
     (first..).take(count).collect()
 }
 
 /// The columns of a table with these rows.
-pub(crate) fn columns_of<const N: usize>(
-    rows: impl IntoIterator<Item = [f64; N]>,
-) -> [Vec<f64>; N] {
+pub fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
     let mut columns = [const { Vec::new() }; N];
     rows.into_iter().for_each(|row| {
         columns
@@ -133,7 +131,7 @@ pub(crate) fn columns_of<const N: usize>(
 }
 
 /// A data set that is stored, in a file or in memory.
-pub(crate) trait Source: Sync {
+pub trait Source: Sync {
     /// The names of its variables.
     fn names(&self) -> Result<Vec<String>, String>;
 
@@ -175,7 +173,7 @@ pub(crate) fn read_attribute<T: AttributeValue>(
 }
 
 /// The program that wrote the data set, if it was another one.
-pub(crate) fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
+pub fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
     let [version, hash]: [Result<String, _>; 2] =
         ["program_version", "git_hash"].map(|name| read_attribute(from, name));
     Ok(Program {

@@ -9,13 +9,13 @@ use stickslip::stats::Units;
 
 /// Name of a format, with its major and minor version. A new minor version only adds to it; a new
 /// major version may change or remove.
-pub(crate) type Format = (&'static str, (u32, u32));
+pub type Format = (&'static str, (u32, u32));
 
 /// Version of the format of a run.
 pub const FORMAT_VERSION: (u32, u32) = (3, 0);
 
 /// Name and version of the format of every run.
-pub(crate) const FORMAT: Format = ("stick-slip ensemble", FORMAT_VERSION);
+pub const FORMAT: Format = ("stick-slip ensemble", FORMAT_VERSION);
 
 /// Version of the CF conventions that every data set follows.
 pub(crate) const CONVENTIONS: &str = "CF-1.11";
@@ -41,7 +41,7 @@ pub(crate) fn read(
 }
 
 /// Walk over the attributes that say what a data set is and which program made it.
-pub(super) fn walk_origin(
+pub fn walk_origin(
     walk: &mut Walk,
     (name, (major, minor)): Format,
     title: &mut String,
@@ -60,7 +60,7 @@ pub(super) fn walk_origin(
 }
 
 /// Write what a data set is, and that this program made it.
-pub(super) fn write_origin(to: &mut Dataset, format: Format, title: &str) {
+pub fn write_origin(to: &mut Dataset, format: Format, title: &str) {
     to.write_by(|to| walk_origin(to, format, &mut title.into(), &mut Program::mine()));
 }
 

@@ -8,6 +8,8 @@ pub use stickslip::stats::column::{BARE_DIMENSION, Described, Unit, Variable, va
 use stickslip::stats::Dimension;
 
 /// Declares variables together with the list of all of them, so that the list is complete.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! table {
     ($list:ident: $type:ty; $($constant:ident = $value:expr;)*) => {
         $(pub(crate) const $constant: $type = $value;)*
@@ -16,18 +18,20 @@ macro_rules! table {
         pub(crate) const $list: &[$type] = &[$($constant),*];
     };
     ($($rows:tt)*) => {
-        table! { ALL: Variable; $($rows)* }
+        $crate::table! { ALL: Variable; $($rows)* }
     };
 }
-pub(super) use table;
+pub use table;
 
 /// The coordinate of a dimension, which has the name of the dimension.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! coordinate {
     ($name:literal, $unit:expr, $meaning:expr) => {
         $crate::dataset::layout::variable($name, &[$name], $unit, $meaning)
     };
 }
-pub(super) use coordinate;
+pub use coordinate;
 
 /// A variable with the interval of each of its values.
 #[derive(Clone, Copy, Debug)]

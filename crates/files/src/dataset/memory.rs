@@ -39,7 +39,7 @@ impl Entry {
 
 impl Dataset {
     /// An empty data set whose units have these labels.
-    pub(crate) fn new(units: &Units) -> Self {
+    pub fn new(units: &Units) -> Self {
         Dataset {
             units: units.clone(),
             ..Dataset::default()
@@ -56,7 +56,7 @@ impl Dataset {
     }
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
-    pub(crate) fn write<T: Element>(&mut self, variable: &Described, values: &[T]) {
+    pub fn write<T: Element>(&mut self, variable: &Described, values: &[T]) {
         if !values.is_empty() {
             self.begin(variable, T::values(values));
         }
@@ -75,7 +75,7 @@ impl Dataset {
     }
 
     /// Set an attribute of the data set. It replaces an earlier value.
-    pub(crate) fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) {
+    pub fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) {
         let value = value.into();
         match self.attributes.iter_mut().find(|(of, _)| of == name) {
             Some((_, earlier)) => *earlier = value,

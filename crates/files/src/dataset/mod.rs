@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
-//! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set
+//! run, trade, sweep   the contents of each kind of data set; other crates have kinds of their own
 //! walk            one function walks over the contents, and so writes them or reads them back
 //!   -> Dataset       in memory, which is written to a file or compared with one
 //!   <- Source        a file, or memory
@@ -12,11 +12,9 @@
 //!
 //! `docs/output-format.md` describes the data sets for their readers.
 
-pub(crate) mod calibration;
-mod forecast;
 mod form;
 pub(crate) mod header;
-pub(crate) mod layout;
+pub mod layout;
 mod memory;
 mod recorder;
 pub(crate) mod rows;
@@ -26,20 +24,16 @@ pub(crate) mod summary;
 pub(crate) mod sweep;
 pub(crate) mod sweep_layout;
 pub(crate) mod trade;
-mod twin;
 mod walk;
 
-pub use calibration::StoredCalibration;
-pub use form::Attribute;
-pub(crate) use form::{
-    Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program,
-    read_sized, read_variable, texts,
-};
-pub use header::FORMAT_VERSION;
+pub use form::{Attribute, AttributeValue, Source, columns_of, counted, read_other_program, texts};
+pub(crate) use form::{attributes_of, read_attribute, read_or_empty, read_sized, read_variable};
+pub use header::{FORMAT as RUN_FORMAT, FORMAT_VERSION, Format, walk_origin, write_origin};
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
 pub use run::StoredRun;
 pub use stickslip::stats::column::Column;
 pub use stickslip::stats::column::{ColumnView, Element, ElementType};
-pub use sweep::StoredSweep;
-pub use trade::StoredTrade;
+pub use sweep::{SWEEP_FORMAT, StoredSweep};
+pub use trade::{StoredTrade, TRADE_FORMAT};
+pub use walk::{Walk, Walked};

@@ -37,7 +37,7 @@ pub(super) fn write(to: &mut Dataset, header: &Provenance) {
         &texts(
             inputs
                 .iter()
-                .map(|input| input.name.strip_prefix(INPUT).unwrap_or_default()),
+                .map(|input| input.name.strip_prefix(INPUT).unwrap_or(&input.name)),
         ),
     );
     let number = |(i, input): (usize, &&NamedSeries)| vec![i as u32; input.series.times().len()];
@@ -86,7 +86,12 @@ pub(crate) fn read(from: &dyn Source) -> Result<Vec<NamedSeries>, String> {
                 .map(|(x, _)| *x)
                 .collect()
         };
-        add(format!("{INPUT}{name}"), &of(&times), &of(&values))?;
+        let prefix = if name.starts_with(TEMPERATURE_SERIES) {
+            ""
+        } else {
+            INPUT
+        };
+        add(format!("{prefix}{name}"), &of(&times), &of(&values))?;
     }
     Ok(found)
 }

@@ -12,16 +12,17 @@ use super::{
     Attribute, Dataset, Element, Source, columns_of, counted, read_attribute, read_other_program,
     read_sized, read_variable, series, texts,
 };
-use stickslip::config::Override;
+use stickslip::config::{Override, ScenarioError};
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::Scenario;
 use stickslip::stats::{Estimate, GROUPS, GroupValues, LimitCycle, Statistic};
 use stickslip::study::sweep::{
-    Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion,
+    AxisValue, AxisValues, Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis,
+    SweepQuestion, table_of_file,
 };
 
 /// Name and version of the format.
-pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
+pub const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 
 /// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,8 @@ pub struct StoredSweep {
 impl Dataset {
     /// The data set of a sweep.
     pub fn of_sweep(sweep: &Sweep) -> Self {
-        let header = Provenance::of(&sweep.question.scenario);
+        let mut header = Provenance::of(&sweep.question.scenario);
+        header.samples.extend(sweep.question.samples_of_files());
         let mut dataset = Dataset::new(&header.units);
         attributes(&mut dataset, sweep, &header);
         series::write(&mut dataset, &header);
@@ -113,6 +115,12 @@ fn shape(design: &Design) -> Vec<&str> {
     }
 }
 
+/// Whether an axis of a design names files.
+fn has_files(design: &Design) -> bool {
+    let mut axes = design.axes().iter();
+    axes.any(|axis| table_of_file(&axis.key).is_some())
+}
+
 fn coordinates(to: &mut Dataset, design: &Design) {
     write_statistics(to, &Statistic::ALL);
     to.write(&own::GROUP, &counted(0, GROUPS));
@@ -128,18 +136,22 @@ fn coordinates(to: &mut Dataset, design: &Design) {
                     "point"
                 };
                 let (along, attributes) = ([along], [("key", key.as_str())]);
-                to.write(
-                    &variable(name, &along, Unit::None, key).with(&attributes),
-                    values,
-                );
+                let variable = variable(name, &along, Unit::None, key).with(&attributes);
+                match values {
+                    AxisValues::Numbers(numbers) => to.write(&variable, numbers),
+                    AxisValues::Files(files) => to.write(&variable, files),
+                }
             }
             to.write(&own::ALONG, &texts(design.along()));
         }
         Design::Star { keys, .. } => {
             let none = || ("none".to_string(), f64::NAN);
-            let moved = |point| {
-                let setting = design.settings(point).pop();
-                setting.map_or_else(none, |Setting { key, value }| (key, value))
+            let moved = |point| match design.settings(point).pop() {
+                Some(Setting {
+                    key,
+                    value: AxisValue::Number(number),
+                }) => (key, number),
+                _ => none(),
             };
             let (moved, values): (Vec<String>, Vec<f64>) = (0..design.points()).map(moved).unzip();
             to.write(&own::POINT_KEY, &moved);
@@ -216,9 +228,13 @@ fn results(to: &mut Dataset, sweep: &Sweep) {
     write_along(to, shape, &own::POINT_COMPLETED_PATHS, completed);
     let diverged = points().map(|point| point.diverged_paths);
     write_along(to, shape, &own::POINT_DIVERGED_PATHS, diverged);
-    let scenarios = sweep.question.points.iter();
-    let seeds = scenarios.map(|scenario| scenario.ensemble.seed);
+    let scenarios = || sweep.question.points.iter();
+    let seeds = scenarios().map(|scenario| scenario.ensemble.seed);
     write_along(to, shape, &own::POINT_SEED, seeds);
+    if has_files(design) {
+        let ends = scenarios().map(|scenario| scenario.time.end);
+        write_along(to, shape, &own::POINT_END, ends);
+    }
     write_along(
         to,
         shape,
@@ -288,11 +304,27 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     let text: String = read_attribute(from, "scenario")?;
     let samples = series::read(from)?;
     let scenario_at = |settings: &[Setting]| {
-        let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
+        let laid = |setting: &Setting| setting.change(&setting.key);
         let overrides: Vec<Override> = settings.iter().map(laid).collect();
         Scenario::parse_stored("scenario", &text, &overrides, &samples)
     };
     let (design, points) = read_points(from)?;
+    // The end of a point is that of its record, if files are varied.
+    let ends: Vec<f64> = match has_files(&design) {
+        true => along(from, &shape(&design), &own::POINT_END, design.points())?,
+        false => Vec::new(),
+    };
+    let scenario_of = |i: usize| {
+        let mut settings = design.settings(i);
+        settings.extend(ends.get(i).map(|end| Setting {
+            key: "time.end".into(),
+            value: AxisValue::Number(*end),
+        }));
+        scenario_at(&settings)
+    };
+    let wrong = |error: ScenarioError| error.to_string();
+    let scenarios = (0..design.points()).map(scenario_of);
+    let scenarios = scenarios.collect::<Result<_, _>>().map_err(wrong)?;
     let name: String = read_attribute(from, "seeds")?;
     let seeds = [Seeds::Common, Seeds::Independent]
         .into_iter()
@@ -300,8 +332,8 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
         .ok_or_else(|| format!("unknown seeds \"{name}\""))?;
     let bias: String = read_attribute(from, "bias_of_the_step")?;
     let with_bias = bias == bias_name(true);
-    let question = SweepQuestion::at_each(design, seeds, with_bias, scenario_at)
-        .map_err(|error| error.to_string())?;
+    let scenario = scenario_at(&[]).map_err(wrong)?;
+    let question = SweepQuestion::new(scenario, design, scenarios, seeds, with_bias);
     Ok(StoredSweep {
         sweep: Sweep { question, points },
         other_program: read_other_program(from)?,
@@ -316,10 +348,16 @@ pub(crate) fn read_design(from: &dyn Source) -> Result<Design, String> {
             let axis = |name: &str| {
                 let along = [if is_zipped { "point" } else { name }];
                 let key = from.attribute(Some(name), "key")?;
+                let key: String = AttributeValue::of(key, &format!("key of {name}"))?;
+                let variable = variable(name, &along, Unit::None, "");
+                let values = match table_of_file(&key) {
+                    Some(_) => AxisValues::Files(read_variable(from, &variable)?),
+                    None => AxisValues::Numbers(read_variable(from, &variable)?),
+                };
                 Ok(SweepAxis {
                     name: name.to_string(),
-                    key: AttributeValue::of(key, &format!("key of {name}"))?,
-                    values: read_variable(from, &variable(name, &along, Unit::None, ""))?,
+                    key,
+                    values,
                 })
             };
             let names: String = read_attribute(from, "axes")?;

@@ -25,6 +25,7 @@ table! {
     POINT_DIVERGED_PATHS = variable("point_diverged_paths", &[], Unit::ONE, "number of those that diverged or \
         were given up");
     POINT_SEED = variable("point_seed", &[], Unit::ONE, "seed of the paths of the point");
+    POINT_END = variable("point_end", &[], Unit::TIME, "end of the simulation at the point");
     POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
 }
 

@@ -17,7 +17,7 @@ use stickslip::study::trade::{
 };
 
 /// Name and version of the format.
-pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
+pub const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
 
 impl Dataset {
     /// The data set of a trade of this scenario.

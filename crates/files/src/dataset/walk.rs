@@ -10,13 +10,15 @@ use stickslip::stats::{Dimension, Units};
 use stickslip::sums::Ends;
 
 /// A walk that writes leaves the values as they are, and one that reads replaces them.
-pub(crate) enum Walk<'a> {
+pub enum Walk<'a> {
+    /// It writes this data set.
     Writing(&'a mut Dataset),
+    /// It reads from here.
     Reading(&'a dyn Source),
 }
 
 /// What is wrong with what was read. A walk that writes does not fail.
-pub(crate) type Walked = Result<(), String>;
+pub type Walked = Result<(), String>;
 
 impl Walk<'_> {
     /// An attribute of the data set.
@@ -116,7 +118,12 @@ impl Walk<'_> {
     }
 
     /// The values of a curve with their intervals.
-    pub fn curve(&mut self, of: &WithInterval, values: &mut Vec<f64>, ends: &mut Ends) -> Walked {
+    pub(crate) fn curve(
+        &mut self,
+        of: &WithInterval,
+        values: &mut Vec<f64>,
+        ends: &mut Ends,
+    ) -> Walked {
         self.variable(&of.value, values)?;
         let mut interval = [&ends.low[..], &ends.high].concat();
         self.variable(&of.interval, &mut interval)?;
@@ -129,7 +136,12 @@ impl Walk<'_> {
     }
 
     /// A number with its interval.
-    pub fn number(&mut self, of: &WithInterval, number: &mut f64, ends: &mut [f64; 2]) -> Walked {
+    pub(crate) fn number(
+        &mut self,
+        of: &WithInterval,
+        number: &mut f64,
+        ends: &mut [f64; 2],
+    ) -> Walked {
         self.scalar(&of.value, number)?;
         let mut interval = ends.to_vec();
         self.sized(&of.interval, &mut interval, ends.len())?;
@@ -140,14 +152,14 @@ impl Walk<'_> {
 
 impl Dataset {
     /// A data set with everything that a walk goes over.
-    pub(super) fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
+    pub fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
         let mut dataset = Dataset::new(units);
         dataset.write_by(walk);
         dataset
     }
 
     /// Add what a walk writes; writing does not fail.
-    pub(super) fn write_by(&mut self, walk: impl FnOnce(&mut Walk) -> Walked) {
+    pub fn write_by(&mut self, walk: impl FnOnce(&mut Walk) -> Walked) {
         let done = walk(&mut Walk::Writing(self));
         debug_assert_eq!(done, Ok(()));
     }

@@ -1,17 +1,16 @@
-//! Files of results as they are read: what a file holds, and every kind of content.
+//! Files of results as they are read: the format, which tells kinds apart, and the contents.
 
 use super::StoreError;
 use super::errors::{cause, not_opened, system_error};
 use super::lock::Lock;
 use super::log::read_state;
 use super::staging::{STATE, file_of, partial_path};
-use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
 use crate::dataset::header::{FORMAT, Format};
 use crate::dataset::sweep::{self, SWEEP_FORMAT};
 use crate::dataset::trade::{self, TRADE_FORMAT};
 use crate::dataset::{
-    Column, Dataset, ElementType, Source as _, StoredCalibration, StoredRun as Stored, StoredSweep,
-    StoredTrade, layout, read_attribute,
+    Column, Dataset, ElementType, Source, StoredRun as Stored, StoredSweep, StoredTrade, layout,
+    read_attribute,
 };
 use crate::saved::seal::{self, superblock};
 use crate::saved::{Verified, compare};
@@ -66,7 +65,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if let Some(target) = unfinished(path) {
         return read_unfinished(&target);
     }
-    read_kind(path, FORMAT, |file| Stored::read(file))
+    read_kind(path, FORMAT, Stored::read)
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
@@ -113,11 +112,12 @@ pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
     seal::is_there(path).map_err(not_opened(path))
 }
 
-/// Read a file of the kind and the format of this name and version.
-pub(super) fn read_kind<T>(
+/// Read a file of the kind and the format of this name and version. A file of another kind, of
+/// another format, or a damaged one, is an error.
+pub fn read_kind<T>(
     path: &Path,
     (name, (reads, _)): Format,
-    read: impl FnOnce(&File) -> Result<T, String>,
+    read: impl FnOnce(&dyn Source) -> Result<T, String>,
 ) -> Result<T, StoreError> {
     check_file(path)?;
     let file = open(path)?;
@@ -164,51 +164,19 @@ pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     })
 }
 
-/// From one list: the kinds of files, with the format of each, and the readers of their contents.
-macro_rules! kinds {
-    ($($(#[$doc:meta])* $Kind:ident: $format:ident, $read:ident -> $Content:ident $(= $of:path)?;)+) => {
-        /// What a file of this program holds.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum FileKind {
-            $($(#[$doc])* $Kind,)+
-        }
+/// What the names of all formats of this program begin with.
+const PROGRAM: &str = "stick-slip ";
 
-        const FORMATS: &[(&str, FileKind)] = &[$(($format.0, FileKind::$Kind),)+];
-
-        /// The content of a file of any kind.
-        #[derive(Debug)]
-        pub enum Content {
-            $($(#[$doc])* $Kind(Box<$Content>),)+
-        }
-
-        $($(
-            /// Read such a file. A file of another kind, of another format, or a damaged one, is an
-            /// error.
-            pub fn $read(path: &Path) -> Result<$Content, StoreError> {
-                read_kind(path, $format, |file| $of(file))
-            }
-        )?)+
-
-        impl FileKind {
-            /// Read a file of this kind.
-            pub(super) fn read(self, path: &Path) -> Result<Content, StoreError> {
-                match self {
-                    $(FileKind::$Kind => Ok(Content::$Kind(Box::new($read(path)?))),)+
-                }
-            }
-        }
-    };
+/// Read the file of a trade. A file of another kind, of another format, or a damaged one, is an
+/// error.
+pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
+    read_kind(path, TRADE_FORMAT, trade::read)
 }
 
-kinds! {
-    /// The ensemble of a run.
-    Run: FORMAT, read -> Stored;
-    /// A trade: the price of accuracy for each scheme.
-    Trade: TRADE_FORMAT, read_trade -> StoredTrade = trade::read;
-    /// A sweep: statistics as functions of keys of the scenario.
-    Sweep: SWEEP_FORMAT, read_sweep -> StoredSweep = sweep::read;
-    /// A calibration: parameters fitted to a measurement.
-    Calibration: CALIBRATION_FORMAT, read_calibration -> StoredCalibration = calibration::read;
+/// Read the file of a sweep. A file of another kind, of another format, or a damaged one, is an
+/// error.
+pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
+    read_kind(path, SWEEP_FORMAT, sweep::read)
 }
 
 /// Check that there is a finished file of this name: every byte is that of its seal, and it can be
@@ -216,70 +184,34 @@ kinds! {
 pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
     check_file(target)?;
     check_seal(target, u64::MAX)?;
-    let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 {
-        path: target.to_owned(),
-    })?;
-    kind.read(target).map(drop)
+    match format(target)?.as_deref() {
+        None => Err(StoreError::NotHdf5 {
+            path: target.to_owned(),
+        }),
+        Some(name) if name == TRADE_FORMAT.0 => read_trade(target).map(drop),
+        Some(name) if name == SWEEP_FORMAT.0 => read_sweep(target).map(drop),
+        Some(name) if name == FORMAT.0 => read(target).map(drop),
+        Some(_) => Ok(()),
+    }
 }
 
-/// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
+/// The name of the format of a file, which says what kind of result it holds; that of a run if one
+/// is not finished. `None` if the file cannot be opened or is not an HDF5 file. An HDF5 file of
 /// another program is an error, and so is a damaged one.
-pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
+pub fn format(path: &Path) -> Result<Option<String>, StoreError> {
     if unfinished(path).is_some() {
-        return Ok(Some(FileKind::Run));
+        return Ok(Some(FORMAT.0.to_owned()));
     }
     match check_file(path) {
         Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
         other => other?,
     };
-    let format: String = read_attribute(&open(path)?, "format_name").unwrap_or_default();
-    let known = FORMATS.iter().find(|(name, _)| *name == format);
-    known
-        .map(|(_, kind)| Some(*kind))
-        .ok_or_else(|| StoreError::Foreign {
+    let name: String = read_attribute(&open(path)?, "format_name").unwrap_or_default();
+    match name.starts_with(PROGRAM) {
+        true => Ok(Some(name)),
+        false => Err(StoreError::Foreign {
             path: path.to_owned(),
-        })
-}
-
-/// The content of a file of any kind. A file that is none of these is read as a run, whose reader
-/// says what is wrong with it.
-pub fn content(path: &Path) -> Result<Content, StoreError> {
-    kind(path)
-        .ok()
-        .flatten()
-        .unwrap_or(FileKind::Run)
-        .read(path)
-}
-
-impl Content {
-    /// The program that wrote the file, if it was another one.
-    pub fn other_program(&self) -> Option<String> {
-        match self {
-            Content::Run(run) => run.header.program.other(),
-            Content::Trade(trade) => trade.other_program.clone(),
-            Content::Sweep(sweep) => sweep.other_program.clone(),
-            Content::Calibration(calibration) => calibration.other_program.clone(),
-        }
-    }
-
-    /// The text of the scenario, and whether the file also holds the measured values that the text
-    /// names.
-    pub fn scenario(&self) -> (String, bool) {
-        match self {
-            Content::Run(run) => (
-                run.header.scenario_text.clone(),
-                !run.header.samples.is_empty(),
-            ),
-            Content::Trade(stored) => (
-                stored.scenario.to_toml(),
-                !stored.scenario.measured.is_empty(),
-            ),
-            Content::Sweep(stored) => {
-                let scenario = &stored.sweep.question.scenario;
-                (scenario.to_toml(), !scenario.measured.is_empty())
-            }
-            Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
-        }
+        }),
     }
 }
 

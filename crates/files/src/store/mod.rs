@@ -25,12 +25,12 @@ mod system;
 mod variables;
 mod writer;
 
-pub use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade};
+pub use crate::dataset::{StoredRun as Stored, StoredSweep, StoredTrade};
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use errors::{StoreError, take_leftovers};
 pub use kinds::{
-    Content, FileKind, Sealed, check_bytes, content, is_sealed, kind, read, read_calibration,
-    read_path, read_sweep, read_trade, verify,
+    Sealed, check_bytes, format, is_sealed, read, read_kind, read_path, read_sweep, read_trade,
+    verify,
 };
 pub use lock::lock_path;
 pub use parts::PartError;

@@ -5,7 +5,7 @@ use super::staging::Staging;
 use super::system::parent;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::header::FORMAT;
-use crate::dataset::{Source as _, header, layout, read_variable};
+use crate::dataset::{header, layout, read_variable};
 use crate::saved::{Parts, PartsError, RunQuestion, State, each_block, of_bytes};
 use std::path::{Path, PathBuf};
 use stickslip::engine::{Asked, Outcome, Sink, SinkError, Status};

@@ -18,13 +18,16 @@ use super::writer::write_dataset;
 use super::{check_space, errors, partial_path};
 use crate::dataset::header::read_program;
 use crate::dataset::sweep::{SWEEP_FORMAT, bias_name, name, read_design, read_points};
-use crate::dataset::{Dataset, Source, read_attribute};
-use hdf5::File;
+use crate::dataset::{Dataset, Source, read_attribute, series};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use stickslip::engine::Provenance;
+use stickslip::model::NamedSeries;
 use stickslip::stats::{GROUPS, Statistic};
 use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
+
+/// Bytes of a sample of a record, with its time and the number of its record.
+const OF_SAMPLE: usize = 20;
 
 /// Shortest time between two updates of the file on disk.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -73,7 +76,10 @@ impl SweepFile {
             if is_there {
                 staging::make_room(target, false)?;
             }
-            check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
+            let samples = question.samples_of_files();
+            let samples: usize = samples.iter().map(|of| of.series.times().len()).sum();
+            let bytes = sweep_bytes(&question.design) + (samples * OF_SAMPLE) as u64;
+            check_space(&parent(target), 2 * bytes)?;
         }
         let partial = identity(&partial_path(target));
         let target = target.to_owned();
@@ -168,7 +174,7 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
             path: path.to_owned(),
         });
     }
-    let read = |file: &File| match difference(file, question)? {
+    let read = |file: &dyn Source| match difference(file, question)? {
         Some(what) => Ok(Err(what)),
         None => read_points(file).map(|(_, points)| Ok(points)),
     };
@@ -190,7 +196,7 @@ fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<St
     let parts = |design: &Design| -> Vec<String> {
         let axes = design.axes().iter();
         let mut parts: Vec<String> = axes
-            .map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values))
+            .map(|axis| format!("{} = {} at [{}]", axis.name, axis.key, axis.values))
             .collect();
         if let Design::Star {
             keys,
@@ -208,11 +214,19 @@ fn difference(stored: &dyn Source, question: &SweepQuestion) -> Result<Option<St
         true => vec!["estimates the bias of the step".to_string()],
         false => vec!["leaves out the bias of the step".to_string()],
     };
+    let samples = |samples: Vec<NamedSeries>| -> Vec<String> {
+        let files = samples.into_iter().filter(|of| of.name.contains(".file="));
+        let hashed =
+            files.map(|of| format!("{} with hash {:016x}", of.name, of.series.fingerprint()));
+        hashed.collect()
+    };
+    let stored_samples = samples(series::read(stored)?);
     let with_bias = text("bias_of_the_step")? == bias_name(true);
     let program = read_program(stored)?;
     let compared = [
         (lines(&text("scenario")?), lines(&header.scenario_text)),
         (parts(&read_design(stored)?), parts(&question.design)),
+        (stored_samples, samples(question.samples_of_files())),
         (seeds(&text("seeds")?), seeds(question.seeds.name())),
         (bias(with_bias), bias(question.with_bias)),
         (vec![program.to_string()], vec![header.program.to_string()]),

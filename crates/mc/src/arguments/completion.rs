@@ -40,7 +40,12 @@ pub const SCHEME: Completed<String> = Completed {
 /// A key with a value, `key=value`. An unknown key or a wrong value is reported when the scenario
 /// is checked.
 pub const SETTING: Completed<String> = Completed {
-    words: || config::keys().iter().map(|key| format!("{key}=")).collect(),
+    words: || {
+        config::keys()
+            .iter()
+            .map(|known| format!("{}=", known.key))
+            .collect()
+    },
     read: as_it_is,
 };
 

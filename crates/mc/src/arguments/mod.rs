@@ -3,7 +3,6 @@
 pub(crate) mod accuracy;
 pub(crate) mod completion;
 pub(crate) mod extension;
-pub(crate) mod measurements;
 pub(crate) mod mistakes;
 pub(crate) mod overrides;
 pub(crate) mod threads;

@@ -1,10 +1,7 @@
 //! One file for each verb: it parses its arguments, calls the library, and prints.
 
-pub(crate) mod calibrate;
 pub(crate) mod check;
 pub(crate) mod completions;
-pub(crate) mod fit_temperature;
-pub(crate) mod forecast;
 pub(crate) mod init;
 pub(crate) mod man;
 pub(crate) mod merge;
@@ -16,5 +13,4 @@ pub(crate) mod run;
 pub(crate) mod show;
 pub(crate) mod sweep;
 pub(crate) mod trade;
-pub(crate) mod twin;
 pub(crate) mod verify;

@@ -1,38 +1,38 @@
-//! `mc plot`: draws a path of a scenario, a run, a trade, a sweep or a calibration.
+//! `mc plot`: draws a path of a scenario, or the results in a file.
 
 use crate::arguments::overrides::Settings;
 use crate::inputs::files;
 use crate::inputs::results;
+use crate::kinds::{self, SWEEP};
 use crate::output::failure::{Failure, note, writable};
 use crate::output::numbers::{counted, parse_number_in};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, input_files};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
-use stickslip::study::sweep::Sweep;
 use stickslip_figure::{Absent, COLUMN, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
-use stickslip_files::store::{self, Content, FileKind, Stored};
+use stickslip_files::store;
 
 /// Arguments of `mc plot`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/plot.txt"))]
 pub struct Arguments {
-    /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
+    /// A scenario (TOML), or a file of results
     #[arg(value_name = "SCENARIO|FILE.h5")]
-    subject: PathBuf,
+    pub subject: PathBuf,
     /// Further sweeps over the same key, drawn in the same axes
     #[arg(value_name = "SWEEP.h5")]
-    beside: Vec<PathBuf>,
+    pub beside: Vec<PathBuf>,
     /// Output file; the extension .svg, .png or .pdf selects the format [default: NAME.svg in the
     /// current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    #[arg(long, value_name = "NAME", value_parser = Only::named,
-          help = format!("One figure: {}; or one of its panels by its letter, e.g. sticks.B", Only::names()))]
+    #[arg(long, value_name = "NAME", value_parser = figure,
+          help = format!("One figure: {}; or one of its panels by its letter, e.g. sticks.B", Only::names(kinds::figures())))]
     only: Option<Only>,
     /// Number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
-    path: u64,
+    pub path: u64,
     /// Time at which the drawing of a path begins
     #[arg(
         long,
@@ -47,7 +47,7 @@ pub struct Arguments {
     /// Statistic of a trade [default: the first with an estimate], or of a sweep [default: two of
     /// them]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true)]
-    statistic: Option<Statistic>,
+    pub statistic: Option<Statistic>,
     /// Colours for paper (light) or a dark screen
     #[arg(long, value_name = "light|dark", default_value = "light", value_parser = theme)]
     theme: Theme,
@@ -95,27 +95,24 @@ impl Arguments {
     fn scene(&self, output: &Path) -> Result<Drawing, Failure> {
         let shown = self.subject.display();
         let refused = |problem: String, remedy: &str| Err(Failure::usage(problem, remedy));
-        match files::read(&self.subject, store::kind)? {
-            None => {
-                let mut overrides = self.set.list()?;
-                overrides.extend(self.window());
-                let scenario = Scenario::read(&self.subject, &overrides)?;
-                writable(output, self.force, input_files(&self.subject, &overrides))?;
-                return self.draw(&Subject::Path(self.drawn(&scenario)?));
-            }
-            Some(FileKind::Sweep) => {}
-            _ if !self.label.is_empty() => {
-                return refused(
-                    format!("--label applies to sweeps, but {shown} is not one"),
-                    "remove it",
-                );
-            }
-            _ if !self.beside.is_empty() => {
-                let remedy =
-                    "several files can be drawn together only if they are sweeps over the same key";
-                return refused(format!("{shown} is not a sweep"), remedy);
-            }
-            _ => {}
+        let Some(kind) = files::read(&self.subject, kinds::of)? else {
+            let mut overrides = self.set.list()?;
+            overrides.extend(self.window());
+            let scenario = Scenario::read(&self.subject, &overrides)?;
+            writable(output, self.force, input_files(&self.subject, &overrides))?;
+            return self.draw(&Subject::Path(self.drawn(&scenario)?));
+        };
+        let is_sweep = kind.format == SWEEP.format;
+        if !self.label.is_empty() && !is_sweep {
+            return refused(
+                format!("--label applies to sweeps, but {shown} is not one"),
+                "remove it",
+            );
+        }
+        if !self.beside.is_empty() && !is_sweep {
+            let remedy =
+                "several files can be drawn together only if they are sweeps over the same key";
+            return refused(format!("{shown} is not a sweep"), remedy);
         }
         if !self.set.list()?.is_empty() {
             let problem = format!("--set changes a scenario, but {shown} is a finished run");
@@ -124,61 +121,11 @@ impl Arguments {
                 "give the scenario instead of the file, or remove --set",
             );
         }
-        match files::read(&self.subject, store::content)? {
-            Content::Run(stored) => self.scene_of_run(&stored),
-            Content::Sweep(_) => self.scene_of_sweeps(),
-            Content::Calibration(stored) => self.draw(&Subject::Calibration {
-                title: &stored.title,
-                calibration: &stored.calibration,
-            }),
-            Content::Trade(stored) => {
-                let nothing = || {
-                    Failure::run_of(
-                        &self.subject,
-                        "it has no costs for any statistic",
-                        "measure again with a larger --budget",
-                    )
-                };
-                self.draw(&Subject::Trade(
-                    &stored.prices(self.statistic).ok_or_else(nothing)?,
-                ))
-            }
-        }
-    }
-
-    fn scene_of_sweeps(&self) -> Result<Drawing, Failure> {
-        let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
-            let name = file
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
-            Ok((name, files::read(file, store::read_sweep)?.sweep))
-        };
-        let sweeps = std::iter::once(&self.subject)
-            .chain(&self.beside)
-            .map(read)
-            .collect::<Result<Vec<_>, _>>()?;
-        self.draw(&Subject::Sweep {
-            sweeps: &sweeps,
-            statistics: self.statistic.as_slice(),
-        })
-    }
-
-    fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
-        results::check_path(stored, self.path)?;
-        let name = self.subject.display().to_string();
-        let scenario = results::scenario(&name, stored, &[])?;
-        let shorter = results::scenario(&name, stored, &self.window())?;
-        self.draw(&Subject::Run {
-            scenario: &scenario,
-            summary: &stored.summary,
-            path: self.drawn(&shorter)?,
-        })
+        files::read(&self.subject, kind.read)?.draw(self)
     }
 
     /// The path that is drawn, of this scenario.
-    fn drawn<'a>(&self, scenario: &'a Scenario) -> Result<DrawnPath<'a>, Failure> {
+    pub fn drawn<'a>(&self, scenario: &'a Scenario) -> Result<DrawnPath<'a>, Failure> {
         let (from, end) = (self.from, scenario.time.end);
         if (0.0..end.max(f64::MIN_POSITIVE)).contains(&from) {
             return Ok(DrawnPath {
@@ -196,7 +143,7 @@ impl Arguments {
 
     /// What ends a path at `--until`. Events do not depend on the end of the simulation, so it is the
     /// beginning of the longer path; how much of it statistics leave out does not matter to it.
-    fn window(&self) -> Vec<Override> {
+    pub fn window(&self) -> Vec<Override> {
         let until = self.until.iter();
         until
             .flat_map(|time| {
@@ -234,7 +181,8 @@ impl Arguments {
         }
     }
 
-    fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
+    /// The figure or panel that is asked for, or the page of all figures.
+    pub fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
         let Arguments {
             theme, width, log, ..
@@ -246,16 +194,18 @@ impl Arguments {
             title: self.title.as_deref(),
             labels: &self.label,
         };
-        stickslip_figure::draw(self.only, subject, &style).map_err(|no| match no {
-            NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
-            NoPage::Empty => Failure::Run("nothing to draw: every path was lost".to_string()),
-            NoPage::Label(name, known) => {
-                let problem = format!(
-                    "--label {name}=...: no key of the sweep and no statistic has this name"
-                );
-                Failure::usage(problem, format!("name a statistic, or one of {known}"))
-            }
-        })
+        stickslip_figure::draw(self.only, kinds::figures(), subject, &style).map_err(
+            |no| match no {
+                NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
+                NoPage::Empty => Failure::Run("nothing to draw: every path was lost".to_string()),
+                NoPage::Label(name, known) => {
+                    let problem = format!(
+                        "--label {name}=...: no key of the sweep and no statistic has this name"
+                    );
+                    Failure::usage(problem, format!("name a statistic, or one of {known}"))
+                }
+            },
+        )
     }
 
     fn refused(&self, figure: &str, absent: &Absent) -> Failure {
@@ -315,6 +265,10 @@ fn writing(path: &Path) -> Result<Writing, Failure> {
 pub fn write(scene: &Drawing, output: &Path, force: bool) -> Result<(), Failure> {
     let bytes = writing(output)?(scene).map_err(Failure::Run)?;
     Ok(store::write_whole(output, &bytes, force)?)
+}
+
+fn figure(text: &str) -> Result<Only, String> {
+    Only::named(text, kinds::figures())
 }
 
 fn theme(name: &str) -> Result<Theme, String> {

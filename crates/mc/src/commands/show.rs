@@ -2,21 +2,18 @@
 //! by side.
 
 use crate::inputs::files;
-use crate::inputs::results;
-use crate::output::dataset;
-use crate::output::failure::{Failure, note, print, print_data, warn};
+use crate::kinds::{self, Shown};
+use crate::output::failure::{Failure, note, print, print_data};
 use crate::report::{self, Chosen, Report, RunInfo};
 use std::path::{Path, PathBuf};
-use stickslip::scenario::Scenario;
 use stickslip::stats::{Statistic, Summary};
-use stickslip_files::dataset::Dataset;
-use stickslip_files::store::{self, Content, FileKind, Stored};
+use stickslip_files::store;
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/show.txt"))]
 pub struct Arguments {
-    /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
+    /// Files that `mc run` wrote, or one file of results of any kind
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print these statistics, in this order, separated by commas [default: the main statistics of
@@ -63,7 +60,7 @@ impl Arguments {
             let objects = self
                 .files
                 .iter()
-                .map(|file| json(file))
+                .map(|file| kinds::read(file)?.json(file))
                 .collect::<Result<Vec<_>, _>>()?;
             let [object] = objects.as_slice() else {
                 let objects: Vec<&str> = objects.iter().map(|object| object.trim_end()).collect();
@@ -88,7 +85,7 @@ impl Arguments {
                 if self.notes
                     && let [file] = self.files.as_slice()
                 {
-                    let scenario = files::read(file, store::content)?.scenario().0;
+                    let scenario = kinds::read(file)?.scenario().0;
                     let lines = scenario
                         .lines()
                         .map(|line| format!("  {line}").trim_end().to_string() + "\n");
@@ -102,13 +99,7 @@ impl Arguments {
     /// The report of one file, or of several runs beside each other.
     fn all(&self) -> Result<Report, Failure> {
         let [file] = self.files.as_slice() else {
-            let is_run = |file: &&PathBuf| {
-                matches!(
-                    files::read(file, store::kind),
-                    Ok(Some(FileKind::Run) | None) | Err(_)
-                )
-            };
-            if let Some(file) = self.files.iter().find(|file| !is_run(file)) {
+            if let Some(file) = self.files.iter().find(|file| !kinds::is_run(file)) {
                 let problem = format!("{} is not a run; only runs can be compared", file.display());
                 return Err(Failure::usage(
                     problem,
@@ -124,7 +115,7 @@ impl Arguments {
                 .files
                 .iter()
                 .zip(&runs)
-                .map(|(file, run)| info(file, run, None))
+                .map(|(file, run)| kinds::info(file, run, None))
                 .collect();
             let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
             return Ok(report::comparison(&summaries, &infos, self.chosen()));
@@ -134,48 +125,13 @@ impl Arguments {
 
     /// The report of a file of any kind. Warnings are printed where people read it.
     fn report(&self, file: &Path) -> Result<Report, Failure> {
-        let (is_text, chosen) = (self.format.is_none(), self.chosen());
-        Ok(match files::read(file, store::content)? {
-            Content::Run(stored) => {
-                let scenario = results::scenario("scenario", &stored, &[]).ok();
-                if let Some(scenario) = scenario.as_ref().filter(|_| is_text) {
-                    results::warn(scenario, stored.summary.has_bias(), true);
-                }
-                note_unfinished(&stored);
-                report::run(
-                    &stored.summary,
-                    &info(file, &stored, scenario.as_ref()),
-                    chosen,
-                    self.notes,
-                )
-            }
-            Content::Calibration(_) if !self.statistics.is_empty() => {
-                let problem = format!(
-                    "--statistics: {} is a calibration, which has no statistics",
-                    file.display()
-                );
-                return Err(Failure::usage(problem, "remove it"));
-            }
-            Content::Calibration(stored) => {
-                stored
-                    .warnings
-                    .iter()
-                    .filter(|_| is_text)
-                    .for_each(|(_, text)| warn(text));
-                report::bearing::calibration(&stored.title, &stored.calibration, false)
-            }
-            Content::Trade(stored) if self.all && is_text => {
-                report::trade(&stored.scenario.title, &stored.trade, None)
-            }
-            Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
-            Content::Sweep(stored) => {
-                report::warnings(&stored.sweep)
-                    .into_iter()
-                    .filter(|_| is_text)
-                    .for_each(warn);
-                report::sweep(&stored.sweep, chosen, file)
-            }
-        })
+        let shown = Shown {
+            chosen: self.chosen(),
+            all: self.all,
+            notes: self.notes,
+            is_text: self.format.is_none(),
+        };
+        kinds::read(file)?.report(file, &shown)
     }
 
     /// The statistics that a table has.
@@ -194,8 +150,7 @@ impl Arguments {
         let [file] = self.files.as_slice() else {
             return Err(Failure::usage("--scenario takes one file", "give one file"));
         };
-        let content = files::read(file, store::content)?;
-        let (text, is_measured) = content.scenario();
+        let (text, is_measured) = kinds::read(file)?.scenario();
         if is_measured {
             note(
                 "measured values are in the result file, not in this text: to run it, keep the data files it names",
@@ -216,73 +171,10 @@ impl Arguments {
     }
 }
 
-/// A file of any kind as one JSON object.
-fn json(file: &Path) -> Result<String, Failure> {
-    Ok(match files::read(file, store::content)? {
-        Content::Run(stored) => {
-            let scenario = results::scenario("scenario", &stored, &[]).ok();
-            if let Some(scenario) = &scenario {
-                results::warn(scenario, stored.summary.has_bias(), false);
-            }
-            note_unfinished(&stored);
-            let warnings = results::warnings(&stored.summary, scenario.as_ref());
-            report::json::of_run(
-                &stored.summary,
-                &info(file, &stored, scenario.as_ref()),
-                &warnings,
-            )
-        }
-        Content::Calibration(stored) => {
-            stored.warnings.iter().for_each(|(_, text)| warn(text));
-            report::json::of_calibration(&stored)
-        }
-        Content::Trade(stored) => dataset::json(
-            &Dataset::of_trade(&stored.scenario, &stored.trade),
-            Some(file),
-        ),
-        Content::Sweep(stored) => dataset::json(&Dataset::of_sweep(&stored.sweep), Some(file)),
-    })
-}
-
-fn note_unfinished(stored: &Stored) {
-    if let Some(unfinished) = &stored.unfinished {
-        note(&format!(
-            "this run is not finished; continue it with: mc resume {}",
-            unfinished.display()
-        ));
-    }
-}
-
 /// A format of a table for other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum TableFormat {
     Csv,
     Markdown,
     Latex,
-}
-
-pub(crate) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
-    let Stored {
-        header,
-        status,
-        part,
-        ended_by,
-        ..
-    } = stored;
-    RunInfo {
-        scenario: header.title.clone(),
-        provenance: header.clone(),
-        part: *part,
-        threads: None,
-        seconds: None,
-        bias_seconds: None,
-        no_bias: scenario
-            .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
-            .map(|reason| reason.to_string()),
-        period: scenario.and_then(Scenario::period),
-        steps_per_path: None,
-        file: file.display().to_string(),
-        status: *status,
-        ended_by: ended_by.clone(),
-    }
 }

@@ -191,12 +191,12 @@ type QuotedWords = Vec<(String, String)>;
 
 /// These settings as changes of a scenario.
 fn overrides(settings: &[Setting], quoted: &[(String, String)]) -> Vec<Override> {
-    let laid = |Setting { key, value }: &Setting| {
+    let laid = |setting: &Setting| {
         let typed = quoted
             .iter()
-            .find(|(of, _)| of == key)
-            .map_or(key.as_str(), |(_, typed)| typed);
-        Override::number(typed, key, *value)
+            .find(|(of, _)| *of == setting.key)
+            .map_or(setting.key.as_str(), |(_, typed)| typed);
+        setting.change(typed)
     };
     settings.iter().map(laid).collect()
 }

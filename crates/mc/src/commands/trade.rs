@@ -122,7 +122,12 @@ impl Arguments {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
         let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
         let draw = |prices: &Prices| {
-            stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok()
+            stickslip_figure::page(
+                stickslip_figure::TRADE.iter(),
+                &Subject::Trade(prices),
+                &Style::default(),
+            )
+            .ok()
         };
         let Some(scene) = prices.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be estimated".to_string(), |s| {

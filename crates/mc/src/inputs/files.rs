@@ -1,11 +1,12 @@
 //! Files of results as the verbs read them. Every verb says of a file without a checksum that it
 //! has none.
 
+use crate::kinds::{self, Kind, RUN};
 use crate::output::failure::{Failure, note};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use stickslip_files::store::{self, FileKind, StoreError};
+use stickslip_files::store::{self, StoreError};
 
 /// What one of the readers of the store reads from a file.
 pub fn read<T>(
@@ -19,10 +20,16 @@ pub fn read<T>(
 /// The error of a reader. A file of another kind is named, and so is the likeliest reason why
 /// something is missing from a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
-    let other = |what: &str, resume: &str| {
+    let other = |kind: &Kind| {
+        let resume = if kind.is_resumable {
+            " `mc resume`"
+        } else {
+            ""
+        };
         let problem = format!(
-            "{} is {what}, which this command cannot read",
-            path.display()
+            "{} is {}, which this command cannot read",
+            path.display(),
+            kind.name
         );
         Failure::usage(
             problem,
@@ -30,12 +37,10 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
         )
     };
     match error {
-        StoreError::Foreign { .. } => match store::kind(path) {
-            Ok(Some(FileKind::Trade)) => other("a trade", ""),
-            Ok(Some(FileKind::Sweep)) => other("a sweep", " `mc resume`"),
-            Ok(Some(FileKind::Calibration)) => other("a calibration", ""),
-            // A run that the readers of runs do not know lacks its version.
-            Ok(Some(FileKind::Run) | None) | Err(_) => error.into(),
+        // A run that the readers of runs do not know lacks its version.
+        StoreError::Foreign { .. } => match kinds::of(path) {
+            Ok(Some(kind)) if kind.format != RUN.format => other(kind),
+            _ => error.into(),
         },
         StoreError::Damaged { cause, .. } if matches!(store::is_sealed(path), Ok(false)) => {
             let problem = format!(

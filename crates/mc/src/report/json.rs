@@ -1,14 +1,10 @@
-//! A run and a calibration for programs, as one JSON object each. A number that does not exist is
-//! null.
+//! A run for programs, as one JSON object. A number that does not exist is null.
 
 use super::RunInfo;
 use crate::output::document::{document, named, sha256};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
 use stickslip::scenario::Units;
 use stickslip::stats::{Estimate, LimitCycle, Statistic, Summary, Transient};
-use stickslip_bearing::calibration::{Lag, ParameterEstimate, Quantity};
-use stickslip_files::dataset::StoredCalibration;
 
 /// A run. Each warning is a name and a sentence.
 pub fn of_run(summary: &Summary, info: &RunInfo, warnings: &[(String, String)]) -> String {
@@ -124,72 +120,6 @@ fn estimate(e: &Estimate) -> Value {
         "estimate_corrected_low": corrected.map(|corrected| corrected.low),
         "estimate_corrected_high": corrected.map(|corrected| corrected.high),
     })
-}
-
-/// A calibration.
-pub fn of_calibration(
-    StoredCalibration {
-        calibration,
-        warnings,
-        ..
-    }: &StoredCalibration,
-) -> String {
-    let of = |quantities: &[Quantity]| -> BTreeMap<&str, Value> {
-        quantities
-            .iter()
-            .map(|quantity| (quantity.key(), parameter(calibration.estimate(*quantity))))
-            .collect()
-    };
-    let (parameters, derived) = Quantity::ALL.split_at(Quantity::PARAMETERS);
-    let (lag, profile) = (&calibration.lag, calibration.lag_profile.as_ref());
-    let starts = calibration
-        .starts
-        .iter()
-        .zip(calibration.start_values())
-        .map(|(start, values)| {
-            let of_start = parameters
-                .iter()
-                .map(|quantity| (quantity.key(), values[*quantity as usize]));
-            json!({ "err": start.err, "parameters": of_start.collect::<BTreeMap<_, _>>() })
-        });
-    let slips = calibration.slips.iter().map(
-        |slip| json!({ "time": slip.time, "temperature": slip.temperature, "jump": slip.jump, "usual": slip.is_usual }),
-    );
-    let object = json!({
-        "parameters": of(parameters),
-        "derived": of(derived),
-        "interval": calibration.question.level,
-        "slips": slips.collect::<Vec<_>>(),
-        "lag": {
-            "estimate": lag.estimate,
-            "low": lag.low,
-            "high": lag.high,
-            "estimated": calibration.question.lag == Lag::Auto,
-            "likeliest": profile.map(|profile| profile.likeliest),
-            "gain": profile.map(|profile| profile.gain),
-            "clock": profile.and_then(|profile| profile.clock),
-            "profile": profile.map_or(&[][..], |profile| &profile.profile[..]),
-        },
-        "roughness": calibration.roughness,
-        "zero": { "drift_per_year": calibration.zero.drift_per_year(), "steps": calibration.zero.steps },
-        "starts": starts.collect::<Vec<_>>(),
-        "residuals": {
-            "rms": calibration.residuals.rms,
-            "autocorrelation": calibration.residuals.autocorrelation,
-        },
-        "warnings": named(warnings),
-    });
-    document("calibration", object)
-}
-
-fn parameter(
-    ParameterEstimate {
-        estimate,
-        low,
-        high,
-    }: ParameterEstimate,
-) -> Value {
-    json!({ "estimate": estimate, "low": low, "high": high })
 }
 
 #[cfg(test)]

@@ -103,14 +103,14 @@ pub fn markdown(report: Report) -> String {
     lines.concat()
 }
 
-/// The tables as one `tabular` of LaTeX, which needs no package.
+/// The tables as one `tabular` of LaTeX with the rules of the package booktabs.
 pub fn latex(report: Report) -> String {
     let rows = joined(report.tables, Format::Paper);
     let lines = written(&rows, |cell| latex_cell(&cell.text), ["", " & ", " \\\\"]);
     let columns = "r".repeat(rows[0].len().saturating_sub(1));
     let body = lines[1..].concat();
     format!(
-        "\\begin{{tabular}}{{l{columns}}}\n\\hline\n{}\\hline\n{body}\\hline\n\\end{{tabular}}\n",
+        "% needs \\usepackage{{booktabs}}\n\\begin{{tabular}}{{l{columns}}}\n\\toprule\n{}\\midrule\n{body}\\bottomrule\n\\end{{tabular}}\n",
         lines[0]
     )
 }
@@ -199,8 +199,8 @@ mod tests {
         );
         assert_eq!(
             latex(report()),
-            "\\begin{tabular}{lrrr}\n\\hline\na\\_b & 95 \\% from & $\\pm$ & unit \\\\\n\\hline\n\
-             x|y & $-0.9\\times10^{-4}$ & none & m \\\\\nz & $1$ & $2$ &  \\\\\n\\hline\n\\end{tabular}\n"
+            "% needs \\usepackage{booktabs}\n\\begin{tabular}{lrrr}\n\\toprule\na\\_b & 95 \\% from & $\\pm$ & unit \\\\\n\\midrule\n\
+             x|y & $-0.9\\times10^{-4}$ & none & m \\\\\nz & $1$ & $2$ &  \\\\\n\\bottomrule\n\\end{tabular}\n"
         );
         assert_eq!(latex_cell("stick_duration_mean"), "mean stick duration");
     }

@@ -8,7 +8,9 @@ use super::{
 use crate::output::numbers::{counted, duration, grouped, some_of};
 use std::path::Path;
 use stickslip::stats::Statistic;
-use stickslip::study::sweep::{Design, Paired, Point, Seeds, Sweep, SweepQuestion};
+use stickslip::study::sweep::{
+    AxisValue, AxisValues, Design, Paired, Point, Seeds, Sweep, SweepAxis, SweepQuestion,
+};
 
 /// A gain below this is worth a remark: common seeds are then hardly better than independent ones.
 const LOW_GAIN: f64 = 2.0;
@@ -79,7 +81,9 @@ pub fn paths_of_each(question: &SweepQuestion) -> Option<String> {
 /// One statistic at every point and, if the points form a line, its difference to the next point.
 fn points(sweep: &Sweep, statistic: Statistic) -> Table {
     let design = &sweep.question.design;
-    let is_line = design.along().len() == 1;
+    // Neighbouring files are not close to each other.
+    let has_numbers = |axis: &SweepAxis| matches!(axis.values, AxisValues::Numbers(_));
+    let is_line = design.along().len() == 1 && design.axes().iter().all(has_numbers);
     let keys = keys(design);
     let has_bias = sweep
         .points
@@ -92,11 +96,15 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Table {
             settings
                 .iter()
                 .find(|setting| setting.key == key)
-                .map(|setting| setting.value)
+                .map(|setting| &setting.value)
         };
         let mut cells: Vec<Cell> = keys
             .iter()
-            .map(|(key, _)| value(key).map_or_else(Cell::default, |x| Cell::significant(x, 12)))
+            .map(|(key, _)| match value(key) {
+                Some(AxisValue::Number(x)) => Cell::significant(*x, 12),
+                Some(AxisValue::File(file)) => file.as_str().into(),
+                None => Cell::default(),
+            })
             .collect();
         cells.push(statistic.name().into());
         let Some(point) = point else {

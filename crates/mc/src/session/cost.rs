@@ -17,8 +17,6 @@ const MEASURING_TIME: Duration = Duration::from_millis(100);
 /// If the work of a path is not known beforehand, only runs of at least this number of paths are timed
 /// before they begin.
 const MANY: u64 = 100_000;
-/// Bytes that a calibration or a forecast needs; its record is read before.
-pub const STUDY_BYTES: f64 = 30e6;
 
 /// CPU seconds of this number of paths of a scenario on this machine, from the time that some of its paths
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if

@@ -314,7 +314,7 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     set(
         "time.end=20",
         &[
-            "beyond the last sample of the input `ag`, at 9.98",
+            "beyond the last sample of the input `ag` (quake.csv), at 9.98",
             "lower `time.end`",
         ],
     );

@@ -685,3 +685,180 @@ fn show_puts_several_runs_beside_each_other() {
     let legend = table.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(legend.contains("a and c have the same seed"), "{table}");
 }
+
+/// A block on a level floor that slides at mu g = 0.2 g, and records of one rectangular pulse of
+/// 0.4 s: `name` with this acceleration in g, and this time of the last sample.
+fn pulses(here: &Path, records: &[(&str, f64, f64)]) {
+    let block = "oscillator = { mass = 1000, stiffness = 0, dilatation = 0 }
+friction = { static = 1961.33, dynamic = 1961.33 }
+force.expression = \"-m*ag\"
+parameters = { m = 1000 }
+input.ag = { file = \"a.csv\", unit = \"g\" }
+initial.displacement = 0
+scheme.kind = \"event-driven\"
+ensemble.paths = 1
+";
+    fs::write(here.join("block.toml"), block).expect("room");
+    for (name, pulse, end) in records {
+        let text = format!("time_s,ag\n0,{pulse}\n0.4,{pulse}\n0.4000001,0\n{end},0\n");
+        fs::write(here.join(name), text).expect("room");
+    }
+}
+
+const OF_SLIP: [&str; 2] = ["--statistic", "displacement_end_mean"];
+
+/// The slip of a rectangular pulse of the acceleration A and the duration T at the yield
+/// acceleration a (Newmark, 1965): A T^2 (A/a - 1)/2.
+fn newmark(pulse: f64) -> f64 {
+    pulse * 9.80665 * 0.4 * 0.4 * (pulse / 0.2 - 1.0) / 2.0
+}
+
+fn slips(path: &Path) -> Vec<f64> {
+    let file = File::open(path).expect("an HDF5 file");
+    let names = file.dataset("statistic").expect("statistics");
+    let names = names.read_raw::<VarLenUnicode>().expect("names");
+    let at = names.iter().position(|name| name.as_str() == OF_SLIP[1]);
+    let estimates = file.dataset("estimate").expect("estimates");
+    let estimates = estimates.read_2d::<f64>().expect("two dimensions");
+    estimates.column(at.expect("the statistic")).to_vec()
+}
+
+#[test]
+fn each_record_of_a_sweep_has_its_own_slip_and_end() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    pulses(
+        here,
+        &[
+            ("a.csv", 0.5, 3.0),
+            ("b.csv", 0.3, 2.0),
+            ("c.csv", 0.1, 4.0),
+        ],
+    );
+    let vary = ["--vary", "record=input.ag.file=a.csv,b.csv,c.csv"];
+    let swept = mc(
+        here,
+        &[&["sweep", "block.toml", "-o", "s.h5"][..], &vary, &OF_SLIP].concat(),
+    );
+    done(&swept);
+    let table = out(&swept);
+    let rows = table.lines().filter(|line| line.contains(".csv "));
+    assert_eq!(rows.count(), 3, "{table}");
+    let found = slips(&here.join("s.h5"));
+    for (slip, pulse) in found.iter().zip([0.5, 0.3]) {
+        assert!(
+            (slip + newmark(pulse)).abs() < 1e-6,
+            "{slip} {}",
+            newmark(pulse)
+        );
+    }
+    assert_eq!(found[2], 0.0, "the pulse is weaker than friction");
+    let ends =
+        File::open(here.join("s.h5")).and_then(|file| file.dataset("point_end")?.read_raw::<f64>());
+    assert_eq!(ends.expect("ends"), [3.0, 2.0, 4.0]);
+
+    // The file is complete: its records are not needed any more.
+    let before = [here.join("a.csv"), here.join("b.csv"), here.join("c.csv")];
+    before
+        .iter()
+        .for_each(|path| fs::remove_file(path).expect("a file"));
+    let again = mc(here, &["verify", "s.h5", "--again"]);
+    done(&again);
+    assert!(
+        out(&again).contains("identical, bit for bit"),
+        "{}",
+        out(&again)
+    );
+    done(&mc(
+        here,
+        &["plot", "s.h5", OF_SLIP[0], OF_SLIP[1], "-o", "s.svg"],
+    ));
+    let svg = fs::read_to_string(here.join("s.svg")).expect("a picture");
+    assert!(svg.contains("<svg"));
+    let csv = out(&mc(here, &["show", "s.h5", "--format", "csv"]));
+    assert!(
+        csv.contains("s.h5,b.csv,displacement_end_mean,-0.1176"),
+        "{csv}"
+    );
+    let json = out(&mc(here, &["show", "s.h5", "--json"]));
+    assert!(json.contains("\"a.csv\""), "{json}");
+}
+
+#[test]
+fn a_sweep_over_records_goes_on_only_with_the_same_samples() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    pulses(here, &[("a.csv", 0.5, 3.0), ("b.csv", 0.3, 2.0)]);
+    let vary = [
+        "sweep",
+        "block.toml",
+        "--vary",
+        "input.ag.file=a.csv,b.csv",
+        "-o",
+        "s.h5",
+    ];
+    done(&mc(here, &vary));
+    // What an interrupted sweep leaves behind is continued.
+    fs::rename(here.join("s.h5"), here.join("s.h5.partial")).expect("renamed");
+    let again = mc(here, &vary);
+    done(&again);
+    assert!(
+        err(&again).contains("continuing: 2 of 2 points"),
+        "{}",
+        err(&again)
+    );
+    pulses(here, &[("b.csv", 0.35, 2.0)]);
+    let refused = mc(here, &vary);
+    assert_eq!(refused.status.code(), Some(2), "{}", err(&refused));
+    assert!(
+        err(&refused).contains("`input.ag.file=b.csv with hash"),
+        "{}",
+        err(&refused)
+    );
+}
+
+#[test]
+fn records_are_zipped_with_numbers_and_refused_before_anything_runs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    pulses(here, &[("a.csv", 0.5, 3.0), ("b.csv", 0.3, 2.0)]);
+    let zipped = [
+        "--zip",
+        "--vary",
+        "mu=friction.dynamic=1961.33,980.665",
+        "-o",
+        "s.h5",
+    ];
+    let vary = ["sweep", "block.toml", "--vary", "input.ag.file=a.csv,b.csv"];
+    done(&mc(here, &[&vary[..], &zipped].concat()));
+    // At f_d = m g/10, b slides as at the yield acceleration 0.1 g, once 0.2 g has set it in motion.
+    let weaker = 0.3 * 9.80665 * 0.16 * (0.3 / 0.1 - 1.0) / 2.0;
+    let found = slips(&here.join("s.h5"));
+    assert!(
+        (found[0] + newmark(0.5)).abs() < 1e-6 && (found[1] + weaker).abs() < 1e-6,
+        "{found:?}"
+    );
+
+    let refused = |more: &[&str], said: &[&str]| {
+        let refused = mc(
+            here,
+            &[&["sweep", "block.toml", "-o", "t.h5"], more].concat(),
+        );
+        assert_eq!(refused.status.code(), Some(2), "{}", err(&refused));
+        for said in said {
+            assert!(err(&refused).contains(said), "{said}: {}", err(&refused));
+        }
+        assert!(!here.join("t.h5").exists() && !here.join("t.h5.partial").exists());
+    };
+    let missing = ["c.csv", "`input.ag.file`", "No such file", "fix: "];
+    refused(&["--vary", "input.ag.file=a.csv,c.csv"], &missing);
+    let short = [
+        "beyond the last sample of the input `ag` (b.csv), at 2.0",
+        "fix: ",
+    ];
+    refused(
+        &["--vary", "input.ag.file=a.csv,b.csv", "--until", "2.5"],
+        &short,
+    );
+    refused(&["--vary", "input.ag.file=a.csv,a.csv"], &["listed twice"]);
+}

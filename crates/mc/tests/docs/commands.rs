@@ -181,6 +181,16 @@ const INPUTS: &str = r#"
     mc sweep rho025.toml --paths 64 --vary rho=temperature.noise.intensity=0,0.25 -o discrete-vi.h5
     cp discrete-vi.h5 event-driven.h5; cp discrete-vi.h5 rho025-sweep.h5
     mc sweep belt --paths 16 --vary V=temperature.trend=0.2,0.5 -o belt-v.h5
+    for g in 0.3 0.5; do printf "time_s,ag\n0,$g\n0.4,$g\n0.4000001,0\n3,0\n" > pulse-$g.csv; done
+    cat > floor.toml << END
+oscillator = { mass = 1000, stiffness = 0, dilatation = 0 }
+friction = { static = 1961.33, dynamic = 1961.33 }
+force.expression = "-m*ag"
+parameters = { m = 1000 }
+input.ag = { file = "pulse-0.3.csv", unit = "g" }
+initial.displacement = 0
+scheme.kind = "event-driven"
+END
     mc trade rho025.toml --budget 1s -o trade.h5
     mc calibrate bridge.toml data.csv --method slips -o fit.h5
     mc fit-temperature data.csv -o weather.toml; cat bearing.toml weather.toml > year.toml
@@ -277,7 +287,9 @@ impl Workplace {
                         .is_some_and(|start| name.starts_with(start))
             });
             // The scenario of the bridge names its record.
-            let is_read = is_named || name == "data.csv" && words.contains(&"bridge.toml");
+            let is_read = is_named
+                || name == "data.csv" && words.contains(&"bridge.toml")
+                || name.starts_with("pulse-") && words.contains(&"floor.toml");
             if entry.is_file() && is_read && !written.contains(&name) && !here.exists() {
                 std::fs::copy(&entry, &here).expect("copied");
             }

@@ -266,6 +266,14 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
         .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 
+/// The scenario `shaken.toml` with the input of `ag.csv`.
+fn shaken(folder: &Path) {
+    std::fs::write(folder.join("ag.csv"), "time_s,ag (g)\n0,0\n10,1\n").expect("written");
+    let shaken = "oscillator = { mass = 1, stiffness = 1, dilatation = 0 }\nfriction = { static = 1, dynamic = 1 }\n\
+                  input.ag.file = \"ag.csv\"\nforce.expression = \"ag\"\ninitial.displacement = 0\nscheme.kind = \"event-driven\"\n";
+    std::fs::write(folder.join("shaken.toml"), shaken).expect("written");
+}
+
 /// Files in which together everything occurs that a run can write: records, units, lost paths, a
 /// resolution, pairs, a part, a run that was ended, a measured temperature with a bearing, and the
 /// fewest paths for a bias of the step, and an input.
@@ -332,10 +340,7 @@ fn runs(folder: &Path) -> Vec<File> {
         "--part",
         "2/3",
     ];
-    std::fs::write(folder.join("ag.csv"), "time_s,ag (g)\n0,0\n10,1\n").expect("written");
-    let shaken = "oscillator = { mass = 1, stiffness = 1, dilatation = 0 }\nfriction = { static = 1, dynamic = 1 }\n\
-                  input.ag.file = \"ag.csv\"\nforce.expression = \"ag\"\ninitial.displacement = 0\nscheme.kind = \"event-driven\"\n";
-    std::fs::write(folder.join("shaken.toml"), shaken).expect("written");
+    shaken(folder);
     let ended = [
         "run",
         "scenarios/rho025.toml",
@@ -533,9 +538,37 @@ fn every_variable_and_attribute_of_a_sweep_is_listed() {
         found.extend(check(file, &page));
         attributes.extend(file.attr_names().expect("attributes"));
     }
+    shaken(folder.path());
+    let records = [
+        "sweep",
+        "shaken.toml",
+        "--vary",
+        "record=input.ag.file=ag.csv",
+        "--paths=1",
+    ];
+    let records = written(folder.path(), "records.h5", &records);
+    let own = "\n| Variable | Axes | Type | Unit | Meaning |\n|---|---|---|---|---|\n| `record` | record | text | | |\n";
+    let text = page
+        .text
+        .replace("...,", "record,")
+        .replace("| ... |", "| record |")
+        + own;
+    let inputs = Page::read(PAGE).section("### Inputs");
+    let page_of_records = Page {
+        text: text + &inputs.text,
+        path: page.path.clone(),
+    };
+    found.extend(check(&records, &page_of_records));
+    found.remove("record");
+    found.retain(|name| !name.starts_with("input"));
     let listed: BTreeSet<String> = documented(&page).into_keys().collect();
     same(&listed, &found.difference(&axes).cloned().collect());
-    generate(&page, &files.map(|(file, _)| file));
+    let files: Vec<File> = files
+        .into_iter()
+        .map(|(file, _)| file)
+        .chain([records])
+        .collect();
+    generate(&page, &files);
     let prose = page.spans();
     for attribute in attributes {
         assert!(

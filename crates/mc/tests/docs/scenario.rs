@@ -1,6 +1,7 @@
-//! docs/scenario.md lists the keys, schemes, warnings and shipped scenarios that the code has.
+//! docs/scenario.md lists the schemes, warnings and shipped scenarios that the code has, and docs/keys.md
+//! the keys.
 
-use super::markdown::{Page, names, same};
+use super::markdown::{Page, names, root, same};
 use std::collections::BTreeSet;
 use stickslip::advice::Warning;
 use stickslip::config::{SHIPPED, keys, symbol_and_meaning};
@@ -17,39 +18,88 @@ fn first_column(page: &Page, heading: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// A key of the table of keys as the page writes it. The parameters have names of the user's own.
-fn written(key: &str) -> String {
-    key.replace("harmonics.0.", "harmonics.")
-}
+const KEYS: &str = "docs/keys.md";
 
-#[test]
-fn every_key_is_listed_and_every_listed_key_exists() {
-    let of_code: BTreeSet<String> = keys().iter().map(|key| written(key)).collect();
-    // The page has the array of harmonics and the table of parameters, whose keys it lists or are
-    // free.
-    let containers = ["temperature.harmonics", "parameters"].map(String::from);
-    let of_code = of_code.into_iter().chain(containers).collect();
-    same(&first_column(&page(), "key"), &of_code);
-}
+/// The page of keys: a table for each table of a scenario.
+fn page_of_keys() -> String {
+    let mut text = "# Keys
 
-#[test]
-fn the_symbol_of_every_key_stands_in_its_row() {
-    let mut compared = 0;
-    for row in page().rows("key") {
-        for key in names(&row[0]) {
-            let Some((symbol, _)) = symbol_and_meaning(&key) else {
-                continue;
-            };
-            let words = row[1].split(|c: char| c.is_whitespace() || ",;:".contains(c));
-            assert!(
-                symbol.is_empty() || words.into_iter().any(|word| word == symbol),
-                "{key}: {symbol} is not in {:?}",
-                row[1]
+Every key of [a scenario](scenario.md); this page is generated from their declarations.
+Units are those of the scenario: `mass` stands for force time^2 / length.
+"
+    .to_string();
+    let mut table = None;
+    for key in keys() {
+        let of = key
+            .key
+            .rsplit_once('.')
+            .map_or("title, parameters", |(table, _)| table);
+        let of = of.trim_end_matches(".0");
+        if table.as_deref() != Some(of) {
+            text += &format!(
+                "\n## `{of}`\n\n| key | symbol | meaning | unit | default | allowed |\n|---|---|---|---|---|---|\n"
             );
-            compared += usize::from(!symbol.is_empty());
+            table = Some(of.to_string());
         }
+        let name = format!("`{}`", key.key);
+        let cells = [
+            &name,
+            key.symbol,
+            key.meaning,
+            key.unit,
+            key.default,
+            key.allowed,
+        ];
+        let cells = cells.map(|cell| format!(" {} ", cell.replace('|', "\\|")).replace("  ", " "));
+        text += &format!("|{}|\n", cells.join("|"));
     }
-    assert!(compared > 20, "{compared} symbols");
+    text
+}
+
+#[test]
+fn the_page_of_keys_is_generated_from_their_declarations() {
+    let (path, generated) = (root().join(KEYS), page_of_keys());
+    if std::env::var_os("REWRITE_PAGES").is_some() {
+        std::fs::write(&path, &generated).expect("written");
+    }
+    assert!(
+        std::fs::read_to_string(path).is_ok_and(|text| text == generated),
+        "{KEYS} is not as the keys are declared; `REWRITE_PAGES=1 cargo test --release -p stickslip-mc \
+         --test docs page_of_keys` writes it"
+    );
+}
+
+/// A key that a page names in code, with its table, exists.
+#[test]
+fn keys_that_the_page_of_the_scenario_names_exist() {
+    let known: BTreeSet<String> = keys().into_iter().map(|key| key.key).collect();
+    let tables: BTreeSet<&str> = known
+        .iter()
+        .filter_map(|key| key.split('.').next())
+        .collect();
+    let page = page();
+    let named: Vec<&str> = page
+        .spans()
+        .into_iter()
+        .filter(|span| {
+            let is_key = span
+                .chars()
+                .all(|c| c.is_ascii_alphanumeric() || "._".contains(c));
+            let (table, rest) = span.split_once('.').unwrap_or(("", ""));
+            is_key && tables.contains(table) && rest != "toml"
+        })
+        .collect();
+    assert!(named.len() > 10, "{named:?}");
+    for span in named {
+        let is_part = known
+            .iter()
+            .any(|key| *key == span || key.starts_with(&format!("{span}.")));
+        let is_of_list = symbol_and_meaning(span).is_some();
+        assert!(
+            is_part || is_of_list,
+            "docs/scenario.md: there is no key `{span}`"
+        );
+    }
 }
 
 #[test]

@@ -1,45 +1,37 @@
 //! The residuals of a calibrated model: over time, their correlation, and the results of the
 //! starting points of the least squares.
 
-use super::calibration::{DAY, thinned};
-use super::theme::{Palette, THIN};
-use super::{
-    Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet,
+use super::calendar;
+use super::measured::{DAY, Measured, thinned};
+use crate::calibration::Quantity;
+use stickslip_figure::{
+    Absent, Axis, LegendEntry, Mark, Palette, Panel, Sheet, Stroke, Style, Subject, THIN, sheet,
 };
-use stickslip_bearing::calibration::{Calibration, Quantity};
 
 /// A distance beyond both ends of an axis of errors in percent.
 const TALL: f64 = 1e6;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (title, calibration) = subject.calibration()?;
+    let of = Measured::of(subject)?;
     let palette = style.palette();
-    let mut panels = vec![
-        against_time(calibration, palette),
-        correlation(calibration, palette),
-    ];
-    if !calibration.starts.is_empty() {
+    let mut panels = vec![against_time(of, palette), correlation(of, palette)];
+    if !of.numbers("start_err").is_empty() {
         let interval = "interval of the estimate of *f*_{s}/*K*";
-        panels.push(starts(calibration, palette).keyed([
+        panels.push(starts(of, palette).keyed([
             LegendEntry::mark(Mark::Circle, palette.second, "least-squares start"),
             LegendEntry::area(palette.wide, interval),
         ]));
     }
-    Ok(sheet(&format!("Residuals: {title}"), [], panels))
+    Ok(sheet(&format!("Residuals: {}", of.title), [], panels))
 }
 
-fn against_time(calibration: &Calibration, palette: &Palette) -> Panel {
-    let record = &calibration.record;
-    let days = record.times.last().copied().unwrap_or(0.0) / DAY;
-    let residual = |i: usize| {
-        [
-            record.times[i] / DAY,
-            1e3 * (record.readings[i] - calibration.modelled[i]),
-        ]
-    };
-    let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
-    let time = calendar::time([0.0, days], record.start);
+fn against_time(of: Measured, palette: &Palette) -> Panel {
+    let [times, readings, modelled] =
+        ["time", "displacement", "displacement_modelled"].map(|name| of.numbers(name));
+    let residual = |i: usize| [times[i] / DAY, 1e3 * (readings[i] - modelled[i])];
+    let left: Vec<[f64; 2]> = thinned(0..times.len()).map(residual).collect();
+    let time = calendar::time([0.0, of.days()], of.start());
     let millimetres = Axis::around(left.iter().map(|point| point[1]), "measured − model", "mm");
     let mut panel = Panel::new(time, millimetres, 84.0);
     panel.line(left, Stroke::solid(palette.first, 0.4));
@@ -47,11 +39,10 @@ fn against_time(calibration: &Calibration, palette: &Palette) -> Panel {
     panel
 }
 
-fn correlation(calibration: &Calibration, palette: &Palette) -> Panel {
-    let correlation: Vec<[f64; 2]> = calibration
-        .residuals
-        .autocorrelation
-        .iter()
+fn correlation(of: Measured, palette: &Palette) -> Panel {
+    let hours = of.numbers("delay").iter();
+    let correlation: Vec<[f64; 2]> = hours
+        .zip(of.numbers("residual_autocorrelation"))
         .map(|(hours, r)| [hours / 24.0, *r])
         .collect();
     let delay = Axis::linear([0.0, 5.2], "delay", "d");
@@ -70,23 +61,18 @@ fn correlation(calibration: &Calibration, palette: &Palette) -> Panel {
 }
 
 /// The results of the starting points, beside the interval of the estimate.
-fn starts(calibration: &Calibration, palette: &Palette) -> Panel {
-    let starts = &calibration.starts;
-    let best = starts
-        .iter()
-        .map(|start| start.err)
-        .fold(f64::INFINITY, f64::min);
-    let ways: Vec<f64> = calibration
-        .start_values()
-        .iter()
-        .map(|values| 1e3 * values[Quantity::StaticWay as usize])
+fn starts(of: Measured, palette: &Palette) -> Panel {
+    let errs = of.numbers("start_err");
+    let best = errs.iter().copied().fold(f64::INFINITY, f64::min);
+    let way = Quantity::StaticWay as usize;
+    let ways: Vec<f64> = of
+        .numbers("start_value")
+        .chunks_exact(Quantity::ALL.len())
+        .map(|values| 1e3 * values[way])
         .collect();
-    let above: Vec<f64> = starts
-        .iter()
-        .map(|start| 100.0 * (start.err / best - 1.0))
-        .collect();
-    let chosen = calibration.estimate(Quantity::StaticWay);
-    let ends = [1e3 * chosen.low, 1e3 * chosen.high];
+    let above: Vec<f64> = errs.iter().map(|err| 100.0 * (err / best - 1.0)).collect();
+    let ends = ["interval_low", "interval_high"].map(|name| of.numbers(name));
+    let ends = ends.map(|values| 1e3 * values.get(way).copied().unwrap_or(f64::NAN));
     let x = Axis::around(ways.iter().copied().chain(ends), "*f*_{s}/*K*", "mm");
     let y = Axis::around(
         above.iter().copied().chain([0.0, 0.2]),

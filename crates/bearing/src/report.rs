@@ -1,13 +1,13 @@
 //! Reports of a bearing: its calibration, the weather at it, and its future years.
 
-use super::{Cell, Column, Format, NO_TEXT, Report, Row, Table};
-use crate::output::numbers::{grouped, percent, significant, time};
-use stickslip_bearing::calibration::{
+use crate::calibration::{
     Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart, Values,
 };
-use stickslip_bearing::forecast::{Forecast, ForecastQuantity, YEAR};
-use stickslip_bearing::weather::WeatherFit;
+use crate::forecast::{Forecast, ForecastQuantity, YEAR};
+use crate::weather::WeatherFit;
 use stickslip_data::Start;
+use stickslip_report::numbers::{grouped, percent, significant, time};
+use stickslip_report::{Cell, Column, Format, NO_TEXT, Report, Row, Table, columns};
 
 /// The report of a calibration, in the units of a scenario, or for a page in millimetres.
 pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Report {
@@ -370,7 +370,7 @@ pub const SYMBOLS: &str = "z is the reading of the displacement sensor at the be
 pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
     let level = percent(found.question.level);
     let only_text = &[Format::Html];
-    let [name, expected, low, high, least, most] = super::columns([
+    let [name, expected, low, high, least, most] = columns([
         ("in_a_year", "in a year"),
         ("expected", if is_page { "mean" } else { "expected" }),
         ("low", "from"),
@@ -521,7 +521,7 @@ pub fn weather(found: &WeatherFit) -> Report {
             significant(white, 3)
         ),
     };
-    let [name, estimate, error] = super::columns([
+    let [name, estimate, error] = columns([
         ("quantity", ""),
         ("estimate", "estimate"),
         ("standard_error", "standard error"),
@@ -551,7 +551,7 @@ pub fn weather(found: &WeatherFit) -> Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip_bearing::calibration::SeenSlip;
+    use crate::calibration::SeenSlip;
 
     /// With kappa = 1/2 the sensor shows half of each slip: two jumps of 10 mm are 40 mm of path.
     #[test]

@@ -1,18 +1,12 @@
 //! A calibrated bearing over time: the displacement as measured and as modelled, and the
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
-use super::theme::THIN;
-use super::{
-    Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of,
-    sheet,
-};
+use super::calendar;
+use super::measured::{DAY, Measured, thinned};
 use std::ops::Range;
-use stickslip_bearing::calibration::Calibration;
-
-pub(super) const DAY: f64 = 86_400.0;
-
-/// The most points of a curve. More of them would be closer together than the dots of a printer.
-const POINTS: usize = 8_000;
+use stickslip_figure::{
+    Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, THIN, range_of, sheet,
+};
 
 /// A gap is longer than this number of usual steps.
 const GAP: f64 = 6.0;
@@ -23,14 +17,14 @@ const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (title, calibration) = subject.calibration()?;
+    let measured = Measured::of(subject)?;
     let palette = style.palette();
-    let days = calibration.record.times.last().copied().unwrap_or(0.0) / DAY;
-    let mut panels = pair(calibration, [0.0, days], 75.0, style);
+    let days = measured.days();
+    let mut panels = pair(measured, [0.0, days], 75.0, style);
     for from in CLOSER.0 {
         let from = (from * days).floor();
         if from + CLOSER.1 < days {
-            panels.extend(pair(calibration, [from, from + CLOSER.1], 60.0, style));
+            panels.extend(pair(measured, [from, from + CLOSER.1], 60.0, style));
         }
     }
     let legend = [
@@ -38,13 +32,17 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::line(Stroke::solid(palette.second, 1.0), "model"),
         LegendEntry::mark(Mark::Triangle, palette.third, "detected slip"),
     ];
-    Ok(sheet(&format!("Calibration: {title}"), legend, panels))
+    Ok(sheet(
+        &format!("Calibration: {}", measured.title),
+        legend,
+        panels,
+    ))
 }
 
 /// Two panels, displacement above temperature, between two days.
-fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> {
+fn pair(of: Measured, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> {
     let palette = style.palette();
-    let record = &calibration.record;
+    let times = of.numbers("time");
     let curve = |times: &[f64], values: &[f64], scale: f64| {
         let shown = within(times, days);
         let samples = shown.filter(|i| values[*i].is_finite());
@@ -54,9 +52,9 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
         let thinned = thinned(0..samples.len()).map(|i| samples[i]).collect();
         with_gaps(thinned)
     };
-    let time = || calendar::time(days, record.start);
-    let measured = curve(&record.times, &record.readings, 1e3);
-    let modelled = curve(&record.times, &calibration.modelled, 1e3);
+    let time = || calendar::time(days, of.start());
+    let measured = curve(times, of.numbers("displacement"), 1e3);
+    let modelled = curve(times, of.numbers("displacement_modelled"), 1e3);
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     // The marks of slips are below the curves.
     let mark = low - 0.08 * (high - low);
@@ -66,15 +64,12 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     // In a stretch of this length the marks of slips are separate; in a longer one they would merge
     // to a line.
     if days[1] - days[0] <= CLOSER.1 {
-        let seen = calibration
-            .slips
-            .iter()
-            .filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
-        for slip in seen {
-            above.mark([slip.time / DAY, mark], Mark::Triangle, palette.third);
+        let slips = of.numbers("slip_time").iter().map(|time| time / DAY);
+        for slip in slips.filter(|slip| (days[0]..days[1]).contains(slip)) {
+            above.mark([slip, mark], Mark::Triangle, palette.third);
         }
     }
-    let [times, temperatures] = record.thermometer();
+    let [times, temperatures] = of.thermometer();
     let warmth = curve(&times, &temperatures, 1.0);
     let degrees = Axis::around(warmth.iter().map(|point| point[1]), "*T*", "°C");
     let mut below = Panel::new(time(), degrees, 0.55 * height);
@@ -96,12 +91,6 @@ fn with_gaps(samples: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
         curve.push(point);
     }
     curve
-}
-
-/// The indices of the samples that a curve goes through: not more than `POINTS` of them.
-pub(super) fn thinned(samples: Range<usize>) -> impl Iterator<Item = usize> {
-    let step = samples.len().div_ceil(POINTS).max(1);
-    samples.step_by(step)
 }
 
 /// The indices of the samples between two days.

@@ -1,17 +1,17 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
-use crate::arguments::measurements::Source;
-use crate::commands::report;
-use crate::output::dataset;
+use super::STUDY_BYTES;
+use super::measurements::Source;
+use super::years::Years;
+use crate::kinds::AnyResult as _;
 use crate::output::numbers::parse_share_in;
-use crate::report::{bearing, text};
-use crate::session::cost::STUDY_BYTES;
+use crate::report::text;
 use crate::session::progress::waiting;
 use crate::{Failure, note, print, print_data, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stickslip_bearing::forecast::{BearingForecast, Forecast, ForecastQuestion};
-use stickslip_files::dataset::Dataset;
+use stickslip_bearing::report;
 use stickslip_files::store;
 
 /// Arguments of `mc forecast`.
@@ -86,23 +86,30 @@ impl Arguments {
         .ok_or(Failure::Interrupted)?;
         let warnings = outcome.warnings();
         warnings.iter().for_each(|(_, text)| warn(text));
-        let found = &outcome.forecast;
-        let content = |output: &Path| match is_page(output) {
-            true => report::of_forecast(&scene, &outcome),
-            false => csv(found),
+        let years = Years {
+            scene: &scene,
+            found: &outcome,
         };
+        let content = |output: &PathBuf| match is_page(output) {
+            true => years.page(output),
+            false => Ok(csv(&outcome.forecast)),
+        };
+        let contents = self.output.iter().map(content);
+        let contents = contents.collect::<Result<Vec<String>, Failure>>()?;
         let files: Vec<(&Path, String)> = self
             .output
             .iter()
-            .map(|output| (output.as_path(), content(output)))
+            .map(PathBuf::as_path)
+            .zip(contents)
             .collect();
         store::write_together(&files, self.force)?;
         match self.json {
-            true => print_data(&dataset::json_with(
-                &Dataset::of_forecast(&scene.title, &scene.text, found),
-                &warnings,
-            ))?,
-            false => print(&text(&bearing::forecast(&scene.title, found, false)))?,
+            true => print_data(&years.json(Path::new(""))?)?,
+            false => print(&text(&report::forecast(
+                &scene.title,
+                &outcome.forecast,
+                false,
+            )))?,
         }
         for output in &self.output {
             let has = if is_page(output) {

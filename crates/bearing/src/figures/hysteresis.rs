@@ -1,25 +1,27 @@
 //! Displacement against temperature, as measured and as modelled. A bearing that sticks draws
 //! loops.
 
-use super::calibration::thinned;
-use super::theme::THIN;
-use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::measured::{Measured, thinned};
+use stickslip_figure::{
+    Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, THIN, range_of, sheet,
+};
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (title, calibration) = subject.calibration()?;
+    let of = Measured::of(subject)?;
     let palette = style.palette();
-    let record = &calibration.record;
+    let temperatures = of.numbers("temperature");
     let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
         // Of two loggers, one has no sample at the times of the other.
         let own: Vec<usize> = (0..readings.len())
             .filter(|i| readings[*i].is_finite())
             .collect();
         thinned(0..own.len())
-            .map(|i| [record.temperatures[own[i]], 1e3 * readings[own[i]]])
+            .map(|i| [temperatures[own[i]], 1e3 * readings[own[i]]])
             .collect()
     };
-    let (measured, modelled) = (curve(&record.readings), curve(&calibration.modelled));
+    let [measured, modelled] =
+        ["displacement", "displacement_modelled"].map(|name| curve(of.numbers(name)));
     let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]));
     let (warmth, height) = (range(0), range(1));
     let panel = |points: Vec<[f64; 2]>, stroke: Stroke| {
@@ -35,5 +37,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::line(Stroke::solid(palette.first, THIN), "measured"),
         LegendEntry::line(Stroke::solid(palette.second, THIN), "model"),
     ];
-    Ok(sheet(&format!("Loops: {title}"), legend, [above, below]))
+    Ok(sheet(
+        &format!("Loops: {}", of.title),
+        legend,
+        [above, below],
+    ))
 }

@@ -1,20 +1,21 @@
 //! A calibration as a data set: the measured record, what was found in it, and what the model
 //! gives.
 
-use super::header::{Format, walk_origin};
-use super::layout::{Unit, Variable, coordinate, table, variable};
-use super::walk::{Walk, Walked};
-use super::{Dataset, Source, columns_of, counted, read_other_program, texts};
-use stickslip::engine::Program;
-use stickslip::stats::Units;
-use stickslip_bearing::calibration::{
+use crate::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion,
     ParameterEstimate, Quantity, SearchStart, SeenSlip, Values, response_of,
 };
+use stickslip::engine::Program;
+use stickslip::stats::Units;
 use stickslip_data::Start;
+use stickslip_files::dataset::layout::{Unit, Variable, coordinate, table, variable};
+use stickslip_files::dataset::{
+    Dataset, Format, Source, Walk, Walked, columns_of, counted, read_other_program, texts,
+    walk_origin,
+};
 
 /// Name and version of the format.
-pub(crate) const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));
+pub const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,22 @@ impl StoredCalibration {
             other_program: None,
         }
     }
+
+    /// The calibration in a data set. Fails if the data set is not that of a calibration.
+    pub fn read(from: &dyn Source) -> Result<StoredCalibration, String> {
+        let other_program = read_other_program(from)?;
+        let mut stored = StoredCalibration {
+            other_program,
+            ..StoredCalibration::of("", "", Calibration::default())
+        };
+        walk(&mut Walk::Reading(from), &mut stored)?;
+        Ok(stored)
+    }
+
+    /// Its data set.
+    pub fn dataset(&self) -> Dataset {
+        Dataset::written(&units(), |to| walk(to, &mut self.clone()))
+    }
 }
 
 /// Labels of the units of a calibration.
@@ -61,18 +78,6 @@ pub(crate) fn units() -> Units {
     }
 }
 
-impl Dataset {
-    /// The data set of a calibration.
-    pub fn of_calibration(calibration: &StoredCalibration) -> Self {
-        Dataset::written(&units(), |to| walk(to, &mut calibration.clone()))
-    }
-
-    /// The calibration in the data set. Fails if the data set is not that of a calibration.
-    pub fn calibration(&self) -> Result<StoredCalibration, String> {
-        read(self)
-    }
-}
-
 /// Write name, symbol and unit of each quantity.
 pub(super) fn write_quantities(to: &mut Dataset) {
     to.write(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)));
@@ -81,17 +86,6 @@ pub(super) fn write_quantities(to: &mut Dataset) {
         &texts(Quantity::ALL.map(Quantity::symbol)),
     );
     to.write(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)));
-}
-
-/// Read a calibration.
-pub(crate) fn read(from: &dyn Source) -> Result<StoredCalibration, String> {
-    let other_program = read_other_program(from)?;
-    let mut stored = StoredCalibration {
-        other_program,
-        ..StoredCalibration::of("", "", Calibration::default())
-    };
-    walk(&mut Walk::Reading(from), &mut stored)?;
-    Ok(stored)
 }
 
 /// Walk over a calibration. Everything that follows from other things is computed again.

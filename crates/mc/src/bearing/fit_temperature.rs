@@ -1,13 +1,14 @@
 //! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
-use crate::arguments::measurements::MeasuredFlags;
+use super::measurements::MeasuredFlags;
 use crate::output::document::document;
-use crate::report::{bearing, text};
+use crate::report::text;
 use crate::session::progress::waiting;
 use crate::{Failure, note, print, warn, writable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stickslip::config;
+use stickslip_bearing::report;
 use stickslip_bearing::weather::{WeatherFit, fit, usual};
 use stickslip_data::{ColumnQuantity, Origin, Wording};
 use stickslip_files::store;
@@ -90,7 +91,7 @@ impl Arguments {
         print(&if self.json {
             json(&found)
         } else {
-            text(&bearing::weather(&found))
+            text(&report::weather(&found))
         })?;
         if let Some(output) = &self.output {
             note(&format!(
@@ -110,7 +111,7 @@ fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
         data.file_name().unwrap_or_default().to_string_lossy(),
         found.samples
     );
-    for line in text(&bearing::weather(found)).lines() {
+    for line in text(&report::weather(found)).lines() {
         part += &(format!("# {line}").trim_end().to_string() + "\n");
     }
     part + &config::temperature_part(&found.temperature())

@@ -1,11 +1,11 @@
 //! `mc calibrate`: estimates friction, stiffness and dilatation of a bearing from measured
 //! temperatures and displacements.
 
+use super::STUDY_BYTES;
+use super::measurements::Source;
 use crate::arguments::extension::writable_hdf5;
-use crate::arguments::measurements::Source;
 use crate::output::numbers::parse_duration;
-use crate::report::{self, bearing};
-use crate::session::cost::STUDY_BYTES;
+use crate::report::text;
 use crate::session::progress::waiting;
 use crate::{Failure, note, print, warn, writable};
 use std::path::{Path, PathBuf};
@@ -14,8 +14,9 @@ use stickslip::scenario::BridgeScene;
 use stickslip_bearing::calibration::{
     CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
 };
-use stickslip_files::dataset::Dataset;
-use stickslip_files::store::{self, StoredCalibration};
+use stickslip_bearing::dataset::StoredCalibration;
+use stickslip_bearing::report;
+use stickslip_files::store;
 
 /// Arguments of `mc calibrate`.
 #[derive(Debug, clap::Args)]
@@ -83,9 +84,7 @@ impl Arguments {
         for output in &self.output {
             match is_scenario(output) {
                 true => store::write_whole(output, fitted(&stored)?.as_bytes(), self.force)?,
-                false => {
-                    store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?
-                }
+                false => store::write_dataset(output, stored.dataset(), self.force)?,
             }
         }
         stored
@@ -93,8 +92,8 @@ impl Arguments {
             .iter()
             .for_each(|(_, warning)| warn(warning));
         print(&match self.json {
-            true => report::json::of_calibration(&stored),
-            false => report::text(&bearing::calibration(
+            true => super::calibration::object(&stored),
+            false => text(&report::calibration(
                 &stored.title,
                 &stored.calibration,
                 false,
@@ -185,7 +184,7 @@ fn parameter(text: &str) -> Result<Quantity, String> {
     let found = Quantity::fitted(text.trim());
     found.ok_or_else(|| {
         format!(
-            "write some of {}",
+            "use one or more of {}",
             Quantity::FITTED.map(Quantity::key).join(", ")
         )
     })

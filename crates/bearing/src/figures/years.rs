@@ -1,9 +1,9 @@
 //! The years of a forecast: how the sliding path, the number of slips and the largest force differ
 //! from year to year, with the range in which most single years are.
 
-use super::words::grouped;
-use super::{Axis, Drawing, LegendEntry, Panel, Style, range_of, sheet, solid};
-use stickslip_bearing::forecast::{Forecast, ForecastQuantity};
+use crate::forecast::{Forecast, ForecastQuantity};
+use stickslip_data::numbers::grouped;
+use stickslip_figure::{Axis, Drawing, LegendEntry, Panel, Style, range_of, sheet, solid};
 
 /// Number of bars.
 const BARS: usize = 30;

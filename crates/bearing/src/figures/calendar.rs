@@ -1,9 +1,9 @@
 //! An axis of time with dates, where the dates of a record are known.
 
-use super::{Axis, Label};
 use jiff::Span;
 use jiff::civil::Date;
 use stickslip_data::Start;
+use stickslip_figure::{Axis, Label};
 
 /// The most dates on an axis.
 const MOST: f64 = 5.0;

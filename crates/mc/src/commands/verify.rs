@@ -1,25 +1,23 @@
 //! `mc verify`: checks that a file is as it was written, and that it holds what its scenario and its
 //! seed give.
 
-mod study;
-
 use crate::arguments::threads::Threads;
-use crate::inputs::{files, results};
+use crate::inputs::files;
+use crate::kinds::{self, Again, RUN};
 use crate::output::document::document;
 use crate::output::failure::{Failure, note, print, print_data};
 use crate::output::numbers::grouped;
 use crate::report::{Report, text};
 use serde_json::json;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-use stickslip_files::saved::{Difference, Verified, rerun};
-use stickslip_files::store::{self, Content, FileKind, Sealed, Stored};
+use stickslip_files::saved::Difference;
+use stickslip_files::store::{self, Sealed};
 
 /// Arguments of `mc verify`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = include_str!("../help/verify.txt"))]
+#[command(after_help = include_str!("help/verify.txt"))]
 pub struct Arguments {
-    /// File of results: a run, a sweep, a trade or a calibration
+    /// File of results, of any kind
     file: PathBuf,
     /// Simulate the stored scenario again, and compare all numbers with those in the file
     #[arg(long)]
@@ -31,19 +29,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What was computed again and compared.
-struct Again {
-    /// What was computed again, for people.
-    simulated: String,
-    /// What was compared with that.
-    compared: &'static str,
-    found: Verified,
-}
-
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let is_unfinished = self.file.is_dir() || !self.file.exists();
-        if is_unfinished && matches!(files::read(&self.file, store::kind)?, Some(FileKind::Run)) {
+        if is_unfinished
+            && files::read(&self.file, kinds::of)?.is_some_and(|kind| kind.format == RUN.format)
+        {
             let problem = format!("{}: the run is not finished", self.file.display());
             return Err(Failure::usage(
                 problem,
@@ -51,17 +42,14 @@ impl Arguments {
             ));
         }
         let sealed = store::check_bytes(&self.file)?;
-        let content = files::read(&self.file, store::content)?;
+        let content = kinds::read(&self.file)?;
         let other_program = content.other_program();
         if let Some(other) = &other_program {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
-        let again = match &content {
-            _ if !self.again => None,
-            Content::Run(stored) => Some(self.run(stored, sealed)?),
-            Content::Sweep(stored) => Some(self.sweep(stored)?),
-            Content::Trade(stored) => Some(self.trade(stored)?),
-            Content::Calibration(stored) => Some(self.calibration(stored)?),
+        let again = match self.again {
+            true => Some(content.again(&self.file, &self.threads, sealed)?),
+            false => None,
         };
         match self.json {
             true => print_data(&self.object(again.as_ref(), sealed, other_program.is_none()))?,
@@ -77,28 +65,6 @@ impl Arguments {
             None => "use the unmodified file; its scenario, seed or numbers were changed",
         };
         Err(Failure::run_of(&self.file, difference.of("file"), remedy))
-    }
-
-    /// Simulate a run again.
-    fn run(&self, stored: &Stored, sealed: Sealed) -> Result<Again, Failure> {
-        let name = self.file.display().to_string();
-        if let Some(part) = stored.part {
-            return Err(Failure::usage(
-                format!("{name}: part {part} of a run cannot be simulated again"),
-                "merge the parts and verify the run",
-            ));
-        }
-        let scenario = results::scenario(&name, stored, &[])?;
-        // All rows are kept, and the largest variable of the file is read beside them.
-        let used = scenario.run_bytes(stored.header.paths, self.threads.number())
-            + 2.0 * sealed.bytes as f64;
-        let threads = self.threads.ready("this verification", used)?;
-        let again = rerun(stored, &scenario, threads, &AtomicBool::new(false))?;
-        Ok(Again {
-            simulated: format!("{} paths", grouped(stored.completed_paths)),
-            compared: "rows of paths, statistics, attributes, coordinates and units",
-            found: store::verify(&self.file, &again)?,
-        })
     }
 
     /// The result for people.

@@ -2,12 +2,13 @@
 
 use crate::arguments::overrides::Settings;
 use crate::output::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
-use crate::report::{bearing, text};
+use crate::report::text;
 use crate::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, input_files, shipped_at};
 use stickslip::scenario::{BridgeScene, Scenario};
 use stickslip_bearing::calibration::{Air, Imperfections, Response, Twin, twin, values};
+use stickslip_bearing::report;
 use stickslip_data::{ColumnQuantity, Origin, Start};
 use stickslip_files::store;
 
@@ -91,10 +92,10 @@ impl Arguments {
         ) {
             (Some(_), Some((flag, _))) => {
                 let problem = format!(
-                    "{flag} is given, and the measured temperature of the scenario has times of its own"
+                    "{flag} conflicts with the measured temperature of the scenario, which has its own times"
                 );
                 let remedy =
-                    format!("leave {flag} out, or take [temperature.series] out of the scenario");
+                    format!("remove {flag}, or remove [temperature.series] from the scenario");
                 return Err(Failure::usage(problem, remedy));
             }
             (Some(file), None) => measured(&self.scenario, file, &scene)?,
@@ -119,7 +120,7 @@ impl Arguments {
             self.force,
         )?;
         let truth = values(&response, scene.shear_stiffness);
-        print(&text(&bearing::truth(&truth)))?;
+        print(&text(&report::truth(&truth)))?;
         let samples = grouped(made.times.len() as u64);
         note(&format!(
             "{}: {samples} samples, {} slips",
@@ -135,7 +136,8 @@ impl Arguments {
         let every = self.every.unwrap_or(600.0);
         let count = self.duration.unwrap_or(300.0 * 86_400.0) / every;
         if !(2.0..=MOST).contains(&count) {
-            let problem = format!("{count:.0} samples are not between 2 and 1e7");
+            let problem =
+                format!("the number of samples must be between 2 and 1e7, got {count:.0}");
             return Err(Failure::usage(
                 problem,
                 "choose other --duration and --every",
@@ -171,7 +173,7 @@ fn measured(
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
 /// millimetres.
 fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
-    let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
+    let out_of_calendar = || Failure::Run("the dates of the record are out of range".to_string());
     let start = start
         .or_else(|| Start::parse(EPOCH))
         .ok_or_else(out_of_calendar)?;

@@ -1,0 +1,109 @@
+//! A sweep: what the commands do with one.
+
+use super::{Again, AnyResult, Kind, Shown, StoredResult, page, pictures, provenance};
+use crate::arguments::threads::Threads;
+use crate::commands::plot;
+use crate::inputs::files;
+use crate::output::dataset;
+use crate::output::failure::{Failure, warn};
+use crate::output::numbers::grouped;
+use crate::report::{self, Chosen, Report};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use stickslip::study::sweep::{Point, Sweep, SweepSimulation};
+use stickslip_figure::{Drawing, Subject};
+use stickslip_files::dataset::{Dataset, SWEEP_FORMAT};
+use stickslip_files::store::{self, Sealed, StoreError, StoredSweep};
+
+/// A sweep: statistics as functions of keys of the scenario.
+pub const SWEEP: Kind = Kind {
+    name: "a sweep",
+    format: SWEEP_FORMAT,
+    is_resumable: true,
+    read: |path| Ok(Box::new(store::read_sweep(path)?)),
+    figures: stickslip_figure::SWEEP,
+};
+
+impl AnyResult for StoredSweep {
+    fn report(&self, file: &Path, shown: &Shown) -> Result<Report, Failure> {
+        report::warnings(&self.sweep)
+            .into_iter()
+            .filter(|_| shown.is_text)
+            .for_each(warn);
+        Ok(report::sweep(&self.sweep, shown.chosen, file))
+    }
+
+    fn json(&self, file: &Path) -> Result<String, Failure> {
+        Ok(dataset::json(&Dataset::of_sweep(&self.sweep), Some(file)))
+    }
+
+    fn page(&self, file: &Path) -> Result<String, Failure> {
+        let scenario = self.scenario().0;
+        let mut page = page(file, &scenario);
+        page.provenance = provenance(file, self.other_program.as_deref());
+        let sweeps = [(String::new(), self.sweep.clone())];
+        let [(_, sweep)] = &sweeps;
+        let subject = Subject::Sweep {
+            sweeps: &sweeps,
+            statistics: &[],
+        };
+        page.pictures = pictures(SWEEP.figures, &subject, "");
+        page.report = report::sweep(sweep, Chosen::First, file);
+        page.warnings = report::warnings(sweep);
+        Ok(page.html())
+    }
+}
+
+impl StoredResult for StoredSweep {
+    fn scenario(&self) -> (String, bool) {
+        let scenario = &self.sweep.question.scenario;
+        (scenario.to_toml(), !scenario.measured.is_empty())
+    }
+
+    fn other_program(&self) -> Option<String> {
+        self.other_program.clone()
+    }
+
+    fn draw(&self, asked: &plot::Arguments) -> Result<Drawing, Failure> {
+        let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
+            let name = file
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            Ok((name, files::read(file, store::read_sweep)?.sweep))
+        };
+        let sweeps = std::iter::once(&asked.subject)
+            .chain(&asked.beside)
+            .map(read)
+            .collect::<Result<Vec<_>, _>>()?;
+        asked.draw(&Subject::Sweep {
+            sweeps: &sweeps,
+            statistics: asked.statistic.as_slice(),
+        })
+    }
+
+    /// All points are simulated again. The time that each took is that of the file.
+    fn again(&self, file: &Path, threads: &Threads, _: Sealed) -> Result<Again, Failure> {
+        let mut again = self.sweep.clone();
+        let count = again.points.len();
+        let before = std::mem::replace(&mut again.points, vec![None; count]);
+        let simulation = SweepSimulation {
+            threads: threads.number(),
+            stop: &AtomicBool::new(false),
+            progress: &mut (),
+        };
+        simulation
+            .run(&mut again, |_| Ok::<_, StoreError>(()))
+            .map_err(|end| Failure::Run(end.to_string()))?;
+        for (point, before) in again.points.iter_mut().zip(before) {
+            let both = point.take().zip(before);
+            *point = both.map(|(point, Point { seconds, .. })| Point { seconds, ..point });
+        }
+        Ok(Again {
+            simulated: format!("{} points", grouped(count as u64)),
+            compared: "statistics, comparisons between points, attributes, coordinates and units",
+            found: store::verify(file, &Dataset::of_sweep(&again))?,
+        })
+    }
+}
