@@ -376,12 +376,12 @@ fn pooled(rows: &[Row]) -> String {
 /// The false alarms of what the table does not show: in how many sound records another lag than the
 /// true one is said to fit better, and the temperature is said to be smooth or of a varying memory.
 #[test]
-#[ignore = "ten minutes; prints counts"]
+#[ignore = "twenty minutes; prints counts"]
 fn false_alarms() {
     let names = ["other_lag", "smooth_temperature", "memory_varies"];
     let mut counts = [0; 3];
     let sound = [0, 3, 8, 19];
-    let all = (0..15).flat_map(|number| sound.map(|place| (number, place)));
+    let all = (0..5).flat_map(|number| sound.map(|place| (number, place)));
     for (number, place) in all {
         let situation = &KNOWN[place];
         let seed = 1000 * (1 + place as u64) + 500 + number;
@@ -402,5 +402,5 @@ fn false_alarms() {
         }
         println!("{} {seed}: {all:?}", situation.name);
     }
-    println!("{names:?}: {counts:?} of 60");
+    println!("{names:?}: {counts:?} of 20");
 }
