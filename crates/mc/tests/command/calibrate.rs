@@ -136,7 +136,7 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
         ["--start", "2024-06-01"],
     ] {
         let twin = [&["twin", SCENARIO, "-o", "twin.csv"], &flag[..]].concat();
-        refused(path, &twin, 2, &[flag[0], "has times of its own", "fix: "]);
+        refused(path, &twin, 2, &[flag[0], "has its own times", "fix: "]);
     }
 }
 
