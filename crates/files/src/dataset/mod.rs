@@ -4,7 +4,7 @@
 //! ```text
 //! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
 //! run, trade, sweep   the contents of each kind of data set; other crates have kinds of their own
-//! walk            one function walks over the contents, and so writes them or reads them back
+//! walk            for runs and fits, one walk writes the contents or reads them back
 //!   -> Dataset       in memory, which is written to a file or compared with one
 //!   <- Source        a file, or memory
 //! Recorder        the sink that makes a run a data set in memory

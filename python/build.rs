@@ -1,0 +1,1 @@
+../crates/mc/build.rs
