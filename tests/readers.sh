@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Write a file of every kind with `mc run`, open each with every reader that docs/output-format.md
-# names, and recompute every variable of some of them. `tools/setup --tests` installs the readers.
+# names, and recompute what is measured on request. `tools/setup --tests` installs the readers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -56,11 +56,6 @@ target/venv/bin/python tests/python/calibration.py "$folder/calibrations/fit.h5"
 target/venv/bin/python tests/python/comes_back.py target/release/mc \
     "$folder/recorded.h5" "$folder/trade.h5" "$folder/sweeps/sweep.h5" "$folder/calibrations/fit.h5"
 
-# Biases larger than their uncertainties, and the estimates that are corrected for them.
-run biased rho025 --paths 10000 \
-    --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
-target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
-
 # Everything that is measured on request, of three blocks with a burn-in and of antithetic pairs.
 for pairs in false true; do
     run "requested-$pairs" rho025 --scheme event-driven --paths 600 --until 60 --set statistics.after=10 \
@@ -68,29 +63,4 @@ for pairs in false true; do
         --set record.energy=true --set statistics.levels=[12.0,13.5] --set oscillator.damping=0.05 \
         --set record.events=true --set record.trajectories=600
     target/venv/bin/python tests/python/on_request.py "$folder/requested-$pairs.h5"
-done
-
-# A measured temperature, compared with the file that it was read from.
-target/venv/bin/python tests/python/recompute.py --measured "$folder/bearing.h5" scenarios/bridge.csv
-
-# Every scheme, with everything that can be recorded of all its paths. The output grid contains the
-# ends of the forcing periods, 12.5, and that of the burn-in; for schemes with a step it contains
-# every step. There are two blocks, the seed is not the default, and one path of each is replayed.
-recomputed=$(mktemp -d -p "$folder")
-recompute() { # NAME ARGUMENTS...
-    run "${recomputed##*/}/$1" rho025 "${@:2}" --seed 4711 \
-        --set temperature.harmonics.0.angular_frequency=0.5026548245743669 \
-        --set record.events=true --set record.trajectories=768 --set bearing.stiffness=7 --set bearing.offset=0.5 \
-        --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
-    cargo run --release --quiet --bin mc -- replay "$recomputed/$1.h5" --path 271 -o "$recomputed/one.h5" --force >"$folder/messages" 2>&1
-    target/venv/bin/python tests/python/recompute.py "$recomputed/$1.h5" "$recomputed/one.h5"
-}
-for scheme in discrete-vi corrected-vi event-driven quasi-static; do
-    case $scheme in
-        discrete-vi) grid=(--step 0.05 --set time.output_step=0.05 --paths 768) ;; # the bias of its step is estimated
-        corrected-vi) grid=(--step 0.05 --set time.output_step=0.05 --paths 300 --no-bias) ;;
-        *) grid=(--set time.output_step=0.5 --paths 300 --no-bias) ;;
-    esac
-    recompute "$scheme" --scheme "$scheme" "${grid[@]}" --until 50
-    recompute "$scheme-late" --scheme "$scheme" "${grid[@]}" --until 75 --set statistics.after=20
 done

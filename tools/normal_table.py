@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Write src/noise/normal_table.bin, the parabolas of the inverse normal CDF, and reference values to
-test them against, tests/reference/normals.csv. Print the checksum that a test compares.
+"""Write src/noise/normal_table.bin, the parabolas of the inverse normal CDF. Print the checksum and
+the reference values that the tests in src/noise/normal.rs compare.
 
 usage: python3 -m venv v && v/bin/pip install mpmath==1.4.1 && v/bin/python tools/normal_table.py
 
@@ -27,6 +27,8 @@ import mpmath as mp
 
 mp.mp.dps = 40
 OCTAVES, CELLS = 63, 128
+# From the smallest y to the greatest that a double represents below 2^63.
+POINTS = [1, 2, 3, 5, 101, 525] + [round(1.37 * 2**o) for o in range(13, 62, 4)] + [2**63 - 2048]
 SLOPE_BITS, SLOPE_UNIT = 22, mp.mpf(2) ** -28
 NO_SLOPE = 1 << (SLOPE_BITS - 1)
 
@@ -119,25 +121,9 @@ if __name__ == "__main__":
         for sign in (1, -1)
     )
     print("greatest error: %.3g" % greatest)
-    points = []
-    for o in range(OCTAVES):
-        for i in range(
-            3, CELLS, 32
-        ):  # every 32nd cell, eight points in each; odd integers next to them
-            points += (
-                [int(mp.mpf(2) ** o * (1 + (i + mp.mpf(k) / 8) / CELLS)) | 1 for k in range(8)]
-                if o > 8
-                else []
-            )
-    points += [1, 3, 5, 7, 9, 15, 33, 101]
     table = struct.pack("<%dQ" % len(words), *words)
     print("checksum: 0x%016x" % fnv(table))
     with open("src/noise/normal_table.bin", "wb") as f:
         f.write(table)
-    with open("tests/reference/normals.csv", "w") as f:
-        f.write(
-            "# z(y), the standard normal that the 64-bit integer y represents, from arithmetic with 40 digits\n"
-            "# (tools/normal_table.py): 32 points an octave, and the smallest y.\ny,z\n"
-        )
-        for y in points:
-            f.write("%d,%r\n" % (y, float(mp.sqrt(2) * erfc_inverse(y))))
+    for y in POINTS:
+        print("(%d, %r)," % (y, float(mp.sqrt(2) * erfc_inverse(y))))

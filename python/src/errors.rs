@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::fmt::Display;
-use stickslip::config::{Fault, ScenarioError};
+use stickslip::config::{Diagnostic, ScenarioError};
 use stickslip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
@@ -30,12 +30,12 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
             reason,
             remedy,
         } => [("origin", path), ("problem", reason), ("remedy", remedy)].into_py_dict(py),
-        // The message names all faults; the attributes are those of the first one.
-        ScenarioError::Invalid(faults) => {
-            let Some(first) = faults.first() else {
+        // The message names all errors; the attributes are those of the first one.
+        ScenarioError::Invalid(diagnostics) => {
+            let Some(first) = diagnostics.first() else {
                 return Ok(PyDict::new(py));
             };
-            let Fault {
+            let Diagnostic {
                 origin,
                 line,
                 column,

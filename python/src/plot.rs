@@ -126,9 +126,9 @@ fn draw_study(
         .and_then(|(_, first)| first.attribute("format_name"));
     match (data, format) {
         ([(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
-            let prices = trade.trade().map_err(wrong)?.prices(of);
-            let prices = prices.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
-            draw(py, &Subject::Trade(&prices), drawn)
+            let costs = trade.trade().map_err(wrong)?.cost_curves(of);
+            let costs = costs.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
+            draw(py, &Subject::Trade(&costs), drawn)
         }
         ([(_, fit)], Some(Attribute::Text(kind))) if kind == CALIBRATION_FORMAT.0 => {
             draw(py, &Subject::Dataset(fit), drawn)

@@ -26,7 +26,7 @@ def test_a_frame_of_events_has_a_row_for_each():
     assert frame.attrs["units"]["time"] == "h"
 
 
-def test_events_of_a_path_alone_and_of_a_part_keep_the_number_of_the_path():
+def test_events_of_a_part_keep_the_path_numbers():
     ds = ss.run("rho025", paths=512, bias=False, record="events")
     whole = ss.events(ds)
     alone = ss.events(ss.replay(ds, 300))
@@ -36,7 +36,7 @@ def test_events_of_a_path_alone_and_of_a_part_keep_the_number_of_the_path():
     assert part.equals(whole[whole.path >= 256].reset_index(drop=True))
 
 
-def test_a_data_set_without_events_or_with_some_of_its_paths_has_no_frame():
+def test_a_data_set_without_events_has_no_frame():
     ds = ss.run("rho025", paths=256, bias=False, record="events")
     with pytest.raises(ss.ArgumentError, match='record="events"'):
         ss.events(ds.drop_dims("event"))

@@ -142,8 +142,6 @@ def test_an_input_in_memory_is_that_of_a_file(tmp_path):
     assert in_memory.input.values.tolist() == ["ag"]
     assert in_memory.input_value.to_numpy().tobytes() == VALUES.tobytes()
     assert ss.replay(in_memory, 0).path_slips.item() == in_memory.path_slips.item() > 0
-    with pytest.raises(ss.ScenarioError, match="is not used in any expression"):
-        ss.run(BLOCK, inputs={"ag": (TIMES, VALUES), "p": (TIMES, VALUES)})
     with pytest.raises(ss.ArgumentError, match="is not a number") as raised:
         ss.run(BLOCK, inputs={"ag": ([0.0, 1.0], [1.0, float("nan")])})
     assert raised.value.argument == "inputs.ag"
@@ -163,7 +161,6 @@ def test_a_series_with_dates_is_in_seconds():
     ("samples", "problem"),
     [
         (([0.0, 1.0], [1.0]), "have different shapes"),
-        (([0.0, 0.0], [1.0, 2.0]), "the samples"),
         (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
         (3.0, "no times and values"),
         (([0.0, 1.0], np.ma.array([1.0, 2.0], mask=[False, True])), "the samples"),

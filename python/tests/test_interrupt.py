@@ -67,7 +67,7 @@ def test_ctrl_c_before_the_first_block_is_an_interrupt():
         ss.run("rho025", paths=10**6, step=1e-6, bias=False, threads=1)
 
 
-def test_ctrl_c_before_the_first_point_of_a_sweep_is_an_interrupt_too():
+def test_ctrl_c_before_the_first_point_is_an_interrupt():
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt, match="before the first point"):
         ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, paths=10**7, threads=1)

@@ -48,7 +48,7 @@ def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
     same(names["ds"], ss.run("rho025", paths=10_000))
 
 
-def test_parts_that_are_lost_with_their_worker_are_simulated_again():
+def test_lost_parts_are_simulated_again():
     distributed = pytest.importorskip("distributed")
     with distributed.Client(n_workers=2, threads_per_worker=1) as client:
         parts = [

@@ -94,7 +94,7 @@ def test_trade(mc, tmp_path):
         ss.trade(RHO025, budget=0)
 
 
-def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_path):
+def test_pictures_are_those_of_the_command(mc, tmp_path):
     mc("run", RHO025, "--paths", 300, "--quiet", "-o", "rho025.h5")
     run = ss.run(RHO025, paths=300)
     for only in (None, "fan", "sticks", "sticks.B", "sub-phases", "path"):
@@ -121,10 +121,6 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
         ss.plot("shaw", only="fann")
     with pytest.raises(ss.ArgumentError, match="not a sweep"):
         ss.plot("shaw", labels={STATIC: "Grip"})
-    with pytest.raises(ss.ArgumentError, match="no panel C; panels are A to B"):
-        ss.plot(run, only="sticks.C")
-    with pytest.raises(ss.ArgumentError, match="only = trade"):
-        ss.plot(run, only="trade")
 
 
 def test_an_accuracy_chooses_how_to_run_a_scenario():

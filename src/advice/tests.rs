@@ -63,7 +63,7 @@ fn the_expected_amplitude_is_large_where_the_body_is_moved_far() {
 }
 
 #[test]
-fn the_expected_amplitude_is_the_forced_motion_and_a_free_one_on_top() {
+fn the_expected_amplitude_adds_forced_and_free_motion() {
     // Closed forms in units of 1 for the event-driven scheme, which has no step. The forcing 6
     // cos(t/4) gives an amplitude of 6/(1 - 1/16) = 6.4, and a largest velocity of 1.6. The start
     // is at x0 = 6, which is 0.4 off, or at x0 = -6, which is 12.4 off, or later at |b| = f_s =
@@ -120,7 +120,7 @@ fn decays(oscillator: &Oscillator, h: f64) -> bool {
 }
 
 #[test]
-fn the_stability_limit_of_the_corrected_scheme_separates_bounded_from_unbounded() {
+fn the_stability_limit_separates_bounded_from_unbounded() {
     let kind = Kind::CorrectedVi;
     for damping in [0.0, 0.1, 0.5, 1.0, 4.0] {
         let scenario = base(&[
@@ -437,7 +437,7 @@ fn warnings_are_those_of_the_scheme() {
 
 /// The forcing period is 25.13, and the first one of a run is not counted.
 #[test]
-fn a_drift_takes_three_forcing_periods_beyond_the_first_and_the_burn_in() {
+fn a_drift_takes_three_periods_beyond_the_burn_in() {
     let few = |set: &[&str]| {
         let warnings = base(set).warnings();
         let few = warnings

@@ -124,7 +124,7 @@ impl BiasPlan {
 
     /// Simulate the paths from which the bias is measured. This may be done before the run or after
     /// it.
-    pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
+    pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<AuxiliaryRun, NoBias> {
         let extrapolated = match &self.differences {
             None => Err(NoBias::Corrected),
             Some(differences) => differences.extrapolate(threads, stop),
@@ -141,11 +141,13 @@ impl BiasPlan {
         match extrapolated {
             _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
             Err(absent) if referenced.is_none() => Err(absent),
-            Ok((extrapolated, is_stable)) if is_stable || referenced.is_none() => Ok(BesideRun {
-                extrapolated,
-                referenced,
-            }),
-            _ => Ok(BesideRun {
+            Ok((extrapolated, is_stable)) if is_stable || referenced.is_none() => {
+                Ok(AuxiliaryRun {
+                    extrapolated,
+                    referenced,
+                })
+            }
+            _ => Ok(AuxiliaryRun {
                 extrapolated: Vec::new(),
                 referenced,
             }),
@@ -155,13 +157,13 @@ impl BiasPlan {
 
 /// The results of the simulations that measure the bias of a run.
 #[derive(Clone, Debug)]
-pub struct BesideRun {
+pub struct AuxiliaryRun {
     /// The biases by extrapolation from three steps.
     extrapolated: Vec<Extrapolated>,
     referenced: Option<Referenced>,
 }
 
-impl BesideRun {
+impl AuxiliaryRun {
     /// The bias of every statistic of `run` that is known well enough.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self
@@ -251,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extrapolation_counts_where_it_is_much_more_precise_and_possible() {
+    fn extrapolation_counts_where_it_is_much_more_precise() {
         let bias = |estimate, uncertainty, order| {
             Some(Bias {
                 estimate,
@@ -277,7 +279,7 @@ mod tests {
     /// The two are 0.625 apart where 0.5625 is possible. The estimate stays that of the reference
     /// run, and its interval from 0.25 to 1.75 holds that of the extrapolation, from 0.25 to 0.5.
     #[test]
-    fn a_contradicted_reference_run_is_kept_and_holds_the_extrapolation() {
+    fn a_contradicted_reference_run_is_kept() {
         let bias = |estimate, uncertainty, order| {
             Some(Bias {
                 estimate,
@@ -328,7 +330,7 @@ mod tests {
     /// the two is right, and the other is off by up to four uncertainties of the reference run.
     /// Where the two contradict, a right reference run is kept, and a wrong one gets a wide uncertainty.
     #[test]
-    fn where_the_two_contradict_the_interval_holds_whichever_is_right() {
+    fn where_two_contradict_the_interval_holds_both() {
         let bias = |estimate, uncertainty| Bias {
             estimate,
             uncertainty,

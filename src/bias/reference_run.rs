@@ -130,14 +130,14 @@ impl ReferenceRun {
     /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let pricing = if exact.paths_abreast() > 1 {
+        let costs = if exact.vectorised_paths() > 1 {
             IN_LANES
         } else {
             ONE_BY_ONE
         };
         let budget = self.path_steps as u64 / self.one_part_in;
-        let paths = self.affordable(&exact, budget / pricing.path_steps_per_evaluation, stop)?;
-        let size = pricing.piece_size(paths);
+        let paths = self.affordable(&exact, budget / costs.path_steps_per_evaluation, stop)?;
+        let size = costs.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan {
             simulation,

@@ -15,29 +15,29 @@ pub enum ScenarioError {
         /// The remedy.
         remedy: String,
     },
-    /// The file can be read, but it or an override is wrong in at least one place. The faults are
+    /// The file can be read, but it or an override is wrong in at least one place. The errors are
     /// in the order of the file. Whether values go together is reported only if each of them is
     /// valid by itself.
-    #[error("{}", .0.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n"))]
-    Invalid(Vec<Fault>),
+    #[error("{}", .0.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))]
+    Invalid(Vec<Diagnostic>),
 }
 
-impl From<Box<Fault>> for ScenarioError {
-    fn from(fault: Box<Fault>) -> Self {
-        ScenarioError::Invalid(vec![*fault])
+impl From<Box<Diagnostic>> for ScenarioError {
+    fn from(diagnostic: Box<Diagnostic>) -> Self {
+        ScenarioError::Invalid(vec![*diagnostic])
     }
 }
 
 /// One mistake, and where it is.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Fault {
+pub struct Diagnostic {
     /// The file, or the override as it was typed.
     pub origin: String,
     /// Line in the file, from 1; an override has none.
     pub line: Option<usize>,
     /// Column in the file, from 1.
     pub column: Option<usize>,
-    /// The dotted key, if the fault is about one.
+    /// The dotted key, if the error is about one.
     pub key: Option<String>,
     /// The value as written, if there is one.
     pub value: Option<String>,
@@ -49,21 +49,21 @@ pub struct Fault {
     pub excerpt: Option<String>,
 }
 
-impl Fault {
-    /// The same fault, with its key set.
-    pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Fault> {
+impl Diagnostic {
+    /// The same error, with its key set.
+    pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Diagnostic> {
         self.key = Some(key.to_string());
         self
     }
 
-    /// The same fault, with its value set.
-    pub(super) fn value(mut self: Box<Self>, value: String) -> Box<Fault> {
+    /// The same error, with its value set.
+    pub(super) fn value(mut self: Box<Self>, value: String) -> Box<Diagnostic> {
         self.value = Some(value);
         self
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.origin)?;
         if let (Some(line), Some(column)) = (self.line, self.column) {

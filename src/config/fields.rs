@@ -3,7 +3,7 @@
 //! A value that cannot be used is reported to the sources and replaced by a valid one, so that
 //! reading goes on and one pass finds all mistakes.
 
-use super::error::Fault;
+use super::error::Diagnostic;
 use super::keys::{self, Allowed, Key};
 use super::source::{Place, Sources};
 use super::tree::{KeyValue, Node, Value, node_at};
@@ -19,27 +19,27 @@ struct ValueAt<'a> {
 }
 
 impl ValueAt<'_> {
-    fn fault(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Fault> {
-        let fault = self
+    fn diagnostic(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Diagnostic> {
+        let diagnostic = self
             .sources
-            .fault(Some(self.node.place), problem, remedy)
+            .diagnostic(Some(self.node.place), problem, remedy)
             .of(&self.path);
         match self.node.value {
             // The text of a whole table or array would not help as a value.
-            Value::Array(_) | Value::Table(_) => fault,
-            _ => fault.value(self.sources.quote(self.node.place)),
+            Value::Array(_) | Value::Table(_) => diagnostic,
+            _ => diagnostic.value(self.sources.quote(self.node.place)),
         }
     }
 
-    fn wrong_kind(&self, expected: &str, remedy: impl Into<String>) -> Box<Fault> {
-        self.fault(
+    fn wrong_kind(&self, expected: &str, remedy: impl Into<String>) -> Box<Diagnostic> {
+        self.diagnostic(
             format!("is {}; it must be {expected}", self.node.value.kind()),
             remedy,
         )
     }
 
     /// A number or the name of a parameter, checked.
-    fn number(&self, key: Key) -> Result<f64, Box<Fault>> {
+    fn number(&self, key: Key) -> Result<f64, Box<Diagnostic>> {
         let named = match &self.node.value {
             Value::Text(name) => self.sources.named(&self.path, name).map(Some),
             _ => Ok(None),
@@ -54,7 +54,7 @@ impl ValueAt<'_> {
         let known = named.as_ref().err().filter(|known| !known.is_empty());
         if let Some(known) = known {
             let problem = format!("is neither a number nor a parameter; it must be {allowed}");
-            return Err(self.fault(
+            return Err(self.diagnostic(
                 problem,
                 format!("{remedy}, or name a parameter: {}", known.join(", ")),
             ));
@@ -74,25 +74,25 @@ impl ValueAt<'_> {
                 && !matches!(key.range, Allowed::Threshold | Allowed::StaticThreshold) =>
             {
                 let problem = format!("must not exceed {LARGEST:e}");
-                return Err(self.fault(
+                return Err(self.diagnostic(
                     problem,
                     format!("choose units in which it is closer to 1, or {remedy}"),
                 ));
             }
             _ => return Ok(value),
         };
-        Err(self.fault(problem, remedy))
+        Err(self.diagnostic(problem, remedy))
     }
 
     /// A number that cannot be the name of a parameter.
-    fn literal(&self, key: Key) -> Result<f64, Box<Fault>> {
+    fn literal(&self, key: Key) -> Result<f64, Box<Diagnostic>> {
         match self.node.value {
             Value::Text(_) => Err(self.wrong_kind(key.range.words(), "write a number")),
             _ => self.number(key),
         }
     }
 
-    fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, Box<Fault>> {
+    fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, Box<Diagnostic>> {
         let allowed = format!("a whole number from {} to {}", range.start(), range.end());
         let number = match &self.node.value {
             Value::Integer { digits, radix } => {
@@ -107,19 +107,21 @@ impl ValueAt<'_> {
             return Err(self.wrong_kind(&allowed, remedy));
         };
         let inside = u64::try_from(number).ok().filter(|n| range.contains(n));
-        inside.ok_or_else(|| self.fault(format!("is out of range: it must be {allowed}"), remedy))
+        inside.ok_or_else(|| {
+            self.diagnostic(format!("is out of range: it must be {allowed}"), remedy)
+        })
     }
 
-    fn flag(&self) -> Result<bool, Box<Fault>> {
+    fn flag(&self) -> Result<bool, Box<Diagnostic>> {
         match self.node.value {
             Value::Boolean(value) => Ok(value),
             _ => Err(self.wrong_kind("true or false", "write true or false")),
         }
     }
 
-    fn text(&self, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
+    fn text(&self, is_wrong: fn(char) -> bool) -> Result<String, Box<Diagnostic>> {
         match &self.node.value {
-            Value::Text(text) if text.chars().any(is_wrong) => Err(self.fault(
+            Value::Text(text) if text.chars().any(is_wrong) => Err(self.diagnostic(
                 "contains a line break or another control character",
                 "write it on one line",
             )),
@@ -129,7 +131,7 @@ impl ValueAt<'_> {
     }
 
     /// A word from a list, which `allowed` introduces.
-    fn word(&self, words: &[&'static str], allowed: &str) -> Result<&'static str, Box<Fault>> {
+    fn word(&self, words: &[&'static str], allowed: &str) -> Result<&'static str, Box<Diagnostic>> {
         let Value::Text(text) = &self.node.value else {
             return Err(self.wrong_kind("a string", format!("write {allowed} {}", quoted(words))));
         };
@@ -146,7 +148,7 @@ impl ValueAt<'_> {
             .map(|(_, word)| word);
         let hint = nearest.map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
         let words = quoted(words);
-        Err(self.fault(
+        Err(self.diagnostic(
             format!("is not {allowed} {words}{hint}"),
             format!("write {allowed} {words}"),
         ))
@@ -162,7 +164,7 @@ pub(super) struct Fields<'a> {
     /// empty one.
     pub place: Option<Place>,
     entries: &'a [KeyValue],
-    /// Whether a fault in this table is reported already that may be the reason why a key is
+    /// Whether an error in this table is reported already that may be the reason why a key is
     /// missing.
     is_misread: bool,
 }
@@ -225,7 +227,7 @@ impl<'a> Fields<'a> {
             };
             let problem = format!("unknown key `{}`{hint}", short(&entry.key));
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
-            sources.report(sources.fault(Some(entry.key_place), problem, remedy));
+            sources.report(sources.diagnostic(Some(entry.key_place), problem, remedy));
         }
         Fields {
             sources,
@@ -261,7 +263,7 @@ impl<'a> Fields<'a> {
     fn sound<T>(
         &self,
         key: Key,
-        read: impl FnOnce(&ValueAt<'a>) -> Result<T, Box<Fault>>,
+        read: impl FnOnce(&ValueAt<'a>) -> Result<T, Box<Diagnostic>>,
     ) -> Option<T> {
         self.sources.or_report(read(&self.value(key.name)?))
     }
@@ -405,8 +407,10 @@ impl<'a> Fields<'a> {
         {
             let problem = format!("unknown key `{}`", short(&entry.key));
             let remedy = format!("write {} = {{ forward = 1.2, backward = 1.4 }}", key.name);
-            self.sources
-                .report(self.sources.fault(Some(entry.key_place), problem, remedy));
+            self.sources.report(
+                self.sources
+                    .diagnostic(Some(entry.key_place), problem, remedy),
+            );
         }
         DIRECTIONS.map(|name| table.number(Key { name, ..key }))
     }
@@ -447,7 +451,7 @@ impl<'a> Fields<'a> {
             }
             Value::Array(items) => {
                 let problem = format!("has {} numbers; at most {most} are allowed", items.len());
-                Err(at.fault(problem, format!("keep at most {most} of them")))
+                Err(at.diagnostic(problem, format!("keep at most {most} of them")))
             }
             _ => Err(at.wrong_kind(
                 "a list of numbers",
@@ -463,23 +467,23 @@ impl<'a> Fields<'a> {
             Value::Text(text) => stickslip_data::seconds(text).ok_or_else(|| {
                 let remedy =
                     "write a positive duration such as \"6h\", \"90min\" or \"2d\", or a number";
-                at.fault("is not a duration", remedy)
+                at.diagnostic("is not a duration", remedy)
             }),
             _ => at.number(key),
         };
         self.sound(key, read)
     }
 
-    /// The fault for a table that should not be there.
-    pub fn fault_of_table(&self, problem: &str, remedy: &str) -> Box<Fault> {
+    /// The error for a table that should not be there.
+    pub fn diagnostic_of_table(&self, problem: &str, remedy: &str) -> Box<Diagnostic> {
         self.sources
-            .fault(self.place, problem, remedy)
+            .diagnostic(self.place, problem, remedy)
             .of(&self.path)
     }
 
-    /// The fault for a text that is missing.
-    pub fn missing_text(&self, key: Key, remedy: &str) -> Box<Fault> {
-        self.sources.fault(
+    /// The error for a text that is missing.
+    pub fn missing_text(&self, key: Key, remedy: &str) -> Box<Diagnostic> {
+        self.sources.diagnostic(
             self.place,
             format!("missing key `{}`", self.dotted(key.name)),
             remedy,
@@ -579,7 +583,7 @@ impl<'a> Fields<'a> {
             key.range.words()
         );
         self.sources
-            .report(self.sources.fault(self.place, problem, remedy));
+            .report(self.sources.diagnostic(self.place, problem, remedy));
         key.range.stand_in()
     }
 }

@@ -1,6 +1,6 @@
 //! A user-defined force, from `[force]`.
 
-use super::error::Fault;
+use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
@@ -21,8 +21,8 @@ pub(super) struct Forced {
     pub written: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
-    /// For each parameter that no expression contains, the fault if no number names it either.
-    pub unused: Vec<(String, Box<Fault>)>,
+    /// For each parameter that no expression contains, the error if no number names it either.
+    pub unused: Vec<(String, Box<Diagnostic>)>,
 }
 
 /// The names that every expression may contain, each with its place.
@@ -148,7 +148,7 @@ impl Scope {
             return true;
         };
         let wrong = parameter.unwrap_or_default();
-        // The second of two that have one name is at fault.
+        // The second of two that have one name is wrong.
         let place = self
             .places
             .iter()
@@ -161,17 +161,17 @@ impl Scope {
         } else {
             PARAMETERS
         };
-        sources.report(sources.fault(place, problem, remedy).of(key));
+        sources.report(sources.diagnostic(place, problem, remedy).of(key));
         false
     }
 
-    /// The fault of each parameter that no expression contains. Such an input is reported at once.
+    /// The error of each parameter that no expression contains. Such an input is reported at once.
     fn unused(
         &self,
         sources: &Sources<'_>,
         expressions: &[&Expression],
         is_override: bool,
-    ) -> Vec<(String, Box<Fault>)> {
+    ) -> Vec<(String, Box<Diagnostic>)> {
         let is_used = |name: &str| {
             expressions
                 .iter()
@@ -188,10 +188,14 @@ impl Scope {
             if self.parameters.iter().any(|(known, _)| known == name) {
                 let remedy = format!("{written}, name it in place of a number, or remove it{all}");
                 let problem = format!("`{PARAMETERS}.{name}` is not used");
-                unused.push((name.clone(), sources.fault(*place, problem, remedy)));
+                unused.push((name.clone(), sources.diagnostic(*place, problem, remedy)));
             } else {
                 let problem = format!("`{INPUT}{name}` is not used in any expression");
-                sources.report(sources.fault(*place, problem, format!("{written}, or remove it")));
+                sources.report(sources.diagnostic(
+                    *place,
+                    problem,
+                    format!("{written}, or remove it"),
+                ));
             }
         }
         unused
@@ -213,7 +217,9 @@ impl Scope {
         // Line breaks and tabs are spaces, each in the same place.
         let read = self.parse(text.replace(['\n', '\r', '\t'], " ").trim_end());
         sources.or_report(
-            read.map_err(|error| fault(sources, place, &text, error).of(&table.dotted(key.name))),
+            read.map_err(|error| {
+                diagnostic(sources, place, &text, error).of(&table.dotted(key.name))
+            }),
         )
     }
 }
@@ -246,9 +252,14 @@ fn with(
     })
 }
 
-/// The fault for an expression, at its place inside the text of the scenario where this can be
+/// The error for an expression, at its place inside the text of the scenario where this can be
 /// told, and with an excerpt of the expression elsewhere.
-fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError) -> Box<Fault> {
+fn diagnostic(
+    sources: &Sources<'_>,
+    place: Place,
+    text: &str,
+    error: ExpressionError,
+) -> Box<Diagnostic> {
     let ExpressionError {
         start,
         end,
@@ -257,16 +268,16 @@ fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError
         ..
     } = error;
     match sources.within(place, text, start..end) {
-        Some(inside) => sources.fault(Some(inside), problem, remedy),
-        None if text.is_empty() => sources.fault(Some(place), problem, remedy),
+        Some(inside) => sources.diagnostic(Some(inside), problem, remedy),
+        None if text.is_empty() => sources.diagnostic(Some(place), problem, remedy),
         None => {
-            let mut fault = sources.fault(Some(place), problem, remedy);
+            let mut diagnostic = sources.diagnostic(Some(place), problem, remedy);
             let characters = |bytes: std::ops::Range<usize>| {
                 text.get(bytes).map_or(0, |part| part.chars().count())
             };
-            fault.excerpt =
+            diagnostic.excerpt =
                 Some(underlined(text, characters(0..start), characters(start..end)).join("\n"));
-            fault
+            diagnostic
         }
     }
 }

@@ -12,8 +12,8 @@
 //! shipped   the scenarios that come with the program
 //! ```
 
-mod blame;
 mod bridge;
+mod diagnose;
 mod error;
 mod fields;
 mod force;
@@ -32,7 +32,7 @@ mod tree;
 mod tests;
 
 pub use bridge::temperature_source;
-pub use error::{Fault, ScenarioError};
+pub use error::{Diagnostic, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 pub use text::temperature_part;
@@ -228,7 +228,7 @@ pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     };
     let sources = Sources::new(&name, &text, overrides, MeasuredFrom::Files);
     let sources = shipped.into_iter().fold(sources, Sources::of_shipped);
-    // A text that cannot be read has its faults reported by whoever reads the scenario.
+    // A text that cannot be read has its errors reported by whoever reads the scenario.
     let tree = tree::read(&sources).ok();
     let named = tree.iter().flat_map(|tree| tree.texts_at(keys::FILE.name));
     // The data of a shipped scenario are in no file.

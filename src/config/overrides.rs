@@ -1,6 +1,6 @@
 //! A new value for one key of a scenario, as given on a command line.
 
-use super::error::{Fault, ScenarioError};
+use super::error::{Diagnostic, ScenarioError};
 use std::fmt;
 
 /// The tables that do not describe the body and what acts on it.
@@ -53,13 +53,13 @@ impl Override {
             }),
             None => {
                 let remedy = "write --set key=value, e.g. --set friction.static=1.3";
-                let fault = Fault {
+                let diagnostic = Diagnostic {
                     origin: shown,
                     problem: "there is no `=`".into(),
                     remedy: remedy.into(),
-                    ..Fault::default()
+                    ..Diagnostic::default()
                 };
-                Err(ScenarioError::Invalid(vec![fault]))
+                Err(ScenarioError::Invalid(vec![diagnostic]))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! From keys to a checked scenario. Every number in the result is finite and in range.
 
-use super::blame::report_misfit;
+use super::diagnose::report_check_error;
 use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
@@ -75,7 +75,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
         None => {}
         Some(Ok(noise)) => model.temperature.noises = vec![noise],
-        Some(Err(misfit)) => report_misfit(sources, &root, misfit),
+        Some(Err(check_error)) => report_check_error(sources, &root, check_error),
     }
     let statistics = root.table("statistics");
     let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
@@ -109,11 +109,11 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     unused
         .into_iter()
         .filter(|(name, _)| !is_named(name))
-        .for_each(|(_, fault)| sources.report(fault));
+        .for_each(|(_, diagnostic)| sources.report(diagnostic));
     scenario
-        .misfits()
+        .check_errors()
         .into_iter()
-        .for_each(|misfit| report_misfit(sources, &root, misfit));
+        .for_each(|check_error| report_check_error(sources, &root, check_error));
     sources.outcome(scenario)
 }
 

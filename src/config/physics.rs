@@ -1,6 +1,6 @@
 //! The model from the tables that describe the physics.
 
-use super::error::Fault;
+use super::error::Diagnostic;
 use super::fields::Fields;
 use super::force::{Forced, force};
 use super::keys;
@@ -24,8 +24,8 @@ pub(super) struct Physics {
     pub written_force: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
-    /// For each parameter that no expression contains, the fault if no number names it either.
-    pub unused: Vec<(String, Box<Fault>)>,
+    /// For each parameter that no expression contains, the error if no number names it either.
+    pub unused: Vec<(String, Box<Diagnostic>)>,
 }
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]`, `[force]` and `[initial]`.
@@ -143,7 +143,7 @@ fn balanced(
     let problem =
         "`initial.displacement` = \"balanced\" needs a spring, and `oscillator.stiffness` is 0";
     let place = table.place_of(keys::DISPLACEMENT.name);
-    sources.report(sources.fault(place, problem, "write a number, e.g. `displacement = 0`"));
+    sources.report(sources.diagnostic(place, problem, "write a number, e.g. `displacement = 0`"));
     0.0
 }
 
@@ -157,7 +157,7 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
             "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
         let remedy = "keep one: `dilatation` moves the rest position by beta T, `force_per_temperature` adds \
             the force c T";
-        sources.report(sources.fault(
+        sources.report(sources.diagnostic(
             table.place_of(keys::FORCE_PER_TEMPERATURE.name),
             problem,
             remedy,
@@ -197,7 +197,7 @@ fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNois
     if noises.len() > 1 {
         let remedy = "remove the other noise, or approximate white noise by `relaxation_rate` = `diffusion` = \
                       theta (large) and `intensity` = sqrt(2 D)";
-        sources.report(table.fault_of_table(
+        sources.report(table.diagnostic_of_table(
             "is white noise, which cannot be combined with another noise",
             remedy,
         ));
@@ -213,7 +213,7 @@ fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNois
                 "`temperature.noise.{}` has no meaning for white noise",
                 key.name
             );
-            sources.report(sources.fault(
+            sources.report(sources.diagnostic(
                 Some(place),
                 problem,
                 "remove it; `strength` is D in sqrt(2 D) xi(t)",

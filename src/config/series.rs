@@ -1,7 +1,7 @@
 //! The samples of `[temperature.series]` and of `[input]`, from the file that a table names or from
 //! where they are stored.
 
-use super::error::Fault;
+use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Place, Sources};
@@ -23,7 +23,7 @@ const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 pub(super) fn temperature(
     sources: &Sources<'_>,
     root: &Fields<'_>,
-) -> Result<Option<Measured>, Box<Fault>> {
+) -> Result<Option<Measured>, Box<Diagnostic>> {
     let place = root.table("temperature").table_if_present("series");
     let reader = Reader {
         sources,
@@ -68,7 +68,7 @@ pub(super) fn inputs(
             );
             sources.report(
                 sources
-                    .fault(table.place, problem, "cut the files to a common start")
+                    .diagnostic(table.place, problem, "cut the files to a common start")
                     .of(&reader.name),
             );
         }
@@ -166,7 +166,7 @@ impl Reader<'_> {
     }
 
     /// Read the table.
-    fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Fault>> {
+    fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
         let sources = self.sources;
         let (value, example) = match self.is_input() {
             true => (
@@ -224,23 +224,23 @@ impl Reader<'_> {
                 self.name
             );
             let remedy = "restore the file, or remove `hash` to accept the new samples";
-            return Err(sources.fault(table.place_of("hash"), problem, remedy));
+            return Err(sources.diagnostic(table.place_of("hash"), problem, remedy));
         }
         Ok(measured)
     }
 
     /// Read the samples from the file, and complete their description.
-    fn read(&self, table: &Fields<'_>, measured: &mut Measured) -> Result<(), Box<Fault>> {
+    fn read(&self, table: &Fields<'_>, measured: &mut Measured) -> Result<(), Box<Diagnostic>> {
         let place = table.place_of("file");
         let file = measured.file.clone();
-        let fault = |(problem, remedy): Wrong| {
-            let fault = self.sources.fault(place, problem, remedy);
-            fault
+        let diagnostic = |(problem, remedy): Wrong| {
+            let diagnostic = self.sources.diagnostic(place, problem, remedy);
+            diagnostic
                 .of(&format!("{}.file", self.name))
                 .value(format!("\"{file}\""))
         };
-        let found = self.table(place, measured).map_err(fault)?;
-        self.check_seconds(&found).map_err(fault)?;
+        let found = self.table(place, measured).map_err(diagnostic)?;
+        self.check_seconds(&found).map_err(diagnostic)?;
         let Table {
             start,
             begin,
@@ -250,14 +250,14 @@ impl Reader<'_> {
             ..
         } = found;
         let Some(column) = columns.into_iter().next() else {
-            return Err(fault((
+            return Err(diagnostic((
                 format!("has no {} column", self.quantity.word()),
                 "name one".into(),
             )));
         };
-        self.check_unit(column.unit).map_err(fault)?;
+        self.check_unit(column.unit).map_err(diagnostic)?;
         let series = Series::new(column.times, column.values)
-            .map_err(|e| fault((e.to_string(), "fix the file".into())))?;
+            .map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
         *measured = Measured {
             series: Arc::new(series),
             value: column.name,

@@ -1,7 +1,7 @@
 //! The texts that a scenario is read from: one file, and the overrides of a command line.
 
 use super::Shipped;
-use super::error::{Fault, ScenarioError};
+use super::error::{Diagnostic, ScenarioError};
 use super::overrides::Override;
 use crate::model::NamedSeries;
 use std::cell::{Cell, RefCell};
@@ -18,7 +18,7 @@ pub(super) struct Place {
     pub end: usize,
 }
 
-/// The texts, and the faults found in them so far.
+/// The texts, and the errors found in them so far.
 pub(super) struct Sources<'a> {
     /// The name of the file in messages.
     pub name: &'a str,
@@ -31,8 +31,8 @@ pub(super) struct Sources<'a> {
     /// The shipped scenario whose text this is, with the data files that are built into the
     /// program. None for the text of a user, whose data files are read from the disk.
     shipped: Option<&'a Shipped>,
-    /// The faults found so far.
-    faults: RefCell<Vec<Fault>>,
+    /// The errors found so far.
+    diagnostics: RefCell<Vec<Diagnostic>>,
     /// Whether some value could not be used and was replaced by a valid one.
     has_stand_in: Cell<bool>,
     /// The parameters of all expressions, which numbers may name.
@@ -59,14 +59,14 @@ impl<'a> Sources<'a> {
         overrides: &'a [Override],
         measured_from: MeasuredFrom<'a>,
     ) -> Self {
-        let (faults, has_stand_in, parameters, named) = Default::default();
+        let (diagnostics, has_stand_in, parameters, named) = Default::default();
         Sources {
             name,
             text,
             overrides,
             measured_from,
             shipped: None,
-            faults,
+            diagnostics,
             has_stand_in,
             parameters,
             named,
@@ -115,33 +115,39 @@ impl<'a> Sources<'a> {
     }
 
     /// Record that a value is missing or cannot be used; the reader goes on with another value.
-    pub fn report(&self, fault: Box<Fault>) {
+    pub fn report(&self, diagnostic: Box<Diagnostic>) {
         self.has_stand_in.set(true);
-        let mut faults = self.faults.borrow_mut();
-        // A table may be opened more than once, so the same fault may be reported again.
-        if !faults.contains(&fault) {
-            faults.push(*fault);
+        let mut diagnostics = self.diagnostics.borrow_mut();
+        // A table may be opened more than once, so the same error may be reported again.
+        if !diagnostics.contains(&diagnostic) {
+            diagnostics.push(*diagnostic);
         }
     }
 
-    /// The value, or `None` with its fault recorded.
-    pub fn or_report<T>(&self, read: Result<T, Box<Fault>>) -> Option<T> {
-        read.map_err(|fault| self.report(fault)).ok()
+    /// The value, or `None` with its error recorded.
+    pub fn or_report<T>(&self, read: Result<T, Box<Diagnostic>>) -> Option<T> {
+        read.map_err(|diagnostic| self.report(diagnostic)).ok()
     }
 
     /// Record that values do not go together. This is ignored after some value was replaced by a
     /// valid one, because the check is then meaningless.
-    pub fn report_misfit(&self, fault: Fault) {
+    pub fn report_check_error(&self, diagnostic: Diagnostic) {
         if !self.has_stand_in.get() {
-            self.faults.borrow_mut().push(fault);
+            self.diagnostics.borrow_mut().push(diagnostic);
         }
     }
 
-    /// The value that was read if no fault was found; otherwise all faults, in the order of the
+    /// The value that was read if no error was found; otherwise all errors, in the order of the
     /// file.
     pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
-        let mut found = self.faults.take();
-        found.sort_by_key(|fault| (fault.line.is_none(), fault.line, fault.column));
+        let mut found = self.diagnostics.take();
+        found.sort_by_key(|diagnostic| {
+            (
+                diagnostic.line.is_none(),
+                diagnostic.line,
+                diagnostic.column,
+            )
+        });
         if found.is_empty() {
             Ok(read)
         } else {
@@ -164,27 +170,28 @@ impl Sources<'_> {
         place.is_some_and(|place| self.override_at(place).is_some())
     }
 
-    /// A fault at a place, or of the file as a whole.
-    pub fn fault(
+    /// A error at a place, or of the file as a whole.
+    pub fn diagnostic(
         &self,
         place: Option<Place>,
         problem: impl Into<String>,
         remedy: impl Into<String>,
-    ) -> Box<Fault> {
+    ) -> Box<Diagnostic> {
         let origin = match place.and_then(|p| self.override_at(p)) {
             Some(o) => o.shown.clone(),
             None => self.name.to_string(),
         };
-        let mut fault = Fault {
+        let mut diagnostic = Diagnostic {
             origin,
             problem: problem.into(),
             remedy: remedy.into(),
-            ..Fault::default()
+            ..Diagnostic::default()
         };
         if let Some((line, column, excerpt)) = place.and_then(|p| self.excerpt(p)) {
-            (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(excerpt));
+            (diagnostic.line, diagnostic.column, diagnostic.excerpt) =
+                (Some(line), Some(column), Some(excerpt));
         }
-        fault.into()
+        diagnostic.into()
     }
 
     /// The place of a part of a string in the file, of which `text` is the content; none where

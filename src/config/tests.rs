@@ -22,10 +22,12 @@ fn base(overrides: &[&str]) -> Result<Scenario, ScenarioError> {
     Scenario::parse("rho025.toml", BASE, &overrides)
 }
 
-fn fault(result: Result<Scenario, ScenarioError>) -> Fault {
+fn diagnostic(result: Result<Scenario, ScenarioError>) -> Diagnostic {
     match result {
-        Err(ScenarioError::Invalid(faults)) if faults.len() == 1 => faults[0].clone(),
-        other => panic!("expected a fault, got {other:?}"),
+        Err(ScenarioError::Invalid(diagnostics)) if diagnostics.len() == 1 => {
+            diagnostics[0].clone()
+        }
+        other => panic!("expected a diagnostic, got {other:?}"),
     }
 }
 
@@ -272,13 +274,13 @@ fn a_fault_names_line_column_key_and_value() {
         .position(|line| line.starts_with("mass"))
         .unwrap()
         + 1;
-    let fault = fault(Scenario::parse("rho025.toml", &text, &[]));
-    assert_eq!((fault.line, fault.column), (Some(line), Some(8)));
+    let diagnostic = diagnostic(Scenario::parse("rho025.toml", &text, &[]));
+    assert_eq!((diagnostic.line, diagnostic.column), (Some(line), Some(8)));
     assert_eq!(
-        (fault.key.as_deref(), fault.value.as_deref()),
+        (diagnostic.key.as_deref(), diagnostic.value.as_deref()),
         (Some("oscillator.mass"), Some("-1.5"))
     );
-    let message = fault.to_string();
+    let message = diagnostic.to_string();
     assert!(
         message.starts_with(&format!(
             "rho025.toml:{line}:8: `oscillator.mass` = -1.5 is out of range"
@@ -293,9 +295,12 @@ fn a_fault_names_line_column_key_and_value() {
 
 #[test]
 fn a_fault_in_an_override_names_the_override() {
-    let fault = fault(base(&["oscillator.mass=-1"]));
-    assert_eq!(fault.origin, "--set oscillator.mass=-1");
-    assert_eq!((fault.line, fault.value.as_deref()), (None, Some("-1")));
+    let diagnostic = diagnostic(base(&["oscillator.mass=-1"]));
+    assert_eq!(diagnostic.origin, "--set oscillator.mass=-1");
+    assert_eq!(
+        (diagnostic.line, diagnostic.value.as_deref()),
+        (None, Some("-1"))
+    );
     let step = [Override::flag("--step", "time.step", "0.007")];
     let text = Scenario::parse("x", BASE, &step).unwrap_err().to_string();
     assert!(text.starts_with("--step 0.007: "), "{text}");
@@ -314,11 +319,11 @@ fn the_nearest_values_of_a_message_are_accepted() {
         (1e6, 0.9),
         (1.0, 3.0),
     ] {
-        let fault = fault(base(&[
+        let diagnostic = diagnostic(base(&[
             &format!("time.end={end}"),
             &format!("time.step={step}"),
         ]));
-        let (steps, ends) = fault.remedy.split_once("; ").unwrap();
+        let (steps, ends) = diagnostic.remedy.split_once("; ").unwrap();
         let values = |part: &str| {
             let list = part.rsplit_once(" are ").unwrap().1;
             list.split(" or ")
@@ -339,9 +344,12 @@ fn the_nearest_values_of_a_message_are_accepted() {
         };
         assert!(
             values(steps).iter().all(|step| sound(end, *step)),
-            "{fault}"
+            "{diagnostic}"
         );
-        assert!(values(ends).iter().all(|end| sound(*end, step)), "{fault}");
+        assert!(
+            values(ends).iter().all(|end| sound(*end, step)),
+            "{diagnostic}"
+        );
     }
 }
 
@@ -371,18 +379,18 @@ fn unknown_keys_come_with_the_key_that_was_meant() {
     assert_eq!(keys::suggestion("time", "zzz"), None);
 }
 
-/// The faults of a text with several mistakes, each as `line key`.
-fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
+/// The errors of a text with several mistakes, each as `line key`.
+fn diagnostics(text: &str, overrides: &[&str]) -> Vec<String> {
     let overrides: Vec<Override> = overrides
         .iter()
         .map(|text| Override::set(text).unwrap())
         .collect();
-    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &overrides) else {
+    let Err(ScenarioError::Invalid(diagnostics)) = Scenario::parse("x", text, &overrides) else {
         panic!("is refused")
     };
-    let shown = |fault: &Fault| {
-        let key = fault.key.clone().unwrap_or_else(|| {
-            fault
+    let shown = |diagnostic: &Diagnostic| {
+        let key = diagnostic.key.clone().unwrap_or_else(|| {
+            diagnostic
                 .problem
                 .split('`')
                 .nth(1)
@@ -391,10 +399,12 @@ fn faults(text: &str, overrides: &[&str]) -> Vec<String> {
         });
         format!(
             "{} {key}",
-            fault.line.map_or("-".to_string(), |line| line.to_string())
+            diagnostic
+                .line
+                .map_or("-".to_string(), |line| line.to_string())
         )
     };
-    faults.iter().map(shown).collect()
+    diagnostics.iter().map(shown).collect()
 }
 
 #[test]
@@ -408,7 +418,7 @@ fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
         format!("{} intial", line("[intial]")),
     ];
     assert_eq!(
-        faults(&text, &[]),
+        diagnostics(&text, &[]),
         expected,
         "a misspelt table is no missing key as well"
     );
@@ -428,7 +438,7 @@ fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
         assert!(text.contains(right), "{right}");
         text = text.replace(right, wrong);
     }
-    let keys: Vec<String> = faults(&text, &["record.events=perhaps", "scheme.kind=exact"]);
+    let keys: Vec<String> = diagnostics(&text, &["record.events=perhaps", "scheme.kind=exact"]);
     let keys: Vec<&str> = keys
         .iter()
         .map(|shown| shown.split_once(' ').unwrap().1)
@@ -455,7 +465,7 @@ fn all_values_that_do_not_go_together_are_told_at_once() {
         .replace("dynamic = 1.0", "dynamic = 2.0")
         .replace("paths = 10000", "paths = 11\nantithetic = true");
     let text = text.replace("step = 0.01 ", "step = 0.007 ");
-    let keys: Vec<String> = faults(&text, &["statistics.after=100"]);
+    let keys: Vec<String> = diagnostics(&text, &["statistics.after=100"]);
     let keys: Vec<&str> = keys
         .iter()
         .map(|shown| shown.split_once(' ').unwrap().1)
@@ -471,7 +481,7 @@ fn all_values_that_do_not_go_together_are_told_at_once() {
     );
     // Whether f_d <= f_s holds is not checked if f_s is not a number.
     let text = text.replace("static = 1.2", "static = true");
-    assert_eq!(faults(&text, &["statistics.after=100"]).len(), 1);
+    assert_eq!(diagnostics(&text, &["statistics.after=100"]).len(), 1);
 }
 
 #[test]
@@ -508,10 +518,10 @@ fn the_remedy_for_a_harmonic_in_the_wrong_place_works() {
         "harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]",
         "amplitude = 1.0",
     );
-    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", &text, &[]) else {
+    let Err(ScenarioError::Invalid(diagnostics)) = Scenario::parse("x", &text, &[]) else {
         panic!("is refused")
     };
-    let remedy = faults[0]
+    let remedy = diagnostics[0]
         .remedy
         .split('`')
         .nth(1)
@@ -551,18 +561,22 @@ fn numbers_that_are_not_finite_are_refused_everywhere() {
             .into_iter()
             .filter(|value| (key, *value) != ("friction.static", "inf"))
         {
-            let fault = fault(base(&[&format!("{key}={value}")]));
-            assert_eq!(fault.key.as_deref(), Some(key), "{key}={value}: {fault}");
+            let diagnostic = diagnostic(base(&[&format!("{key}={value}")]));
+            assert_eq!(
+                diagnostic.key.as_deref(),
+                Some(key),
+                "{key}={value}: {diagnostic}"
+            );
             assert!(
-                fault.problem.starts_with("is not "),
-                "{key}={value}: {fault}"
+                diagnostic.problem.starts_with("is not "),
+                "{key}={value}: {diagnostic}"
             );
         }
     }
 }
 
 #[test]
-fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
+fn values_beyond_double_precision_are_refused() {
     for (set, reason) in [
         (
             &["oscillator.mass=1e-300", "oscillator.stiffness=1e90"][..],
@@ -628,8 +642,8 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
         ),
         (&["ensemble.paths=0xffffffffffffffffffff"], "from 1 to"),
     ] {
-        let fault = fault(base(set));
-        assert!(fault.problem.contains(reason), "{set:?}: {fault}");
+        let diagnostic = diagnostic(base(set));
+        assert!(diagnostic.problem.contains(reason), "{set:?}: {diagnostic}");
     }
 }
 
@@ -655,39 +669,42 @@ fn a_force_that_cannot_be_used_is_named() {
             "\"1*x\" is linear, and makes the stiffness K 0.0",
         ),
     ] {
-        let fault = fault(base(set));
+        let diagnostic = diagnostic(base(set));
         assert_eq!(
-            fault.key.as_deref(),
+            diagnostic.key.as_deref(),
             Some("force.expression"),
-            "{set:?}: {fault}"
+            "{set:?}: {diagnostic}"
         );
         assert!(
-            fault
+            diagnostic
                 .problem
                 .starts_with(&format!("`force.expression` = {problem}")),
-            "{set:?}: {fault}"
+            "{set:?}: {diagnostic}"
         );
     }
     let number = format!("{BASE}\n[force]\nexpression = 3");
     assert!(
-        fault(Scenario::parse("a", &number, &[]))
+        diagnostic(Scenario::parse("a", &number, &[]))
             .problem
             .contains("must be a string")
     );
     let text = format!("{BASE}\n[force]\nexpression = 'k*x'\n[parameters]\nk = 1");
-    let fault = fault(Scenario::parse(
+    let diagnostic = diagnostic(Scenario::parse(
         "a",
         &text,
         &[Override::set("force.expression=-x^3").unwrap()],
     ));
-    assert!(fault.remedy.contains("`--set 'parameters={}'`"), "{fault}");
+    assert!(
+        diagnostic.remedy.contains("`--set 'parameters={}'`"),
+        "{diagnostic}"
+    );
 }
 
 #[test]
 fn faults_of_a_force_are_marked_where_they_are() {
     let marked = |force: &str| {
-        let fault = fault(Scenario::parse("a", &format!("{BASE}\n{force}"), &[]));
-        let excerpt = fault.excerpt.unwrap_or_default();
+        let diagnostic = diagnostic(Scenario::parse("a", &format!("{BASE}\n{force}"), &[]));
+        let excerpt = diagnostic.excerpt.unwrap_or_default();
         let text = |line: &str| {
             line.split_once('|')
                 .map_or("", |(_, text)| text)
@@ -772,10 +789,10 @@ fn data_are_refused_for_the_same_reasons_as_a_file() {
     for (change, key, reason) in changes {
         let mut changed = sound.clone();
         change(&mut changed);
-        let misfit = changed.check().unwrap_err();
+        let check_error = changed.check().unwrap_err();
         assert!(
-            misfit.about[0].0 == key && misfit.problem.contains(reason),
-            "{misfit}"
+            check_error.about[0].0 == key && check_error.problem.contains(reason),
+            "{check_error}"
         );
     }
 }
@@ -958,16 +975,16 @@ fn the_name_of_a_shipped_scenario_stands_for_its_file() {
 #[test]
 fn the_caret_stands_under_the_value() {
     let text = "# \u{e9}\r\n[oscillator]\r\n\tmass = \"\u{e9}\u{e9}\"\r\n";
-    let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &[]) else {
+    let Err(ScenarioError::Invalid(diagnostics)) = Scenario::parse("x", text, &[]) else {
         panic!("is refused")
     };
-    let fault = faults
+    let diagnostic = diagnostics
         .into_iter()
-        .find(|fault| fault.key.is_some())
+        .find(|diagnostic| diagnostic.key.is_some())
         .expect("the mass");
-    assert_eq!((fault.line, fault.column), (Some(3), Some(9)));
+    assert_eq!((diagnostic.line, diagnostic.column), (Some(3), Some(9)));
     assert_eq!(
-        fault.excerpt.unwrap(),
+        diagnostic.excerpt.unwrap(),
         "  |\n3 | \tmass = \"\u{e9}\u{e9}\"\n  | \t       ^^^^"
     );
 }
@@ -1133,11 +1150,12 @@ fn another_scheme_is_refused_as_the_reader_refuses_it() {
                 let read = Scenario::parse(&scenario.title, &scenario.to_toml(), &flags);
                 match (read, scenario.with_scheme(kind.with(parameter))) {
                     (Ok(read), Ok(changed)) => assert_eq!(read, changed),
-                    (Err(refusal @ ScenarioError::Invalid(_)), Err(misfit)) => {
+                    (Err(refusal @ ScenarioError::Invalid(_)), Err(check_error)) => {
                         let words = refusal.to_string();
                         assert!(
-                            words.contains(&misfit.sentence()) && words.contains(&misfit.remedy),
-                            "{words} {misfit}"
+                            words.contains(&check_error.sentence())
+                                && words.contains(&check_error.remedy),
+                            "{words} {check_error}"
                         );
                         refused += 1;
                     }
@@ -1203,9 +1221,13 @@ fn a_scheme_takes_only_what_it_has_a_use_for() {
             "600001 rows",
         ),
     ] {
-        let fault = fault(base(set));
-        assert_eq!(fault.key.as_deref(), Some(key), "{set:?}: {fault}");
-        assert!(fault.problem.contains(says), "{set:?}: {fault}");
+        let diagnostic = diagnostic(base(set));
+        assert_eq!(
+            diagnostic.key.as_deref(),
+            Some(key),
+            "{set:?}: {diagnostic}"
+        );
+        assert!(diagnostic.problem.contains(says), "{set:?}: {diagnostic}");
     }
     // The settings in the file for its own scheme are ignored if the command line chooses another
     // scheme.
@@ -1263,10 +1285,13 @@ fn the_corrected_scheme_is_refused_where_its_shift_is_not_small() {
     // = 0.0754.
     let corrected = |step: &str| base(&["scheme.kind=corrected-vi", step, "time.output_step=60"]);
     for step in ["time.step=0.48", "time.step=1"] {
-        let fault = fault(corrected(step));
-        assert_eq!(fault.key.as_deref(), Some("time.step"));
+        let diagnostic = diagnostic(corrected(step));
+        assert_eq!(diagnostic.key.as_deref(), Some("time.step"));
         for part in ["shift", "f_s", "friction.static", "`time.step` below 0.471"] {
-            assert!(fault.to_string().contains(part), "{part}: {fault}");
+            assert!(
+                diagnostic.to_string().contains(part),
+                "{part}: {diagnostic}"
+            );
         }
     }
     let names = |step| {
@@ -1282,7 +1307,7 @@ fn the_corrected_scheme_is_refused_where_its_shift_is_not_small() {
     // The shift is f_s - f_d = 0.2 at h = 0.05237.
     assert!(names("time.step=0.06").contains(&"incomplete-correction"));
     assert!(!names("time.step=0.05").contains(&"incomplete-correction"));
-    let frictionless = fault(base(&[
+    let frictionless = diagnostic(base(&[
         "scheme.kind=corrected-vi",
         "friction.static=0",
         "friction.dynamic=0",
@@ -1322,7 +1347,7 @@ proptest! {
 }
 
 #[test]
-fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_point() {
+fn a_parameter_is_a_key_and_a_number_may_begin_with_a_point() {
     let text = shipped("duffing").unwrap().text;
     let with = |sets: &[&str]| {
         let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
@@ -1348,7 +1373,7 @@ fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_poin
 /// The memory 1/theta of a noise in place of white noise is the tolerance as a share of the
 /// shortest memory of the body: here c^2 D/f_d^2 = 2.25, sqrt(m/K) = 2, and m/(2 alpha) = 1.
 #[test]
-fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked() {
+fn white_noise_is_as_fast_as_the_tolerance_asks() {
     let body = "initial.displacement = 0\ntime = { end = 60, step = 0.01 }\nfriction = { static = 1, dynamic = 1 }\n\
                 oscillator = { mass = 4, stiffness = 1, damping = 2, force_per_temperature = 3 }\n";
     let read = |noise: &str, set: &[&str]| {
@@ -1445,7 +1470,7 @@ fn parameters_have_one_scope() {
         "{}\n[parameters]\nf = 1.0\nk3 = 0.02",
         BASE.replace("dynamic = 1.0", "dynamic = \"f\"")
     );
-    let unused = fault(Scenario::parse("a", &text, &[]));
+    let unused = diagnostic(Scenario::parse("a", &text, &[]));
     assert!(
         unused.problem.starts_with("`parameters.k3` is not used"),
         "{unused}"
@@ -1475,7 +1500,7 @@ fn parameters_have_one_scope() {
             .dynamic_force,
         0.5
     );
-    let named = fault(Scenario::parse("a", &text.replace("k3", "'k 3'"), &[]));
+    let named = diagnostic(Scenario::parse("a", &text.replace("k3", "'k 3'"), &[]));
     assert!(
         named.problem.contains("cannot be the name of a parameter"),
         "{named}"
@@ -1495,7 +1520,7 @@ fn parameters_have_one_scope() {
     let scenario = split("k3 = 0.02, c = 0.1", "c = 0.1").unwrap();
     assert_eq!(scenario.parameters.len(), 2);
     assert_eq!(scenario.number_at("force.parameters.k3"), Some(0.02));
-    let twice = fault(split("k3 = 0.02, c = 0.1", "c = 0.2"));
+    let twice = diagnostic(split("k3 = 0.02, c = 0.1", "c = 0.2"));
     assert!(
         twice
             .key

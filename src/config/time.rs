@@ -1,12 +1,12 @@
 //! From `[time]` and `[scheme]` to a duration, an output grid, and a scheme with its step or
 //! tolerance.
 
-use super::blame::report_misfit;
+use super::diagnose::report_check_error;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::Sources;
 use crate::scenario::Measured;
-use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
+use crate::scheme::{CheckError, DEFAULT_TOLERANCE, Kind, Parameter, Scheme};
 use stickslip_data::numbers::tidy;
 
 /// Read `[scheme]` and `[time]`. An output step that is not given is none.
@@ -99,5 +99,5 @@ fn refuse(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind, about: (&'static
     let problem = format!("is not used by the {} scheme, {why}", kind.name());
     let others = others.collect::<Vec<_>>().join(" or ");
     let remedy = format!("remove it, or choose a scheme that uses it: {others}");
-    report_misfit(sources, root, Misfit::new(&[about], problem, remedy));
+    report_check_error(sources, root, CheckError::new(&[about], problem, remedy));
 }

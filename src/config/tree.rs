@@ -1,6 +1,6 @@
 //! TOML with the place of every value: the file as a tree, and the overrides applied to it.
 
-use super::error::Fault;
+use super::error::Diagnostic;
 use super::keys;
 use super::overrides::Override;
 use super::source::{Place, Sources};
@@ -114,12 +114,12 @@ impl Value {
 }
 
 /// The tree of the file with every override applied, in order.
-pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
+pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Diagnostic>> {
     let parsed = DeTable::parse(sources.text).map_err(|e| {
         let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
         let remedy =
             "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
-        sources.fault(place, format!("not valid TOML: {}", one_line(e.message())), remedy)
+        sources.diagnostic(place, format!("not valid TOML: {}", one_line(e.message())), remedy)
     })?;
     let mut root = Node {
         place: Place {
@@ -252,7 +252,7 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
 }
 
 /// Apply override `i`: follow its dotted key, creating tables on the way, and set its value there.
-fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
+fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Diagnostic>> {
     let this = &sources.overrides[i];
     let place = Place {
         text: i + 1,
@@ -271,14 +271,14 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     for segment in key.split('.') {
         let segment = segment.trim();
         spot = child(spot, segment, &walked, &this.key, place)
-            .map_err(|(problem, remedy)| sources.fault(Some(place), problem, remedy))?;
+            .map_err(|(problem, remedy)| sources.diagnostic(Some(place), problem, remedy))?;
         if !walked.is_empty() {
             walked.push('.');
         }
         walked.push_str(segment);
     }
     spot.value = override_value(this, i + 1)
-        .map_err(|(problem, remedy)| sources.fault(Some(place), problem, remedy))?;
+        .map_err(|(problem, remedy)| sources.diagnostic(Some(place), problem, remedy))?;
     relocate(spot, place);
     Ok(())
 }

@@ -103,7 +103,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         let Delivered {
             index,
             result,
-            beside,
+            auxiliary_sums,
             ..
         } = block;
         let end = index + 1;
@@ -111,7 +111,8 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
             .sinks
             .iter_mut()
             .try_for_each(|sink| sink.block(&result));
-        self.totals.push_with(index, result.totals, beside)?;
+        self.totals
+            .push_with(index, result.totals, auxiliary_sums)?;
         if let Err(error) = handed.and_then(|()| self.save(end, false)) {
             self.broken = Some(error);
             return Ok(self.stop());

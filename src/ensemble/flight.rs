@@ -1,6 +1,6 @@
 //! Neighbouring blocks that are simulated together. Each block has its own observer.
 //!
-//! Some schemes advance all their paths together over one cell of time after the other. Such a
+//! Some schemes advance all their paths together over one macro step after the other. Such a
 //! scheme fills its registers better with more paths than a block has. The sums and files of a
 //! block do not depend on whether it is simulated with others.
 

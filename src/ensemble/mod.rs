@@ -207,35 +207,40 @@ impl Plan {
         stop: &AtomicBool,
     ) -> Option<BlockResult> {
         let piece = PathRange::new(first, paths, self.antithetic);
-        Some(self.piece_beside(piece, &(), stop)?.0)
+        Some(self.piece_with_auxiliary(piece, &(), stop)?.0)
     }
 
-    /// Simulate block `index`, which a auxiliary observes too. Returns `None` if `halt` is set
+    /// Simulate block `index`, which an auxiliary observes too. Returns `None` if `halt` is set
     /// meanwhile.
-    pub(crate) fn block_beside<C: AuxiliaryObserver>(
+    pub(crate) fn block_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         index: u64,
         auxiliary: &C,
         halt: &AtomicBool,
     ) -> Option<Delivered<C::Sums>> {
-        let (result, beside) = self.piece_beside(self.block_piece(index), auxiliary, halt)?;
+        let (result, auxiliary_sums) =
+            self.piece_with_auxiliary(self.block_piece(index), auxiliary, halt)?;
         Some(Delivered {
             index,
             result,
-            beside,
+            auxiliary_sums,
         })
     }
 
     /// Simulate neighbouring blocks together. Only the last block of the run may be less than full.
     /// Returns `None` if `halt` is set meanwhile.
-    fn flight_beside<C: AuxiliaryObserver>(
+    fn flight_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         blocks: Range<u64>,
         auxiliary: &C,
         halt: &AtomicBool,
     ) -> Option<Vec<Delivered<C::Sums>>> {
         if blocks.end - blocks.start == 1 {
-            return Some(vec![self.block_beside(blocks.start, auxiliary, halt)?]);
+            return Some(vec![self.block_with_auxiliary(
+                blocks.start,
+                auxiliary,
+                halt,
+            )?]);
         }
         let pieces: Vec<PathRange> = blocks
             .clone()
@@ -267,13 +272,13 @@ impl Plan {
             delivered.push(
                 if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
                     // The block is simulated again, without the paths that diverge.
-                    self.block_beside(index, auxiliary, halt)?
+                    self.block_with_auxiliary(index, auxiliary, halt)?
                 } else {
-                    let (result, beside) = piece.finish(both, auxiliary);
+                    let (result, auxiliary_sums) = piece.finish(both, auxiliary);
                     Delivered {
                         index,
                         result,
-                        beside,
+                        auxiliary_sums,
                     }
                 },
             );
@@ -315,7 +320,7 @@ impl Plan {
         if self.timeline().rows() > MOST_ROWS {
             return 1;
         }
-        let wanted = self.simulation.paths_abreast() as u64 / BLOCK_SIZE;
+        let wanted = self.simulation.vectorised_paths() as u64 / BLOCK_SIZE;
         wanted.min(blocks / (threads as u64 * TURNS)).max(1)
     }
 
@@ -342,13 +347,13 @@ impl Plan {
         (own, auxiliary.observer(&piece.kept))
     }
 
-    /// Simulate the paths of a piece, which a auxiliary observes too. Returns `None` if `halt` is
+    /// Simulate the paths of a piece, which an auxiliary observes too. Returns `None` if `halt` is
     /// set meanwhile.
     ///
     /// A path that diverges is left out, together with the other path of its pair, and the others
     /// are simulated again without it. They do not depend on it, so this happens at most once for
     /// each block.
-    fn piece_beside<C: AuxiliaryObserver>(
+    fn piece_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         mut piece: PathRange,
         auxiliary: &C,
@@ -412,7 +417,7 @@ impl Plan {
         let size = self.blocks_in_flight(count, threads);
         let make = |flight: u64| {
             let first = blocks.start + flight * size;
-            self.flight_beside(first..blocks.end.min(first + size), auxiliary, stops.halt)
+            self.flight_with_auxiliary(first..blocks.end.min(first + size), auxiliary, stops.halt)
         };
         let mut delivered = 0;
         let deliver = |flight: Vec<Delivered<C::Sums>>| {
@@ -446,5 +451,5 @@ pub struct Delivered<S> {
     /// The result of the block.
     pub result: BlockResult,
     /// The sums of the auxiliary.
-    pub beside: S,
+    pub auxiliary_sums: S,
 }

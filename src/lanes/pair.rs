@@ -1,8 +1,9 @@
 //! The lanes of two registers as one.
 //!
-//! Four lanes at a time are few where the work on them is long, as in an event-driven cell. Most of
-//! it is then a chain of operations that wait for each other, and the management of a register is
-//! shared by four paths only. A pair has two such chains, and shares the management among eight.
+//! Four lanes at a time are few where the work on them is long, as in an event-driven macro step.
+//! Most of it is then a chain of operations that wait for each other, and the management of a
+//! register is shared by four paths only. A pair has two such chains, and shares the management
+//! among eight.
 
 use super::{Lanes, LookupTable, ROW, Row};
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -67,7 +67,7 @@ impl Inputs {
             WORDS[[i, i / WORDS.len(), i * 3 + i / 7][column] % WORDS.len()]
         };
         let mut filled = |column: usize| -> (Vec<f64>, Vec<u64>) {
-            let chance: Vec<u64> = (0..random).map(|_| next()).collect();
+            let drawn: Vec<u64> = (0..random).map(|_| next()).collect();
             // Half of the random numbers lie between 1/2 and 2, where results round differently
             // most often.
             let near = |bits: u64| {
@@ -79,12 +79,12 @@ impl Inputs {
             };
             let numbers = (0..edges)
                 .map(|i| edge(column, i))
-                .chain(chance.iter().map(|&bits| near(bits)));
+                .chain(drawn.iter().map(|&bits| near(bits)));
             (
                 numbers.collect(),
                 (0..edges)
                     .map(|i| word(column, i))
-                    .chain(chance.iter().copied())
+                    .chain(drawn.iter().copied())
                     .collect(),
             )
         };

@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn response_agrees_with_the_convolution_in_every_damping_regime_and_at_resonance() {
+    fn the_response_agrees_with_the_convolution() {
         for (gamma, w0) in [
             (0.0, 1.0),
             (0.3, 1.0),

@@ -37,8 +37,8 @@ pub(crate) mod tests;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use force::{
-    Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest,
-    beyond_hold, doubts, steepest,
+    Expression, ExpressionError, Force, ForceLaw, ForceWarning, Hold, Linear, Scales, Sides,
+    Steepest, beyond_hold, force_warnings, steepest,
 };
 pub use friction::{Friction, let_go, prox};
 #[doc(hidden)]
@@ -85,7 +85,7 @@ impl Model {
         velocity: f64,
     ) -> f64 {
         let linear = self.oscillator.force(temperature, displacement, velocity);
-        self.own_force(time, displacement, velocity)
+        self.user_force(time, displacement, velocity)
             .map_or(linear, |own| linear + own)
     }
 
@@ -142,7 +142,7 @@ impl Model {
     }
 
     /// g(x, x', t), the user-defined force, if there is one.
-    pub fn own_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
+    pub fn user_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
         Some(
             self.force
                 .as_ref()?

@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn below_critical_damping_it_ends_at_rest_beyond_the_equilibrium() {
+    fn below_critical_damping_it_rests_beyond_equilibrium() {
         for zeta in [0.0, 0.05, 0.3, 0.9, 0.99] {
             let swing = response(zeta);
             let (y, v) = swing.at(1.0, swing.duration);

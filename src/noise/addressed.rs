@@ -1,16 +1,16 @@
 //! Random numbers of a path, each at an address of its own.
 //!
 //! A stream returns its numbers in turn, so one number more changes all that come after it. Here a
-//! number is a function of (seed, path, cell, place) alone, and what a path does in one cell of
-//! time leaves the numbers of the next cell unchanged. Therefore two scenes can see the same noise,
-//! and a path can be observed without being changed.
+//! number is a function of (seed, path, macro step, place) alone, and what a path does in one macro
+//! step of time leaves the numbers of the next macro step unchanged. Therefore two scenes can see
+//! the same noise, and a path can be observed without being changed.
 //!
-//! The generator is SplitMix64 at the counter `cell 2^32 + place` (Steele, Lea and Flood, *Fast
-//! splittable pseudorandom number generators*, OOPSLA 2014). It has a second key of 64 bits between
-//! the two rounds of its output function (Stafford's variant 13). The origin of the counter and the
-//! second key are two outputs of SplitMix64 sequences. Both are one-to-one functions of the path
-//! number, like the words of [`super::Stream`]. Two paths whose counters happen to overlap have
-//! different second keys, so they share no number.
+//! The generator is SplitMix64 at the counter `macro_step 2^32 + place` (Steele, Lea and Flood,
+//! *Fast splittable pseudorandom number generators*, OOPSLA 2014). It has a second key of 64 bits
+//! between the two rounds of its output function (Stafford's variant 13). The origin of the counter
+//! and the second key are two outputs of SplitMix64 sequences. Both are one-to-one functions of the
+//! path number, like the words of [`super::Stream`]. Two paths whose counters happen to overlap
+//! have different second keys, so they share no number.
 
 use super::mirror;
 use super::normal::half_normals;
@@ -18,7 +18,8 @@ use super::stream::{GAMMA, path_word};
 use crate::lanes::{Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
 
-/// The random numbers of one path, from a place of a cell on. Each draw moves on to the next place.
+/// The random numbers of one path, from a place of a macro step on. Each draw moves on to the next
+/// place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AddressedDraws {
     origin: u64,
@@ -28,28 +29,28 @@ pub struct AddressedDraws {
     pub(super) flip: u64,
 }
 
-/// The first place of a cell whose numbers are only used for observing a path.
+/// The first place of a macro step whose numbers are only used for observing a path.
 const LOOKING: u64 = 1 << 31;
 
 /// The number of places that belong to one instant at which paths are observed. The most that are
 /// needed are two for each of the 1000 attempts to draw a bridge inside the band.
 const PER_LOOK: u64 = 1 << 11;
 
-/// The first place of the numbers for observing a path at an instant inside a cell, on which no
-/// event depends. `ordinal` is the number of the instant among those in the cell that belong to the
-/// run, or, for a closer look, among the others. More instants in a cell than there are places for
-/// use the same numbers again.
+/// The first place of the numbers for observing a path at an instant inside a macro step, on which
+/// no event depends. `ordinal` is the number of the instant among those in the macro step that
+/// belong to the run, or, for a closer look, among the others. More instants in a macro step than
+/// there are places for use the same numbers again.
 pub fn looking_place(ordinal: u64, is_closer: bool) -> u64 {
     let half = LOOKING / 2;
     LOOKING + u64::from(is_closer) * half + ordinal * PER_LOOK % half
 }
 
-/// The place, in cell 0, of the numbers for the initial state of a path.
+/// The place, in macro step 0, of the numbers for the initial state of a path.
 const START: u64 = LOOKING - 1;
 
 impl AddressedDraws {
-    /// The numbers of path `path` of the ensemble with this seed, from the first place of cell 0
-    /// on. With [`super::MIRROR`] in `path`, they are those of a mirror image.
+    /// The numbers of path `path` of the ensemble with this seed, from the first place of macro
+    /// step 0 on. With [`super::MIRROR`] in `path`, they are those of a mirror image.
     pub fn new(seed: u64, path: u64) -> Self {
         let (path, flip) = mirror::parts(path);
         AddressedDraws {
@@ -62,7 +63,7 @@ impl AddressedDraws {
 
     /// Numbers that belong to this path and that no scheme draws, for a statistic of a user's own.
     /// A mirror image has numbers of its own, not those of the other path of its pair.
-    pub fn beside(seed: u64, path: u64) -> Self {
+    pub fn auxiliary(seed: u64, path: u64) -> Self {
         AddressedDraws {
             origin: path_word(seed, path, 6),
             key: path_word(seed, path, 7),
@@ -71,11 +72,12 @@ impl AddressedDraws {
         }
     }
 
-    /// The numbers of the same path from this place of a cell on. Cells and places are below 2^31.
+    /// The numbers of the same path from this place of a macro step on. Macro steps and places are
+    /// below 2^31.
     #[inline(always)]
-    pub fn at(&self, cell: u64, place: u64) -> Self {
+    pub fn at(&self, macro_step: u64, place: u64) -> Self {
         AddressedDraws {
-            counter: cell << 32 | place,
+            counter: macro_step << 32 | place,
             ..*self
         }
     }
@@ -85,7 +87,7 @@ impl AddressedDraws {
         self.at(0, START)
     }
 
-    /// The numbers of the same path from this place of the same cell on.
+    /// The numbers of the same path from this place of the same macro step on.
     #[inline(always)]
     pub fn from(&self, place: u64) -> Self {
         self.at(self.counter >> 32, place)
@@ -128,7 +130,7 @@ fn mixed<L: Lanes>(z: L::Bits, key: L::Bits) -> L::Bits {
     L::xor(z, L::shr::<31>(z))
 }
 
-/// The random numbers of several paths in one cell; in each lane they are those of
+/// The random numbers of several paths in one macro step; in each lane they are those of
 /// [`AddressedDraws`]. A draw does not change this value: the argument `after` says how many places
 /// after the next one the number is.
 #[derive(Clone, Copy)]
@@ -140,8 +142,8 @@ pub struct LaneDraws<L: Lanes> {
 }
 
 impl<L: Lanes> LaneDraws<L> {
-    /// The numbers of the paths with these keys ([`AddressedDraws::keys`]) from an address, cell
-    /// 2^32 + place, on.
+    /// The numbers of the paths with these keys ([`AddressedDraws::keys`]) from an address, macro
+    /// step 2^32 + place, on.
     #[inline(always)]
     pub fn at([origin, key, flip]: [L::Bits; 3], address: u64) -> Self {
         LaneDraws {
@@ -153,8 +155,8 @@ impl<L: Lanes> LaneDraws<L> {
 
     /// The same from a place on that may differ from path to path.
     #[inline(always)]
-    pub fn at_places(keys: [L::Bits; 3], cell: u64, place: L::Bits) -> Self {
-        let first = Self::at(keys, cell << 32);
+    pub fn at_places(keys: [L::Bits; 3], macro_step: u64, place: L::Bits) -> Self {
+        let first = Self::at(keys, macro_step << 32);
         LaneDraws {
             state: L::add_bits(first.state, L::mul_bits(place, L::splat_bits(GAMMA))),
             ..first

@@ -229,7 +229,7 @@ mod tests {
     /// default tolerance, is exact within 0.07 %. Without the term of second order it is 0.25 %
     /// off, with a mean deviation that is 10 % off 1 %.
     #[test]
-    fn a_bent_threshold_is_met_as_often_as_the_integral_equation_tells() {
+    fn a_bent_threshold_agrees_with_the_integral_equation() {
         for bend in [0.64, -0.64] {
             for (d0, d1) in [
                 (0.2, 0.2),
@@ -291,9 +291,9 @@ mod tests {
                 let mut draws = AddressedDraws::new(41, 0);
                 let (mut places, mut proposed) = (Vec::new(), 0);
                 while places.len() < 100_000 {
-                    let (place, chance) = bent.proposed_place(draws.normal(), draws.uniform());
+                    let (place, probability) = bent.proposed_place(draws.normal(), draws.uniform());
                     proposed += 1;
-                    if draws.uniform() < chance {
+                    if draws.uniform() < probability {
                         places.push(place);
                     }
                 }

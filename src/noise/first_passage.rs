@@ -57,9 +57,9 @@ pub fn first_meeting_probability<L: Lanes>(
     let width = this.0 + other.0;
     let other_first = (other.0 + inside) * (width + beyond) * twice_rate;
     let this_again = (width + inside) * (width + this.0 + beyond) * twice_rate;
-    let chance =
+    let probability =
         meeting_probability(this, duration) - (exp(other_first.or_at_most(zero)) - exp(this_again));
-    chance.or_at_least(zero)
+    probability.or_at_least(zero)
 }
 
 /// The probability that neither of two thresholds is met.
@@ -86,8 +86,8 @@ pub fn misses_other<L: Lanes>(d0: L, width: L, passed: L) -> L {
         exp(((width - d0) * rate).or_at_most(L::splat(0.0))),
         exp((width + d0) * rate),
     );
-    let chance = one + (one - ratio) * once + (one + ratio) * twice;
-    chance.or_at_least(L::splat(0.0))
+    let probability = one + (one - ratio) * once + (one + ratio) * twice;
+    probability.or_at_least(L::splat(0.0))
 }
 
 /// The place u of the first meeting, as a fraction of S, given that the threshold is met, from a

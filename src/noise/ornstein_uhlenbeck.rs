@@ -270,7 +270,7 @@ mod tests {
     /// rate is below 2e-4. A factor 2 in the variance, or one step of decay more (0.11), would fail
     /// at once.
     #[test]
-    fn a_stationary_start_stays_stationary_and_forgets_at_the_right_rate() {
+    fn a_stationary_start_stays_stationary() {
         let (theta, sigma, h, paths) = (0.8, 1.7, 0.1, 1 << 16);
         let transition = Transition::new(theta, sigma, h);
         let stationary = sigma * sigma / (2.0 * theta);

@@ -78,14 +78,14 @@ mod tests {
             4.0 * ((2f64.exp() * libm::erfc(2f64.sqrt()) - 0.523_157f64.powi(2)) / 40_000.0).sqrt();
         for found in [
             mean(&mut Stream::new(5, 3)),
-            mean(&mut AddressedDraws::beside(5, 3)),
+            mean(&mut AddressedDraws::auxiliary(5, 3)),
         ] {
             assert!((found - 0.523_157).abs() < bound, "{found} +- {bound}");
         }
     }
 
     #[test]
-    fn bytes_are_those_of_the_words_and_a_mirror_image_has_the_same_words() {
+    fn bytes_are_those_of_the_words() {
         let [mut one, mut other, mut mirrored] =
             [7, 7, 7 | crate::noise::MIRROR].map(|path| AddressedDraws::new(1, path));
         let mut bytes = [0; 12];

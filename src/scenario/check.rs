@@ -8,7 +8,7 @@ use crate::model::{
     Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature,
     can_be_computed_with,
 };
-use crate::scheme::{Misfit, Scheme, divergence_bound};
+use crate::scheme::{CheckError, Scheme, divergence_bound};
 use stickslip_data::numbers::short;
 
 /// Samples this close, as a share of the whole series, are two values at the same time.
@@ -16,12 +16,12 @@ const CLOSEST: f64 = 1e-12;
 
 impl Scenario {
     /// Check that the values go together. Each of them must already be in its own range.
-    pub fn check(&self) -> Result<(), Misfit> {
-        self.misfits().into_iter().next().map_or(Ok(()), Err)
+    pub fn check(&self) -> Result<(), CheckError> {
+        self.check_errors().into_iter().next().map_or(Ok(()), Err)
     }
 
     /// All values that do not go together, so far as each can be judged beside the others.
-    pub(crate) fn misfits(&self) -> Vec<Misfit> {
+    pub(crate) fn check_errors(&self) -> Vec<CheckError> {
         let Scenario {
             model,
             time,
@@ -30,11 +30,11 @@ impl Scenario {
             ensemble,
             ..
         } = self;
-        let mut found: Vec<Misfit> = Vec::new();
+        let mut found: Vec<CheckError> = Vec::new();
         found.extend(friction(model));
         found.extend(model.temperature.noises.iter().filter_map(noise));
         found.extend(third_noise(&model.temperature));
-        found.extend(self.white_noise.and_then(|noise| noise.misfit(model)));
+        found.extend(self.white_noise.and_then(|noise| noise.check_error(model)));
         found.extend(pinned(&model.temperature));
         if found.is_empty() {
             found.extend(forces(model, time.end));
@@ -51,12 +51,12 @@ impl Scenario {
         found.extend(ensemble.check());
         found
             .into_iter()
-            .map(|misfit| self.as_written(misfit))
+            .map(|check_error| self.as_written(check_error))
             .collect()
     }
 
     /// A measured temperature and every input has samples up to t_end, which are not too close.
-    fn series(&self) -> Option<Misfit> {
+    fn series(&self) -> Option<CheckError> {
         let end = self.time.end;
         let temperature = self
             .model
@@ -84,7 +84,7 @@ impl Scenario {
             let problem = format!(
                 "{what} has a sample at {time:e} that is within {CLOSEST:e} of its length from the one before"
             );
-            return Some(Misfit::new(
+            return Some(CheckError::new(
                 &[],
                 problem,
                 "remove one of these samples, or move them apart",
@@ -96,34 +96,38 @@ impl Scenario {
             series.end()
         );
         let remedy = "lower `time.end`, or leave it out to end with the series";
-        Some(Misfit::new(&[("time.end", end)], problem, remedy))
+        Some(CheckError::new(&[("time.end", end)], problem, remedy))
     }
 
-    /// A misfit of the stiffness or the damping is one of a linear force, if that made it what it
+    /// An error of the stiffness or the damping is one of a linear force, if that made it what it
     /// is.
-    fn as_written(&self, misfit: Misfit) -> Misfit {
+    fn as_written(&self, check_error: CheckError) -> CheckError {
         let Some(WrittenForce {
             expression,
             without: Some(body),
         }) = &self.written_force
         else {
-            return misfit;
+            return check_error;
         };
-        let (what, before) = match misfit.about.first() {
+        let (what, before) = match check_error.about.first() {
             Some(("oscillator.stiffness", _)) => ("stiffness K", body.stiffness),
             Some(("oscillator.damping", _)) => ("damping alpha", body.damping),
-            _ => return misfit,
+            _ => return check_error,
         };
-        let value = misfit.about[0].1;
+        let value = check_error.about[0].1;
         if value == before {
-            return misfit;
+            return check_error;
         }
         let problem = format!(
             "`force.expression` = \"{}\" is linear, and makes the {what} {value:?}, which {}",
             expression.shown(),
-            misfit.problem
+            check_error.problem
         );
-        Misfit::new(&[("force.expression", f64::NAN)], problem, misfit.remedy)
+        CheckError::new(
+            &[("force.expression", f64::NAN)],
+            problem,
+            check_error.remedy,
+        )
     }
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that
@@ -141,7 +145,7 @@ impl Scenario {
     /// assert!(scenario.with_scheme(CorrectedVi { step: 0.07 }).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
+    pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, CheckError> {
         let changed = Scenario {
             scheme: scheme.into(),
             ..self.clone()
@@ -153,7 +157,7 @@ impl Scenario {
 
 impl Ensemble {
     /// Antithetic paths come in pairs, so their number must be even.
-    fn check(&self) -> Option<Misfit> {
+    fn check(&self) -> Option<CheckError> {
         let paths = self.paths;
         if !self.antithetic || paths.is_multiple_of(2) {
             return None;
@@ -163,7 +167,7 @@ impl Ensemble {
             {paths} is odd"
         );
         let remedy = format!("write `paths = {}`", paths + 1);
-        Some(Misfit::new(
+        Some(CheckError::new(
             &[("ensemble.paths", paths as f64)],
             problem,
             remedy,
@@ -173,7 +177,7 @@ impl Ensemble {
 
 impl Statistics {
     /// after < t_end, or after = 0 for no burn-in.
-    fn check(&self, end: f64) -> Option<Misfit> {
+    fn check(&self, end: f64) -> Option<CheckError> {
         let after = self.after;
         if after == 0.0 || after < end {
             return None;
@@ -182,7 +186,7 @@ impl Statistics {
             "`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}"
         );
         let remedy = "lower `statistics.after`, or raise `time.end` to several periods beyond it";
-        Some(Misfit::new(
+        Some(CheckError::new(
             &[("statistics.after", after), ("time.end", end)],
             problem,
             remedy,
@@ -191,7 +195,7 @@ impl Statistics {
 }
 
 /// f_d <= f_s, in each direction.
-fn friction(model: &Model) -> Option<Misfit> {
+fn friction(model: &Model) -> Option<CheckError> {
     let [forward, backward] = model.friction_by_direction();
     let is_forward = forward.dynamic_force > forward.static_force;
     let Friction {
@@ -204,7 +208,7 @@ fn friction(model: &Model) -> Option<Misfit> {
     let problem =
         format!("`friction.dynamic` = {f_d:?} must not exceed `friction.static` = {f_s:?}");
     let remedy = "lower `friction.dynamic` or raise `friction.static`";
-    Some(Misfit::new(
+    Some(CheckError::new(
         &[("friction.dynamic", f_d), ("friction.static", f_s)],
         problem,
         remedy,
@@ -212,7 +216,7 @@ fn friction(model: &Model) -> Option<Misfit> {
 }
 
 /// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
-fn noise(noise: &Noise) -> Option<Misfit> {
+fn noise(noise: &Noise) -> Option<CheckError> {
     let sd = noise.stationary_sd();
     if can_be_computed_with(&[noise.intensity * sd, sd])
         && (noise.diffusion == 0.0 || sd.is_normal())
@@ -225,7 +229,7 @@ fn noise(noise: &Noise) -> Option<Misfit> {
     ];
     let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, outside the range of \
         double precision";
-    Some(Misfit::new(
+    Some(CheckError::new(
         &about,
         problem,
         "choose units in which relaxation rate and diffusion are closer to 1",
@@ -233,12 +237,12 @@ fn noise(noise: &Noise) -> Option<Misfit> {
 }
 
 /// There are two noises at most.
-fn third_noise(temperature: &Temperature) -> Option<Misfit> {
+fn third_noise(temperature: &Temperature) -> Option<CheckError> {
     let third = temperature.noises.get(2)?;
     let remedy =
         "keep two of them, or merge those with similar relaxation rates (their variances add)";
     let problem = "is one noise too many; at most two are supported";
-    Some(Misfit::new(
+    Some(CheckError::new(
         &[("temperature.noise.2.intensity", third.intensity)],
         problem,
         remedy,
@@ -246,7 +250,7 @@ fn third_noise(temperature: &Temperature) -> Option<Misfit> {
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
-fn forces(model: &Model, end: f64) -> Option<Misfit> {
+fn forces(model: &Model, end: f64) -> Option<CheckError> {
     let Model {
         oscillator,
         initial_displacement,
@@ -260,13 +264,13 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
             oscillator.stiffness / oscillator.mass
         );
         let remedy = "choose units in which mass and stiffness are closer to 1";
-        return Some(Misfit::new(&[stiffness, mass], problem, remedy));
+        return Some(CheckError::new(&[stiffness, mass], problem, remedy));
     }
     let rate = oscillator.damping_rate();
     if rate.abs() > LARGEST {
         let problem = format!("gives alpha/m = {rate:e}, which must not exceed 1e100");
         let remedy = "choose units in which mass and damping are closer to 1";
-        return Some(Misfit::new(
+        return Some(CheckError::new(
             &[("oscillator.damping", oscillator.damping), mass],
             problem,
             remedy,
@@ -295,7 +299,7 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
             short(acceleration)
         );
         let remedy = "write a force that is smaller there, or choose units in which mass and forces are closer to 1";
-        return Some(Misfit::new(
+        return Some(CheckError::new(
             &[("force.expression", f64::NAN)],
             problem,
             remedy,
@@ -317,11 +321,11 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
         ("initial.displacement", *initial_displacement),
     ];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    Some(Misfit::new(&factors, problem, remedy))
+    Some(CheckError::new(&factors, problem, remedy))
 }
 
 /// The phases of all harmonics keep their digits up to t_end.
-fn phases(model: &Model, end: f64) -> Option<Misfit> {
+fn phases(model: &Model, end: f64) -> Option<CheckError> {
     for (i, harmonic) in model
         .temperature
         .harmonics
@@ -339,7 +343,7 @@ fn phases(model: &Model, end: f64) -> Option<Misfit> {
             let problem = format!(
                 "`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase loses its precision"
             );
-            return Some(Misfit::new(
+            return Some(CheckError::new(
                 &[],
                 problem,
                 format!("write the equivalent `phase = {:?}`", reduced(phase)),
@@ -352,7 +356,7 @@ fn phases(model: &Model, end: f64) -> Option<Misfit> {
                  above {MAX_PHASE:e} the phase of the forcing loses its precision"
             );
             let remedy = "lower `time.end` or the frequency, or write `amplitude = 0`";
-            return Some(Misfit::new(&[("time.end", end)], problem, remedy));
+            return Some(CheckError::new(&[("time.end", end)], problem, remedy));
         }
     }
     None
@@ -366,7 +370,7 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
 /// sample.
-fn pinned(temperature: &Temperature) -> Option<Misfit> {
+fn pinned(temperature: &Temperature) -> Option<CheckError> {
     let noise = temperature
         .noises
         .first()
@@ -391,7 +395,7 @@ fn pinned(temperature: &Temperature) -> Option<Misfit> {
         return None;
     };
     let key = "temperature.noise.pinned";
-    Some(Misfit::new(
+    Some(CheckError::new(
         &[(key, 1.0)],
         format!("`{key}` = true, {problem}"),
         remedy,
@@ -399,7 +403,7 @@ fn pinned(temperature: &Temperature) -> Option<Misfit> {
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
-fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
+fn check_extent(model: &Model, end: f64) -> Option<CheckError> {
     // The bound is that of motion without friction, because friction does not drive the body.
     // Negative damping does, but friction may confine what it drives, and paths that run away are
     // counted.
@@ -420,5 +424,5 @@ fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
         "lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}"
     );
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
-    Some(Misfit::new(&[("time.end", end)], problem, remedy))
+    Some(CheckError::new(&[("time.end", end)], problem, remedy))
 }

@@ -2,7 +2,7 @@
 //! one.
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
-use crate::scheme::{Misfit, Scheme};
+use crate::scheme::{CheckError, Scheme};
 use stickslip_data::numbers::{round_up, tidy};
 
 /// Duration and output grid of a run.
@@ -15,7 +15,7 @@ pub struct Time {
 }
 
 /// Check that `end` is a whole number of steps, and not too many to count, if the scheme has steps.
-pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
+pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<CheckError> {
     let h = scheme.step()?;
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
@@ -26,7 +26,7 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
             "raise `time.step` to {:?} or more, or lower `time.end`",
             round_up(end / MAX_STEPS)
         );
-        return Some(Misfit::new(&about, problem, remedy));
+        return Some(CheckError::new(&about, problem, remedy));
     }
     if whole_multiple(end, h).is_some() {
         return None;
@@ -46,7 +46,7 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
         list(&|n| end / n, [above, below]),
         list(&|n| n * h, [below, above]),
     );
-    Some(Misfit::new(&about, problem, remedy))
+    Some(CheckError::new(&about, problem, remedy))
 }
 
 /// Number of rows of a default output grid, without the row at t = 0.
@@ -67,13 +67,13 @@ impl Time {
 
     /// Check that the output grid falls on steps of the scheme, if it has steps, and has at most
     /// [`MAX_ROWS`] rows.
-    pub(crate) fn check_rows(&self, scheme: Scheme) -> Option<Misfit> {
+    pub(crate) fn check_rows(&self, scheme: Scheme) -> Option<CheckError> {
         let Time { end, output_step } = *self;
-        if let Some(misfit) = scheme
+        if let Some(check_error) = scheme
             .step()
             .and_then(|h| check_between_steps(output_step, h))
         {
-            return Some(misfit);
+            return Some(check_error);
         }
         let rows = (end / output_step * (1.0 + WHOLE)).floor() + 1.0;
         if rows <= MAX_ROWS as f64 {
@@ -86,7 +86,7 @@ impl Time {
         let problem =
             format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
         let remedy = format!("write `time.output_step` = {least:?} or more, or lower `time.end`");
-        Some(Misfit::new(
+        Some(CheckError::new(
             &[("time.output_step", output_step), ("time.end", end)],
             problem,
             remedy,
@@ -94,7 +94,7 @@ impl Time {
     }
 }
 
-fn check_between_steps(output_step: f64, h: f64) -> Option<Misfit> {
+fn check_between_steps(output_step: f64, h: f64) -> Option<CheckError> {
     if whole_multiple(output_step, h).is_some() {
         return None;
     }
@@ -110,7 +110,7 @@ fn check_between_steps(output_step: f64, h: f64) -> Option<Misfit> {
     };
     let values: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
     let remedy = format!("the nearest output steps are {}", values.join(" or "));
-    Some(Misfit::new(
+    Some(CheckError::new(
         &[("time.output_step", output_step), ("time.step", h)],
         problem,
         remedy,

@@ -1,7 +1,7 @@
 //! White noise of the temperature, which is simulated as a fast Ornstein-Uhlenbeck process.
 
 use crate::model::{Friction, InitialNoise, Model, Noise};
-use crate::scheme::{Misfit, Scheme};
+use crate::scheme::{CheckError, Scheme};
 
 /// White noise sqrt(2 D) xi(t) of the temperature, with xi of unit intensity.
 ///
@@ -23,7 +23,7 @@ impl WhiteNoise {
     /// # Errors
     ///
     /// If theta is not given, and the scheme has no tolerance to choose it by.
-    pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, Misfit> {
+    pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, CheckError> {
         let strength = ("temperature.noise.strength", self.strength);
         let memory = self.memory_of_body(model);
         if memory.is_none() && self.relaxation_rate.is_none() {
@@ -31,7 +31,7 @@ impl WhiteNoise {
                            only `force.expression` acts on it";
             let remedy = "write a `relaxation_rate` of the noise that is large against that of the body, e.g. \
                           `relaxation_rate = 1000`";
-            return Err(Misfit::new(&[strength], problem, remedy));
+            return Err(CheckError::new(&[strength], problem, remedy));
         }
         let shortest = memory.unwrap_or(end).min(end);
         let chosen = || {
@@ -46,7 +46,7 @@ impl WhiteNoise {
             );
             let remedy = "choose `scheme.kind = \"event-driven\"`, or give the noise a correlation time, e.g. \
                           `relaxation_rate = 100`";
-            return Err(Misfit::new(&[strength], problem, remedy));
+            return Err(CheckError::new(&[strength], problem, remedy));
         };
         Ok(Noise {
             intensity: (2.0 * self.strength).sqrt(),
@@ -57,7 +57,7 @@ impl WhiteNoise {
     }
 
     /// Under white noise the force on a body at rest passes every threshold at once.
-    pub(super) fn misfit(&self, model: &Model) -> Option<Misfit> {
+    pub(super) fn check_error(&self, model: &Model) -> Option<CheckError> {
         let rubs = |friction: &Friction| friction.static_force > friction.dynamic_force;
         let of = model.friction_by_direction().into_iter().find(rubs)?;
         let problem = format!(
@@ -67,7 +67,7 @@ impl WhiteNoise {
         );
         let remedy = "set `static` equal to `dynamic`, or use noise with a correlation time (`intensity`, \
                       `relaxation_rate`, `diffusion`)";
-        Some(Misfit::new(
+        Some(CheckError::new(
             &[("temperature.noise.strength", self.strength)],
             problem,
             remedy,

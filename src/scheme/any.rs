@@ -92,7 +92,7 @@ macro_rules! schemes {
             }
 
             /// Checks whether the scheme can simulate this model up to `end`.
-            pub fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+            pub fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.check(model, end),)+ }
             }
         }
@@ -116,8 +116,8 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
             }
 
-            fn paths_abreast(&self) -> usize {
-                match self { $(Simulation::$Scheme(simulation) => simulation.paths_abreast(),)+ }
+            fn vectorised_paths(&self) -> usize {
+                match self { $(Simulation::$Scheme(simulation) => simulation.vectorised_paths(),)+ }
             }
 
             fn kernel(&self) -> String {

@@ -1,6 +1,6 @@
 //! What a scheme has to define ([`Method`]), and what it can do on a model ([`Simulate`]).
 
-use super::{Misfit, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
+use super::{CheckError, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
 use crate::model::Model;
 
 /// A scheme with its one parameter, and its properties. Each scheme is a type in a file of its own,
@@ -42,7 +42,7 @@ pub trait Method: Copy {
     }
 
     /// Checks whether the scheme can simulate this model up to `end`.
-    fn check(self, _model: &Model, _end: f64) -> Result<(), Misfit> {
+    fn check(self, _model: &Model, _end: f64) -> Result<(), CheckError> {
         Ok(())
     }
 }
@@ -84,7 +84,7 @@ pub trait Simulate: Sized {
 
     /// The number of paths that are best simulated together, if there are as many. The result of a
     /// path does not depend on this number.
-    fn paths_abreast(&self) -> usize {
+    fn vectorised_paths(&self) -> usize {
         1
     }
 
@@ -133,7 +133,7 @@ pub enum Parameter {
     /// The relative error that discretisation may leave in the statistics.
     Tolerance {
         /// The tolerances that a trade measures, from the largest to the smallest.
-        ladder: &'static [f64],
+        grid: &'static [f64],
     },
 }
 

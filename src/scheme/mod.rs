@@ -14,16 +14,17 @@
 
 #[macro_use]
 mod any;
+mod check_error;
 mod columns;
 mod discrete_vi;
 mod event_driven;
 mod method;
-mod misfit;
 mod quasi_static;
 mod segment;
 mod stability;
 mod timeline;
 
+pub use check_error::CheckError;
 #[doc(hidden)]
 pub use discrete_vi::corrected_exit;
 pub use discrete_vi::{
@@ -36,7 +37,6 @@ pub use event_driven::{
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
-pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
 pub use segment::{Along, Course, Segment};
 pub use stability::Stability;

@@ -42,13 +42,13 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, Path, Resolved, Route,
-    ScalarPaths, Scene, Simulated, StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching,
-    WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, PathSegment,
+    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, Watch, WatchedPiece,
+    Watching, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment,
-    Simulate, Timeline,
+    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Look, Method, Observer, Parameter,
+    Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -67,7 +67,7 @@ impl Method for QuasiStatic {
     const MEANING: &'static str = "the recursion for slow forcing";
     /// One tolerance is enough, because the error is that of the approximation.
     const PARAMETER: Parameter = Parameter::Tolerance {
-        ladder: &[DEFAULT_TOLERANCE],
+        grid: &[DEFAULT_TOLERANCE],
     };
     const LOOK: Look = Look {
         colour: "#CC79A7",
@@ -92,7 +92,7 @@ impl Method for QuasiStatic {
     }
 
     /// The recursion takes a slip for one swing of the spring, which ends at rest.
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         let Oscillator {
             stiffness, damping, ..
         } = model.oscillator;
@@ -100,7 +100,7 @@ impl Method for QuasiStatic {
         if model.has_load() {
             let problem = "friction depends on a load or a direction, but the quasi-static recursion needs \
                 constant friction";
-            return Err(Misfit::new(&[], problem, remedy));
+            return Err(CheckError::new(&[], problem, remedy));
         }
         if let Some(force) = &model.force {
             let problem = format!(
@@ -108,7 +108,7 @@ impl Method for QuasiStatic {
                  spring alone drives a slip",
                 force.shown()
             );
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("force.expression", f64::NAN)],
                 problem,
                 remedy,
@@ -117,7 +117,7 @@ impl Method for QuasiStatic {
         if stiffness == 0.0 {
             let problem =
                 "leaves no spring, but the quasi-static recursion needs one to drive slips";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("oscillator.stiffness", stiffness)],
                 problem,
                 remedy,
@@ -125,7 +125,7 @@ impl Method for QuasiStatic {
         }
         if model.initial_velocity != 0.0 {
             let problem = "gives an initial velocity, but in the quasi-static recursion every slip starts from rest";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("initial.velocity", model.initial_velocity)],
                 problem,
                 remedy,
@@ -134,7 +134,7 @@ impl Method for QuasiStatic {
         if damping < 0.0 {
             let problem = "makes oscillations grow, but in the quasi-static recursion every slip ends with \
                 its first half-oscillation";
-            return Err(Misfit::new(
+            return Err(CheckError::new(
                 &[("oscillator.damping", damping)],
                 problem,
                 remedy,
@@ -330,7 +330,7 @@ struct NoiselessRecursion {
 }
 
 /// A phase that begins at this x and, if it is a slip, with this excess of |b|.
-type Part = Stretch<(f64, f64), Infallible>;
+type Part = PathSegment<(f64, f64), Infallible>;
 
 impl NoiselessRecursion {
     /// The phase that begins at a time and a place, and the event that ends it.
@@ -373,7 +373,7 @@ impl NoiselessRecursion {
     }
 }
 
-impl Stretches for NoiselessRecursion {
+impl PathSegments for NoiselessRecursion {
     type Motion = (f64, f64);
     type Cut = Infallible;
 
@@ -432,7 +432,7 @@ impl Stretches for NoiselessRecursion {
     }
 }
 
-/// The recursion under noise, cell by cell.
+/// The recursion under noise, macro step by macro step.
 #[derive(Clone, Debug)]
 struct NoisyRecursion {
     scene: Scene,
@@ -467,7 +467,7 @@ impl Cascade for NoisyRecursion {
 
     fn slip(
         &self,
-        cell: &Cell,
+        macro_step: &MacroStep,
         path: &mut Path<(f64, f64)>,
         direction: Sign,
         end_noise: f64,
@@ -476,7 +476,7 @@ impl Cascade for NoisyRecursion {
     ) -> Resolved<Option<Event>> {
         path.work.spend()?;
         let x0 = path.displacement;
-        let (began, excess) = (path.motion.0 - cell.start, path.motion.1);
+        let (began, excess) = (path.motion.0 - macro_step.start, path.motion.1);
         let end = began + self.slip.response.duration;
         let mut piece = SwingPiece {
             slip: &self.slip,
@@ -484,9 +484,9 @@ impl Cascade for NoisyRecursion {
             displacement: x0,
             excess,
             direction,
-            ends: [(path.after, path.noise), (cell.length, end_noise)],
+            ends: [(path.after, path.noise), (macro_step.length, end_noise)],
         };
-        if end < cell.length {
+        if end < macro_step.length {
             piece.ends[1] = (
                 end,
                 noise_between(&self.scene, piece.ends, end, &mut path.draws),
@@ -495,11 +495,11 @@ impl Cascade for NoisyRecursion {
         watch.look(&self.scene, || piece);
         let began_at = path.motion.0;
         if watch.follows() {
-            let from = cell.start + path.after - began_at;
-            let until = if end < cell.length {
+            let from = macro_step.start + path.after - began_at;
+            let until = if end < macro_step.length {
                 self.slip.response.duration
             } else {
-                cell.start + cell.length - began_at
+                macro_step.start + macro_step.length - began_at
             };
             self.slip
                 .segments(began_at, x0, direction, excess, [from, until], |segment| {
@@ -507,15 +507,15 @@ impl Cascade for NoisyRecursion {
                 });
         }
         (path.after, path.noise) = piece.ends[1];
-        if end >= cell.length {
+        if end >= macro_step.length {
             return Ok(None);
         }
         let displacement = x0 + self.slip.way(direction, excess);
-        let force =
-            cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
+        let force = macro_step.forcing(end).value + path.noise
+            - self.scene.oscillator.stiffness * displacement;
         Ok(Some(Event {
             kind: self.slip.end(direction, excess, force),
-            time: cell.start + end,
+            time: macro_step.start + end,
             displacement,
             force,
         }))
@@ -525,14 +525,14 @@ impl Cascade for NoisyRecursion {
         (event.time, self.slip.excess(event))
     }
 
-    fn look(&self, path: &Path<(f64, f64)>, cell: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => self.slip.at(
                 path.displacement,
                 direction,
                 path.motion.1,
-                cell.start + cell.length - path.motion.0,
+                macro_step.start + macro_step.length - path.motion.0,
             ),
         }
     }
@@ -542,8 +542,8 @@ impl Cascade for NoisyRecursion {
 #[derive(Clone, Copy)]
 struct SwingPiece<'a> {
     slip: &'a Swing,
-    /// The time at which the slip began, after the start of the cell, and x and the excess of |b|
-    /// at that time.
+    /// The time at which the slip began, after the start of the macro step, and x and the excess of
+    /// |b| at that time.
     began: f64,
     displacement: f64,
     excess: f64,

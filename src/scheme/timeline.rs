@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stops_come_in_time_order_with_the_end_of_a_burn_in_among_them() {
+    fn stops_come_in_time_order() {
         let line = Timeline {
             end: 7.0,
             output_step: 3.0,
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn periods_count_from_the_end_of_the_first_one_or_of_the_burn_in() {
+    fn periods_count_from_the_first_or_the_burn_in() {
         let line = |after| Timeline {
             end: 60.0,
             output_step: 60.0,

@@ -1,6 +1,6 @@
 //! Pointwise distribution of x, x' and T over the ensemble, row by row of the output grid.
 
-use super::certain::Certain;
+use super::deterministic::Deterministic;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
@@ -292,13 +292,13 @@ pub(super) fn summary(
     sums: &BandSums,
     counts: &BandCounts,
     timeline: &Timeline,
-    certain: Certain,
+    deterministic: Deterministic,
     unit: Replicate,
 ) -> Bands {
     let counts = counts.normalised();
-    let band = |variable| band(sums, &counts, variable, certain, unit);
+    let band = |variable| band(sums, &counts, variable, deterministic, unit);
     let is_static = |(row, &[paths, still]): (usize, &[u64; 2])| {
-        let is_random = !(certain.everything || row == 0 && certain.start);
+        let is_random = !(deterministic.everything || row == 0 && deterministic.start);
         Sample {
             paths,
             units: paths / unit.size(),
@@ -325,7 +325,7 @@ fn band(
     sums: &BandSums,
     counts: &BandCounts,
     variable: usize,
-    certain: Certain,
+    deterministic: Deterministic,
     unit: Replicate,
 ) -> Band {
     let size = unit.size() as f64;
@@ -335,7 +335,7 @@ fn band(
     let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
     let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
     let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();
-    let may_differ = |row: usize| !agrees_by_law(variable, row, certain);
+    let may_differ = |row: usize| !agrees_by_law(variable, row, deterministic);
     let ends_of = |level: f64| {
         values.iter().enumerate().map(move |(row, values)| {
             let [least, most] = [0.0, 1.0].map(|p| values.quantile(p));
@@ -347,11 +347,11 @@ fn band(
             }
         })
     };
-    let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
+    let random_units = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
     let mean_ends = |(row, m): (usize, &Moments)| {
         let law = ErrorLaw::of_freedom(m.count.saturating_sub(1) as f64);
         Measured::mean(m, law)
-            .in_range(Range::ANY, chance(row, m))
+            .in_range(Range::ANY, random_units(row, m))
             .interval()
     };
     let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
@@ -364,7 +364,7 @@ fn band(
             sd * relative * size.sqrt()
         };
         Measured::spread(sd, error, law, m.count)
-            .in_range(Range::NOT_NEGATIVE, chance(row, m))
+            .in_range(Range::NOT_NEGATIVE, random_units(row, m))
             .interval()
     };
     Band {
@@ -388,8 +388,8 @@ fn band(
 /// Whether all paths that agree on a variable in a row do so by the law of the scene and not by
 /// chance. At t = 0 each is at rest at x0. The temperature of two paths is the same where it is
 /// known, at a sample of a pinned series or at t = 0, and nowhere else.
-fn agrees_by_law(variable: usize, row: usize, certain: Certain) -> bool {
-    certain.everything || row == 0 || variable == TEMPERATURE
+fn agrees_by_law(variable: usize, row: usize, deterministic: Deterministic) -> bool {
+    deterministic.everything || row == 0 || variable == TEMPERATURE
 }
 
 /// The 95 % interval of a quantile by Woodruff's method, where `size` values form one independent
@@ -509,7 +509,7 @@ mod tests {
                 &part.0,
                 &part.1,
                 &timeline,
-                Certain::NOTHING,
+                Deterministic::NOTHING,
                 Replicate::Path,
             );
             let x = &bands.displacement;
@@ -578,7 +578,13 @@ mod tests {
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline, Certain::NOTHING, Replicate::Path);
+        let bands = summary(
+            &sums,
+            &counts,
+            &timeline,
+            Deterministic::NOTHING,
+            Replicate::Path,
+        );
         assert_eq!(
             (bands.time.clone(), bands.static_probability[1]),
             (vec![0.0, 1.0], 0.4)

@@ -2,7 +2,7 @@
 //! bias of the step take what they say of it. Its formula is in the file of its measure
 //! ([`super::measure`]).
 
-use super::certain::Certain;
+use super::deterministic::Deterministic;
 use super::dimension::Dimension;
 use super::law::PhaseLaw;
 use super::need::Need;
@@ -23,7 +23,7 @@ pub(crate) struct CatalogueRow {
     pub over: Over,
     pub step_error: StepError,
     /// Whether the scene alone decides the statistic.
-    is_certain: fn(Certain) -> bool,
+    is_deterministic: fn(Deterministic) -> bool,
     /// Why it may not exist: the first of these needs that is not met.
     pub needs: &'static [Need],
     /// The law whose median it is, if it is a median.
@@ -122,7 +122,7 @@ const OF_PATHS: CatalogueRow = CatalogueRow {
     range: Range::ANY,
     over: Over::Paths,
     step_error: StepError::FirstOrRoot,
-    is_certain: |_| false,
+    is_deterministic: |_| false,
     needs: &[],
     median_of: None,
     asked_by: None,
@@ -146,7 +146,7 @@ const COUNTED: CatalogueRow = CatalogueRow {
     range: Range::NOT_NEGATIVE,
     over: Over::CountsOfPaths,
     step_error: StepError::RootOfRare,
-    is_certain: |scene| scene.never_sticks,
+    is_deterministic: |scene| scene.never_sticks,
     ..OF_PATHS
 };
 /// Energy over the counted time, on request.
@@ -209,7 +209,7 @@ catalogue! {
     /// Mean duration D_0 of the first stick over the paths in which it ended.
     FirstStickDurationMean: CatalogueRow {
         over: Over::FirstSticks,
-        is_certain: |scene| scene.first_stick,
+        is_deterministic: |scene| scene.first_stick,
         needs: &[Need::FirstStick],
         ..OF_STICKS.called(
             "first_stick_duration_mean", "mean first stick", "mean duration of the first sticks that ended")
@@ -241,7 +241,7 @@ catalogue! {
         dimension: Dimension::ONE,
         range: Range::SHARE,
         step_error: StepError::Root,
-        is_certain: |scene| scene.never_sticks && scene.first_stick,
+        is_deterministic: |scene| scene.never_sticks && scene.first_stick,
         needs: &[Need::Duration],
         ..OF_PATHS.called(
             "sticking_fraction", "share of time spent static", "share of the time spent in static phases")
@@ -315,7 +315,7 @@ catalogue! {
     FrictionWorkMean: CatalogueRow {
         dimension: Dimension::WORK,
         range: Range::NOT_NEGATIVE,
-        is_certain: |scene| scene.frictionless,
+        is_deterministic: |scene| scene.frictionless,
         ..OF_PATHS.called(
             "friction_work_mean", "mean friction work", "mean work done against dynamic friction")
     },
@@ -414,7 +414,7 @@ catalogue! {
     TemperatureWorkMean: OF_ENERGY.called(
         "temperature_work_mean", "mean work of the temperature", "mean work of the temperature on the body"),
     /// Mean over paths of the work of a user-defined force, the integral of g x' dt.
-    OwnForceWorkMean: OF_ENERGY.called(
+    UserForceWorkMean: OF_ENERGY.called(
         "own_force_work_mean", "mean work of the user-defined force", "mean work of the user-defined force on the body"),
     /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
     DampingWorkMean: OF_ENERGY.called(
@@ -479,8 +479,8 @@ impl Statistic {
     }
 
     /// Whether the scene alone decides the statistic, so that all paths must agree on it.
-    pub(super) fn is_decided_by(self, scene: Certain) -> bool {
-        scene.everything || (self.row().is_certain)(scene)
+    pub(super) fn is_decided_by(self, scene: Deterministic) -> bool {
+        scene.everything || (self.row().is_deterministic)(scene)
     }
 
     /// The name of the statistic in tables, JSON and HDF5.

@@ -63,8 +63,8 @@ impl Default for DensityCounts {
 }
 
 impl DensityCounts {
-    /// The densities. `chance` is the number of units, if these are random.
-    pub fn summary(&self, chance: Option<u64>) -> Densities {
+    /// The densities. `random_units` is the number of units, if these are random.
+    pub fn summary(&self, random_units: Option<u64>) -> Densities {
         let curve = |grid: &Grid| {
             let edges = grid.axes()[0].edges();
             let widths: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -93,7 +93,7 @@ impl DensityCounts {
                     if visited < FEWEST {
                         [f64::NAN; 2]
                     } else {
-                        share.interval(chance).map(|end| end / width)
+                        share.interval(random_units).map(|end| end / width)
                     }
                 });
             DensityCurve {
@@ -129,7 +129,7 @@ impl DensityCounts {
             joint: Array2::from_shape_vec(shape, joint).unwrap_or_default(),
             joint_edges: edges,
             at_rest: at_rest.estimate,
-            at_rest_ends: at_rest.interval(chance),
+            at_rest_ends: at_rest.interval(random_units),
         }
     }
 }

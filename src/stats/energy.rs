@@ -15,7 +15,7 @@ sums! {
     #[derive(Clone, Debug, Default, PartialEq)]
     pub(super) struct EnergySums {
         temperature: FourMoments,
-        own_force: FourMoments,
+        user_force: FourMoments,
         damping: FourMoments,
         change: FourMoments,
         residual: SpreadMoments,
@@ -32,7 +32,7 @@ impl EnergySums {
         let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),
-            own_force: moments(|works| works.own_force),
+            user_force: moments(|works| works.user_force),
             damping: moments(|works| works.damping),
             change: moments(Works::change),
             residual: SpreadMoments::of(&residuals, unit),
@@ -49,7 +49,7 @@ impl Measure for EnergySums {
         };
         Some(match statistic {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
-            Statistic::OwnForceWorkMean => mean(&self.own_force),
+            Statistic::UserForceWorkMean => mean(&self.user_force),
             Statistic::DampingWorkMean => Measured::mean_of_four(&self.damping).of_few(
                 self.moving,
                 self.damping.two.count,

@@ -102,12 +102,12 @@ impl ExtremeCounts {
             .for_each(|(counts, largest)| counts.completed(unit, largest));
     }
 
-    /// What is reported. `chance` is the number of units, if these are random.
-    pub fn summary(&self, chance: Option<u64>, sample: Sample) -> Extremes {
+    /// What is reported. `random_units` is the number of units, if these are random.
+    pub fn summary(&self, random_units: Option<u64>, sample: Sample) -> Extremes {
         let [displacement, velocity] = self
             .largest
             .each_ref()
-            .map(|counts| counts.summary(&counts.ordered(), chance));
+            .map(|counts| counts.summary(&counts.ordered(), random_units));
         let passages =
             self.levels
                 .iter()

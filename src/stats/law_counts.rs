@@ -170,8 +170,8 @@ impl LawCounts {
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
-    /// `chance` is the number of units with a completed stick, if these are random.
-    pub fn summary(&self, ordered: &OrderedLaw, chance: Option<u64>) -> Distribution {
+    /// `random_units` is the number of units with a completed stick, if these are random.
+    pub fn summary(&self, ordered: &OrderedLaw, random_units: Option<u64>) -> Distribution {
         let batches = self.batches();
         let level = batches
             .iter()
@@ -224,7 +224,7 @@ impl LawCounts {
                 counts,
             },
             censored_counts,
-            survival_ends: survival.ends(chance),
+            survival_ends: survival.ends(random_units),
             survival: survival.curve,
             quantiles: quantiles
                 .iter()
@@ -400,7 +400,7 @@ mod tests {
     /// [`Coverage::assert_95_percent`] states the false-alarm rate. If sticks were taken for
     /// independent, as in Greenwood's formula, the coverage would be about 80 %.
     #[test]
-    fn intervals_of_survival_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
+    fn intervals_of_survival_cover_where_sticks_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
         let survival = |t: f64| ((-2.0 * t).exp() + (-t / 2.0).exp()) / 2.0;

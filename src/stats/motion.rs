@@ -30,7 +30,7 @@ use crate::scheme::{Along, Instant, Segment, Timeline};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Works {
     pub temperature: f64,
-    pub own_force: f64,
+    pub user_force: f64,
     /// These are taken. That of friction without a load is known at the end, from the events.
     pub damping: f64,
     friction: f64,
@@ -102,7 +102,7 @@ impl MotionFold {
             return;
         }
         let (body, works) = (&model.oscillator, &mut self.works);
-        let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
+        let own = |time: f64, x: f64, v: f64| model.user_force(time, x, v).unwrap_or(0.0);
         if model.has_load() {
             works.friction += friction_work(model, segment, [from, to]);
         }
@@ -118,7 +118,7 @@ impl MotionFold {
                 } = *segment;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
-                works.own_force += own(start, displacement, v) * way;
+                works.user_force += own(start, displacement, v) * way;
                 return;
             }
         };
@@ -132,7 +132,7 @@ impl MotionFold {
             let weight = sign * weight * until * segment.length * v;
             more.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
-                more.own_force += own(time, segment.displacement + way, v) * weight;
+                more.user_force += own(time, segment.displacement + way, v) * weight;
             }
             if is_followed {
                 more.temperature +=
@@ -144,7 +144,7 @@ impl MotionFold {
             more.temperature += body.force_per_temperature() * temperature * (end - start);
         }
         works.temperature += more.temperature;
-        works.own_force += more.own_force;
+        works.user_force += more.user_force;
         works.damping += more.damping;
         self.is_balanced |= held.is_none() && !is_followed;
     }
@@ -194,12 +194,12 @@ impl MotionFold {
     pub fn residual(&self) -> f64 {
         let Works {
             temperature,
-            own_force,
+            user_force,
             damping,
             friction,
             ..
         } = self.works;
-        temperature + own_force - damping - friction - self.works.change()
+        temperature + user_force - damping - friction - self.works.change()
     }
 }
 

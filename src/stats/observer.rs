@@ -425,7 +425,7 @@ mod tests {
     /// from eight blocks as from the same paths in one block, up to what is taken about the means
     /// of blocks (1 %). With the tails of the first block alone it would be wider by 6 to 13 %.
     #[test]
-    fn the_interval_of_a_standard_deviation_is_as_wide_from_many_blocks_as_from_one() {
+    fn intervals_of_an_sd_do_not_depend_on_the_blocks() {
         let timeline = Timeline {
             end: 1e3,
             output_step: 1e3,
@@ -532,7 +532,7 @@ mod tests {
     }
 
     #[test]
-    fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
+    fn diverged_paths_stay_out_of_the_statistics() {
         let result = block_with_diverged_paths();
         let columns = result.rows.path_columns.expect("asked for");
         assert_eq!(columns.diverged, [0, 1, 0, 0, 1]);
@@ -590,7 +590,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
+    fn a_block_of_diverged_paths_adds_only_their_numbers() {
         let timeline = Timeline {
             end: 2.0,
             output_step: 1.0,

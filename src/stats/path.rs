@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_that_never_moves_sticks_all_the_time_and_ends_no_stick() {
+    fn a_path_that_never_moves_ends_no_stick() {
         let mut path = PathFold::starting_at(6.0);
         assert_eq!(path.end(60.0, 6.0), Some(Censored::FirstStick));
         assert_eq!(
@@ -410,7 +410,7 @@ mod tests {
 
     /// The path sticks from 2 on, and the burn-in ends at 5. Then the path slips at 8, or never.
     #[test]
-    fn of_a_stick_across_the_end_of_the_burn_in_only_the_later_time_counts() {
+    fn only_the_time_after_the_burn_in_counts() {
         let sticking = || {
             let mut path = PathFold::starting_at(0.0).counted_after(5.0);
             path.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn displacements_that_do_not_vary_have_no_correlation_and_one_of_them_has_no_spread() {
+    fn constant_displacements_have_no_correlation() {
         let of = |ends: f64, paths: usize| {
             let timeline = Timeline {
                 end: ends,

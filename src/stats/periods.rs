@@ -145,16 +145,16 @@ impl PeriodSums {
         is_random: bool,
         drift_limit: Option<f64>,
     ) -> PeriodMoments {
-        let chance = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
+        let random_units = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
         let two = |period: &SpreadMoments| period.four.two;
         let mean_ends = |p: &SpreadMoments| {
             Measured::mean_of_four(&p.units)
-                .in_range(Range::ANY, chance(p))
+                .in_range(Range::ANY, random_units(p))
                 .interval()
         };
         let sd_ends = |p: &SpreadMoments| {
             p.standard_deviation()
-                .in_range(Range::NOT_NEGATIVE, chance(p))
+                .in_range(Range::NOT_NEGATIVE, random_units(p))
                 .interval()
         };
         PeriodMoments {
@@ -403,7 +403,7 @@ mod tests {
     /// 13/4. Of three paths, the jackknife has twice the error of a variance to first order. The ends are
     /// those of a mean of the contributions.
     #[test]
-    fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
+    fn errors_of_drift_and_diffusion_are_those_by_hand() {
         let timeline = Timeline {
             end: 3.0,
             output_step: 3.0,
@@ -479,7 +479,7 @@ mod tests {
     /// (4 + 1)/2, (1 + 1)/2 and (9 + 4)/2 of the paths, times 3/2, have the variance 18.1875. The
     /// instant before the end of the burn-in is in the moments of each period only.
     #[test]
-    fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
+    fn the_spread_at_one_phase_is_that_computed_by_hand() {
         let timeline = Timeline {
             end: 3.0,
             output_step: 3.0,
@@ -517,7 +517,7 @@ mod tests {
     /// the place of n - 1. Both have the interval of a plain standard deviation of n numbers, to
     /// which the long tail leaves fewer than n - 1 degrees of freedom.
     #[test]
-    fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
+    fn spreads_of_long_tails_have_intervals_of_an_sd() {
         let n = 40.0;
         let x: Vec<f64> = (0..40)
             .map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln())

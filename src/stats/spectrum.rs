@@ -566,7 +566,7 @@ mod tests {
     /// The integral of S is the variance, which is 4/3, and S is positive everywhere. What is the same in
     /// all paths has no spectrum.
     #[test]
-    fn a_spectrum_is_positive_and_its_integral_the_variance_and_what_is_alike_has_none() {
+    fn the_integral_of_a_spectrum_is_the_variance() {
         let found = spectrum(&mut Pcg64Dxsm::seed_from_u64(2), 300, 1500, 0.25);
         let of = &found.displacement;
         let inside: f64 = of.spectrum[1..of.spectrum.len() - 1].iter().sum();

@@ -39,9 +39,9 @@ impl SubPhaseTotals {
         self.censored += 1;
     }
 
-    /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
-    /// these are random.
-    pub fn summary(&self, chance: Option<u64>) -> SubPhaseCounts {
+    /// The distribution of k(j). `random_units` is the number of units that completed a dynamic
+    /// phase, if these are random.
+    pub fn summary(&self, random_units: Option<u64>) -> SubPhaseCounts {
         let counts: Vec<u64> = self
             .counts
             .iter()
@@ -56,7 +56,7 @@ impl SubPhaseTotals {
                     .zip(sizes)
                     .map(|(count, size)| (*count as f64, size)),
             )
-            .interval(chance)
+            .interval(random_units)
         };
         SubPhaseCounts {
             shares: counts

@@ -71,20 +71,20 @@ impl Survival {
         }
     }
 
-    /// The 95 % intervals of the curve. `chance` is the number of paths with sticks, if they are
-    /// random. Where all batches agree on a share, its interval is Wilson's for that many paths, or
-    /// for the number of sticks at risk if that is smaller.
-    pub fn ends(&self, chance: Option<u64>) -> Ends {
+    /// The 95 % intervals of the curve. `random_units` is the number of paths with sticks, if they
+    /// are random. Where all batches agree on a share, its interval is Wilson's for that many
+    /// paths, or for the number of sticks at risk if that is smaller.
+    pub fn ends(&self, random_units: Option<u64>) -> Ends {
         let freedom = self.without.len().saturating_sub(1);
-        let Some(paths) = chance.filter(|_| freedom > 0) else {
-            let certain = |&share: &f64| {
+        let Some(paths) = random_units.filter(|_| freedom > 0) else {
+            let exact = |&share: &f64| {
                 if freedom > 0 {
                     [share; 2]
                 } else {
                     [f64::NAN; 2]
                 }
             };
-            return self.curve.iter().map(certain).collect();
+            return self.curve.iter().map(exact).collect();
         };
         let few = |sticks: u64| sticks.clamp(1, paths.max(1)) as f64;
         let (mut highest, mut at_risk) = (1.0, self.sticks);

@@ -215,7 +215,7 @@ impl<'a, T: Tally<N>, const N: usize> AuxiliaryObserver for Tallied<'a, T, N> {
     }
 
     fn observer(&self, paths: &[u64]) -> Self::Observer {
-        let start = |&path| self.tally.start(AddressedDraws::beside(self.seed, path));
+        let start = |&path| self.tally.start(AddressedDraws::auxiliary(self.seed, path));
         TallyObserver {
             tally: self.tally,
             paths: paths.iter().map(start).collect(),
@@ -265,7 +265,7 @@ mod tests {
     /// the residuals 0, 1, -1. So the standard error is sqrt(3/2 * 2)/6, and Student's t has two
     /// degrees of freedom. The mean of y is over all five paths.
     #[test]
-    fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
+    fn paths_outside_a_ratio_do_not_count_in_its_interval() {
         let paths = PathMeans::of(
             &[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]],
             Replicate::Path,

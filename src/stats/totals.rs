@@ -3,8 +3,8 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::cascade::CascadeSums;
 use super::catalogue::Over;
-use super::certain::Certain;
 use super::density::DensityCounts;
+use super::deterministic::Deterministic;
 use super::energy::EnergySums;
 use super::extremes::{ExtremeCounts, ExtremeSums};
 use super::law::{LawSums, PhaseLaw};
@@ -66,7 +66,7 @@ sums! {
 pub struct Counts {
     /// What is asked for, and what all paths must agree on, which follow from the scenario.
     pub(super) record: Record,
-    certain: Certain,
+    deterministic: Deterministic,
     /// Number of paths folded, without the diverged ones.
     paths: u64,
     /// Number of independent units: that of the paths, or half of it for pairs.
@@ -157,7 +157,7 @@ impl Counts {
         let (levels, rows) = (record.levels, timeline.rows());
         Counts {
             record: *record,
-            certain: Certain::of(model, timeline),
+            deterministic: Deterministic::of(model, timeline),
             paths: 0,
             units: 0,
             diverged: Diverged::default(),
@@ -204,15 +204,15 @@ impl Counts {
     }
 
     /// This number of units, if their agreement would be a matter of chance.
-    fn chance(&self, units: u64) -> Option<u64> {
-        (!self.certain.everything).then_some(units)
+    fn random_units(&self, units: u64) -> Option<u64> {
+        (!self.deterministic.everything).then_some(units)
     }
 
     fn sample(&self) -> Sample {
         Sample {
             paths: self.paths,
             units: self.units,
-            is_random: !self.certain.everything,
+            is_random: !self.deterministic.everything,
         }
     }
 
@@ -271,13 +271,16 @@ impl Totals {
         };
         let distribution = |law: PhaseLaw| -> Option<Distribution> {
             let (of, ordered) = (counts.laws.get(law as usize)?, ordered.get(law as usize)?);
-            Some(of.summary(ordered, counts.chance(sums.phases.law(law)?.contributing())))
+            Some(of.summary(
+                ordered,
+                counts.random_units(sums.phases.law(law)?.contributing()),
+            ))
         };
         let bands = bands::summary(
             &sums.bands,
             &counts.bands,
             timeline,
-            counts.certain,
+            counts.deterministic,
             counts.unit(),
         );
         let mean_motion = [
@@ -289,16 +292,15 @@ impl Totals {
                 .spectrum
                 .as_ref()
                 .map(|spectrum| spectrum.summary(timeline, mean_motion)),
-            extremes: counts
-                .extremes
-                .as_ref()
-                .map(|extremes| extremes.summary(counts.chance(counts.units), counts.sample())),
+            extremes: counts.extremes.as_ref().map(|extremes| {
+                extremes.summary(counts.random_units(counts.units), counts.sample())
+            }),
             asked: Statistic::asked_by(&counts.record),
             cycle: None,
             densities: counts
                 .density
                 .as_ref()
-                .map(|density| density.summary(counts.chance(counts.units))),
+                .map(|density| density.summary(counts.random_units(counts.units))),
             completed_paths: counts.paths + counts.diverged.0.len() as u64,
             diverged: counts.diverged.0.clone(),
             estimates: Statistic::ALL.map(estimate),
@@ -313,12 +315,12 @@ impl Totals {
                 .then(|| PhaseLaw::ASKED.map(|law| distribution(law).unwrap_or_default())),
             sub_phases: counts
                 .sub_phases
-                .summary(counts.chance(sums.phases.cascade.contributing.slips)),
+                .summary(counts.random_units(sums.phases.cascade.contributing.slips)),
             transient: (timeline.after > 0.0).then(|| self.transient()),
             periods: sums.phases.periods.summary(
                 timeline,
-                !counts.certain.everything,
-                counts.certain.drift,
+                !counts.deterministic.everything,
+                counts.deterministic.drift,
             ),
             bands,
         }
@@ -335,7 +337,7 @@ impl Totals {
             sticks: counts.early_sticks,
             slips: counts.early_slips,
             displacement: Measured::mean_of_four(&sums.phases.cascade.early_displacement)
-                .in_range(Range::ANY, counts.chance(counts.units))
+                .in_range(Range::ANY, counts.random_units(counts.units))
                 .measurement(),
         }
     }
@@ -468,8 +470,8 @@ impl PhaseSums {
         measured.in_range(
             range,
             counts
-                .chance(units)
-                .filter(|_| !statistic.is_decided_by(counts.certain)),
+                .random_units(units)
+                .filter(|_| !statistic.is_decided_by(counts.deterministic)),
         )
     }
 

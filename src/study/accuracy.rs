@@ -7,7 +7,7 @@
 use super::trade::{Choice, Limits, Refusal, Standing, Trade, TradeError, measure_within};
 use crate::engine::MOST_PATHS;
 use crate::scenario::Scenario;
-use crate::scheme::Misfit;
+use crate::scheme::CheckError;
 use crate::stats::Statistic;
 use std::fmt;
 use std::str::FromStr;
@@ -91,7 +91,7 @@ pub enum AccuracyError {
     Pilot(#[from] TradeError),
     /// The chosen scheme does not go with the other values of the scenario.
     #[error(transparent)]
-    Misfit(#[from] Misfit),
+    CheckError(#[from] CheckError),
     /// A statistic that was named has no relative error in this scenario.
     #[error("{}: {standing}", statistic.name())]
     NoAnswer {
@@ -326,14 +326,14 @@ mod reference;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::trade::{Cost, Effort, Pairing, SettingGrid, measure};
+    use crate::study::trade::{Cost, Pairing, PlannedCost, SettingGrid, measure};
     use std::sync::LazyLock;
 
     /// A pilot of about a second. The costs are replaced by fixed ones, so that no choice depends
     /// on the machine: 1.2 ns for a step, 30 us for an event-driven path.
     fn pilot(name: &str, steps: usize, free_paths: &[u64]) -> (Scenario, Trade) {
         let scenario = Scenario::shipped(name).expect("a shipped scenario");
-        let effort = Effort {
+        let planned = PlannedCost {
             steps,
             coupled_paths: 640,
             free_paths: free_paths.to_vec(),
@@ -342,7 +342,7 @@ mod tests {
         let mut trade = measure(
             &scenario,
             &SettingGrid::of(&scenario),
-            &effort,
+            &planned,
             2,
             Limits::default(),
         )
@@ -466,7 +466,7 @@ mod tests {
     /// The alternative that is proposed is accepted when it is asked for, and a target 2.6 times
     /// smaller is rejected.
     #[test]
-    fn a_target_that_takes_too_long_is_refused_with_one_that_does_not() {
+    fn a_target_that_takes_too_long_is_refused() {
         let limits = [
             (1e-6, None),
             (1e-3, Some(Duration::from_secs(1))),
@@ -525,7 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn statistics_without_a_share_are_refused_when_named_and_left_out_of_all() {
+    fn statistics_without_a_share_are_refused_when_named() {
         let refused =
             |named: &[Statistic], (scenario, trade): &(Scenario, Trade)| match wanted(0.1, named)
                 .decide(scenario, trade)

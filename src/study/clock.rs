@@ -1,6 +1,6 @@
 //! The clock by which measurements are planned and ended: CPU time.
 //!
-//! Effort is planned in CPU seconds, so shares of it must end in CPU seconds too. If deadlines were
+//! Costs are planned in CPU seconds, so shares of it must end in CPU seconds too. If deadlines were
 //! in wall-clock time, a machine that is busy with other work would cut off whatever is measured
 //! last.
 

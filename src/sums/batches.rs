@@ -62,18 +62,18 @@ impl Share {
         student(self.freedom) * self.error
     }
 
-    /// The 95 % interval, within [0, 1]. `chance` is the number of paths that have phases, where
-    /// their agreement is a matter of chance. If all batches agree, because none of the phases is in
-    /// question or all are, the interval is Wilson's for as many phases, as it is where one is, and
-    /// without `chance` it is a single point.
-    pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
+    /// The 95 % interval, within [0, 1]. `random_units` is the number of paths that have phases,
+    /// where their agreement is a matter of chance. If all batches agree, because none of the
+    /// phases is in question or all are, the interval is Wilson's for as many phases, as it is
+    /// where one is, and without `random_units` it is a single point.
+    pub fn interval(&self, random_units: Option<u64>) -> [f64; 2] {
         let Share {
             estimate,
             error,
             freedom,
             all,
         } = *self;
-        match chance {
+        match random_units {
             _ if error.is_nan() => [f64::NAN; 2],
             Some(paths) if error == 0.0 => wilson(estimate, all.max(paths as f64), NORMAL),
             _ if error == 0.0 => [estimate; 2],

@@ -206,7 +206,7 @@ mod tests {
         }
 
         #[test]
-        fn coarsening_a_bin_gives_the_bin_of_the_value_at_the_coarser_level(
+        fn coarsening_a_bin_gives_the_coarser_bin_of_the_value(
             u in any_value(),
             up in 0i32..55,
             more in 0u32..70,

@@ -109,7 +109,7 @@ mod tests {
     /// The sum is computed term by term for every column. Rounding leaves some 1e-15 of the root of
     /// the length.
     #[test]
-    fn the_transform_is_the_sum_of_its_definition_on_every_instruction_set() {
+    fn the_transform_is_the_sum_of_its_definition() {
         let mut rng = Pcg64Dxsm::seed_from_u64(1965);
         for length in [2, 8, 64] {
             let mut fourier = Fourier::new(length);

@@ -378,7 +378,7 @@ mod tests {
 
     /// Such numbers are observed of paths that diverge, until their block is simulated without them.
     #[test]
-    fn numbers_that_are_none_or_too_far_are_left_out_and_no_number_panics() {
+    fn numbers_that_are_none_or_too_far_are_left_out() {
         let extreme = [
             0.0,
             -0.0,
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_numbers_have_one_cell_and_the_others_about_as_many_as_there_may_be() {
+    fn equal_numbers_have_one_cell_and_others_many() {
         let mut grid = Grid::empty([256, 1], 1);
         grid.count([0.0, 0.0], 2, 0);
         grid.count([0.0, 0.0], 1, 0);

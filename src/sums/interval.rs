@@ -173,7 +173,7 @@ pub(crate) struct Measured {
     interval: Interval,
     range: Range,
     /// The number of paths that contribute, where their agreement would be a matter of chance.
-    chance: Option<u64>,
+    random_units: Option<u64>,
 }
 
 /// How the interval is found.
@@ -201,7 +201,7 @@ impl Measured {
             is_too_heavy: false,
         }),
         range: Range::ANY,
-        chance: None,
+        random_units: None,
     };
 
     /// An estimate with the interval of Student's t.
@@ -297,12 +297,12 @@ impl Measured {
         }
     }
 
-    /// The same number, which cannot leave this range. `chance` is the number of paths that
+    /// The same number, which cannot leave this range. `random_units` is the number of paths that
     /// contribute; it is none where nothing is random, so that all paths must agree.
-    pub fn in_range(self, range: Range, chance: Option<u64>) -> Self {
+    pub fn in_range(self, range: Range, random_units: Option<u64>) -> Self {
         Measured {
             range,
-            chance,
+            random_units,
             ..self
         }
     }
@@ -456,10 +456,10 @@ impl Measured {
             standard_error,
             interval,
             range,
-            chance,
+            random_units,
         } = self;
         let agreeing =
-            chance.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
+            random_units.filter(|paths| standard_error <= AGREEMENT * estimate.abs() && *paths > 1);
         match (interval, agreeing) {
             // A median is where at least half of the paths agree.
             (Interval::Ends(low, high), Some(paths)) => {
@@ -570,7 +570,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_do_not_contribute_leave_the_interval_of_a_ratio_alone() {
+    fn paths_that_do_not_contribute_leave_a_ratio_unchanged() {
         let few = Measured::ratio(
             &JointMoments::of([&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]]),
             0,
@@ -588,7 +588,7 @@ mod tests {
     }
 
     #[test]
-    fn one_path_gives_an_estimate_without_an_interval_and_none_gives_nothing() {
+    fn one_path_gives_no_interval_and_none_gives_nothing() {
         let one = Measured::mean_of(&JointMoments::of([&[3.0]]), 0);
         assert_eq!(one.estimate, 3.0);
         let one = one.measurement();
@@ -657,7 +657,7 @@ mod tests {
     /// with fewer than nine degrees of freedom are 3 %. A difference that one in 500 carries is
     /// recognised whenever one to four of 1000 have it, and so is its standard deviation.
     #[test]
-    fn what_one_in_500_carries_rests_on_few_and_normal_numbers_do_not() {
+    fn what_one_in_500_carries_rests_on_few() {
         let mut rng = Pcg64Dxsm::seed_from_u64(500);
         let rest_on_few = |values: &[f64]| {
             let moments = SpreadMoments::of(values, Replicate::Path);

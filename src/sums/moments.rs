@@ -309,7 +309,7 @@ mod tests {
         }
 
         #[test]
-        fn spread_along_a_direction_is_the_spread_of_the_combined_number(
+        fn spread_along_a_direction_is_that_of_the_combination(
             rows in prop::collection::vec(prop::array::uniform3(-1.0..3.0f64), 2..80),
             cut in 0.0..1.0f64,
             g in prop::array::uniform3(-1.0..1.0f64),

@@ -109,3 +109,46 @@ pub(crate) fn of_steps(batches: &[Steps], steps: &Steps, p: f64) -> Measured {
     );
     Measured::within(quantile, error, low, high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::ordered::Kept;
+    use super::*;
+
+    /// 32 batches of 20 durations of 1 to 40 steps, of which those of half of the batches tend to be
+    /// long. The definition, number by number: m is refuted if F(m) is significantly below p, or if
+    /// F(m - 1) is significantly above it, by Student's t with 31 degrees of freedom.
+    #[test]
+    fn an_interval_of_steps_holds_all_that_is_not_refuted() {
+        let durations = |batch: u32| {
+            let of = move |i: u32| (i * i * 17 + i * batch * 13) % 33 + 1 + 7 * (batch % 2);
+            (0..20).map(move |i| f64::from(of(i)))
+        };
+        let of = |values: Vec<f64>| Steps::of(&Ordered::Kept(Kept::of(values, 0.0, 0)), 1.0);
+        let batches: Vec<Steps> = (0..32)
+            .map(|batch| of(durations(batch).collect()))
+            .collect();
+        let pooled = of((0..32).flat_map(durations).collect());
+        // The share of durations up to m, and half the width of its interval.
+        let share = |m: u32| {
+            let below = |batch| durations(batch).filter(|d| *d <= f64::from(m)).count() as f64;
+            let share = (0..32).map(below).sum::<f64>() / 640.0;
+            let squares: f64 = (0..32).map(|b| (below(b) - 20.0 * share).powi(2)).sum();
+            (
+                share,
+                2.039_513_446 * (32.0 / 31.0 * squares).sqrt() / 640.0,
+            )
+        };
+        for p in [0.25, 0.5, 0.75] {
+            let is_possible = |m: &u32| {
+                let ((to_m, reach), (to_less, reach_of_less)) = (share(*m), share(m - 1));
+                to_m + reach >= p && to_less - reach_of_less < p
+            };
+            let possible: Vec<u32> = (1..=40).filter(is_possible).collect();
+            let [first, last] = [0, possible.len() - 1].map(|i| f64::from(possible[i]));
+            let found = of_steps(&batches, &pooled, p).measurement();
+            assert_eq!([found.low, found.high], [first, last], "{p}: {possible:?}");
+            assert!(last - first >= 3.0, "{p}: {possible:?}");
+        }
+    }
+}

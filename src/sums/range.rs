@@ -145,7 +145,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn wilsons_ends_are_refuted_by_just_t_standard_errors_of_their_own(
+        fn wilsons_ends_are_t_standard_errors_away(
             p in 0.0..1.0f64, n in 1.0..1e6f64, t in 1.0..13.0f64,
         ) {
             let [low, high] = wilson(p, n, t);
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_on_which_all_paths_agree_has_the_bounds_of_its_range() {
+    fn a_number_all_paths_agree_on_has_the_bounds_of_its_range() {
         // The upper end is t^2/(n + t^2), about 4/n. The rule of three gives 3/n, because it leaves
         // all of the 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn few_units_of_many_are_too_few_and_few_of_few_are_what_there_is() {
+    fn few_units_of_many_are_too_few() {
         assert!(are_too_few(4, 100, 5) && are_too_few(1, 3, 5));
         assert!(!are_too_few(5, 100, 5) && !are_too_few(0, 100, 5) && !are_too_few(3, 5, 5));
     }

@@ -514,7 +514,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_those_of_the_sorted_values_up_to_a_fiftieth_of_an_sd() {
+    fn quantiles_are_those_of_sorted_values_to_an_sd_over_50() {
         // There is no sampling error, since both quantiles are of the same sample. Up to 2048
         // values are not binned.
         let mut rng = Pcg64Dxsm::seed_from_u64(7);

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn one_value_has_no_spread_and_equal_ones_have_the_freedom_of_their_number() {
+    fn one_value_has_no_spread_and_equal_ones_have_none() {
         // The file must hold the same bytes on every processor, whichever sign 0/0 has there.
         let one = SpreadMoments::of(&[3.0], Replicate::Path)
             .standard_deviation()

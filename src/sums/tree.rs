@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_that_is_there_already_is_refused_whole_or_within_a_node() {
+    fn a_block_that_is_there_already_is_refused() {
         let mut tree = Tree::default();
         (4..8).for_each(|k| {
             tree.push(k, Moments::of(&[k as f64]))

@@ -75,7 +75,7 @@ fn show(resolution: f64, summary: &Summary) {
 }
 
 #[test]
-fn sticks_multiply_as_the_resolution_gets_finer_and_the_rest_settles() {
+fn sticks_multiply_at_finer_resolution_the_rest_settles() {
     let by_step: Vec<(f64, Summary)> = (0..5)
         .map(|k| {
             let h = 0.005 / 4f64.powi(k);

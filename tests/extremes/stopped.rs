@@ -114,7 +114,7 @@ const LONG: [(&str, &[&str]); 11] = [
 /// The longest time is measured on a machine with other work: 0.1 s of CPU time is a thousand times
 /// what the paths are to take from look to look.
 #[test]
-fn every_path_asks_whether_it_is_wanted_a_tenth_of_a_second_apart_at_most() {
+fn every_path_checks_for_a_stop_every_tenth_of_a_second() {
     for (name, set) in LONG {
         let mut all = vec!["scheme.kind=\"event-driven\""];
         all.extend(set);

@@ -109,23 +109,25 @@ fn examine(text: &str, kind: Kind) -> Result<Outcome, String> {
     let scheme = Override::flag("--scheme", "scheme.kind", &format!("\"{}\"", kind.name()));
     let scenario = match Scenario::parse("survey.toml", text, &[scheme]) {
         Ok(scenario) => scenario,
-        Err(ScenarioError::Invalid(faults)) => {
-            let fault = &faults[0];
-            let named = fault.key.is_some() && fault.line.is_some() && !fault.remedy.is_empty();
-            let words = fault
+        Err(ScenarioError::Invalid(diagnostics)) => {
+            let diagnostic = &diagnostics[0];
+            let named = diagnostic.key.is_some()
+                && diagnostic.line.is_some()
+                && !diagnostic.remedy.is_empty();
+            let words = diagnostic
                 .problem
                 .split(|c: char| c == '=' || c.is_ascii_digit())
                 .next()
                 .unwrap_or_default();
             let reason = format!(
                 "{}: {}",
-                fault.key.clone().unwrap_or_default(),
+                diagnostic.key.clone().unwrap_or_default(),
                 words.trim()
             );
             return if named {
                 Ok(Outcome::Refused(reason))
             } else {
-                Err(format!("refused without a place: {fault}"))
+                Err(format!("refused without a place: {diagnostic}"))
             };
         }
         Err(error) => return Err(format!("{error}")),
@@ -385,7 +387,7 @@ impl Drop for Watchdog {
     }
 }
 
-/// Scenarios in which the survey found faults that have been repaired since, from divergences
+/// Scenarios in which the survey found errors that have been fixed since, from divergences
 /// without a warning, NaN and panics to events at the very time of an output row.
 const MENDED: [u64; 92] = [
     356, 432, 611, 776, 1000, 1139, 1293, 1528, 1570, 2647, 2736, 3016, 3178, 4616, 6223, 7230,

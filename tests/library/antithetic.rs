@@ -89,7 +89,7 @@ impl Observer for Seen {
 
 /// With v(0) = 0 the noises of paths 2k and 2k + 1 add up to zero, wherever the draws do not depend
 /// on events, and the even path is that of a run without pairs. A replay of each path has the same
-/// bits. In the schemes without steps the rows are ends of cells.
+/// bits. In the schemes without steps the rows are ends of macro steps.
 #[test]
 fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
     for &kind in Kind::ALL {

@@ -237,7 +237,7 @@ fn extrapolation_holds_and_an_error_of_a_factor_of_two_is_seen() {
 /// other seeds. An uncertainty that did not grow with the step would be too small for the number of
 /// sticks at 0.01 and 0.02, with each of these seeds.
 #[test]
-fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_close() {
+fn the_truth_is_within_where_frictions_are_close() {
     let mut model = paper(0.25, 0.25);
     model.friction.static_force = 1.05 * model.friction.dynamic_force;
     let mean = (
@@ -283,7 +283,7 @@ fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_clo
 /// than 6 misses have a probability of 0.3 %. With an uncertainty of 30 % of one term alone the
 /// first case has 12 misses; without half a step for each stick the second has 32.
 #[test]
-fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_mislead() {
+fn the_truth_is_within_where_changes_with_the_step_mislead() {
     let mut short_memory = paper(0.25, 0.25);
     short_memory
         .temperature
@@ -331,7 +331,7 @@ fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_misle
 /// 0.75 and 1.3; for five other seeds all ratios are between 0.87 and 1.15. Had a statistic of the
 /// displacement the order 1/2, it would be 1.5 or more; had one of sticks the order 1, about half.
 #[test]
-fn the_bias_of_each_statistic_falls_with_the_step_as_its_order_says() {
+fn each_bias_falls_with_the_step_as_its_order_says() {
     use Statistic::*;
     let h = 0.01;
     // Forcing frequency, x0 and t_end. In the second scene the body drifts from far away to the
@@ -448,7 +448,7 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
 /// whether the median is that of the short sticks. So the uncertainty must exceed a quarter of a
 /// unit for at least 13 seeds (16 do; if it were half as large, 2 would).
 #[test]
-fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
+fn the_bias_of_a_median_that_jumps_is_covered() {
     let mut model = paper(0.25, 0.1);
     (model.oscillator.mass, model.oscillator.stiffness) = (0.3, 0.2);
     (model.oscillator.damping, model.oscillator.drive) = (0.5, Drive::Dilatation(20.0));
@@ -485,7 +485,7 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
 }
 
 /// The reference run is left out where it costs more than the run allows (theta = 1e6, which needs
-/// a cell each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
+/// a macro step each 5e-7, 10^8 of them), where it resolves less than is needed (f_s and f_d almost
 /// equal), and where its paths are too few. The bias is then estimated from the three steps.
 #[test]
 fn the_steps_give_the_bias_where_the_reference_run_cannot() {
@@ -804,7 +804,7 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
 /// two or more of the fixed seeds miss it with 1.4 %; none may. If the differences stand although the
 /// early ends are in two or three of their groups, three of the four miss the truth.
 #[test]
-fn a_bias_that_rests_on_rare_early_ends_is_as_uncertain_as_they_are() {
+fn a_bias_from_rare_early_ends_is_as_uncertain() {
     let mut scene = under_a_force(
         "oscillator.force_per_temperature = 1\noscillator.damping = 0.03\nfriction = { static = 1.0, dynamic = 0.7 }\n\
          temperature.noise.intensity = 0.4\ntime.end = 20\nforce.expression = \"30*exp(-((t - 10)/0.05)^2)\"\n",

@@ -131,7 +131,7 @@ type Count = (usize, usize);
 /// uncertainties are conservative.
 #[test]
 #[ignore = "a measurement of some minutes"]
-fn no_statistic_of_any_setting_is_missed_more_often_than_it_says() {
+fn no_statistic_is_missed_more_often_than_stated() {
     let mut counts: BTreeMap<(String, usize), Count> = BTreeMap::new();
     for (name, model) in scenes() {
         let exact = run(

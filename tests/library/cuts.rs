@@ -277,7 +277,7 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
         &plan().record,
     );
     let deliver = |block: stickslip::ensemble::Delivered<PathMeans<2>>| {
-        joined.push_with(block.index, block.result.totals, block.beside)?;
+        joined.push_with(block.index, block.result.totals, block.auxiliary_sums)?;
         Ok::<_, stickslip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
     };
     let never = AtomicBool::new(false);

@@ -252,7 +252,7 @@ fn the_first_error_of_a_sink_ends_the_run() {
 }
 
 #[test]
-fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
+fn a_raised_flag_leaves_the_first_blocks() {
     struct StopAfter<'a>(&'a AtomicBool);
     impl Progress for StopAfter<'_> {
         fn paths(&mut self, done: u64, _: u64) {
@@ -306,7 +306,7 @@ impl Tally<1> for Planned {
 /// What a panic leaves of a run is what Ctrl-C leaves: the blocks before are saved, and the run that
 /// is continued from there has the bits of one that was never interrupted.
 #[test]
-fn a_panic_of_a_thread_ends_a_run_with_an_error_and_keeps_the_blocks_before() {
+fn a_panic_of_a_thread_keeps_the_blocks_before() {
     let (scenario, folder) = (
         scenario(5 * BLOCK_SIZE, &["record.paths=true", "record.events=true"]),
         tempfile::tempdir().expect("a folder"),

@@ -247,7 +247,7 @@ fn a_run_ends_with_the_block_that_its_consumer_calls_the_last() {
     }
 }
 
-/// One thread takes several blocks of event-driven paths across each cell of time together. Each
+/// One thread takes several blocks of event-driven paths across each macro step together. Each
 /// block has the same bits as when it is simulated alone, including the short last block and blocks
 /// in which a path is given up.
 #[test]
@@ -261,7 +261,7 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     };
     let scheme = Scheme::from(EventDriven { tolerance: 1e-3 });
     let simulation = scheme.simulation(&model, &timeline).with_work_limit(340);
-    assert!(simulation.paths_abreast() as u64 >= 2 * BLOCK_SIZE);
+    assert!(simulation.vectorised_paths() as u64 >= 2 * BLOCK_SIZE);
     let record = Record {
         paths: true,
         events: true,

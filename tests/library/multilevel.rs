@@ -178,7 +178,7 @@ fn threads_do_not_change_a_bit() {
 }
 
 #[test]
-fn statistics_that_are_no_means_and_scenes_without_noise_are_refused() {
+fn only_means_of_random_scenes_are_accepted() {
     assert!(Multilevel::new(&paper(0.25, 0.25), END, Statistic::StickDurationMean, 1).is_none());
     assert!(Multilevel::new(&paper(0.25, 0.0), END, Statistic::DisplacementEndMean, 1).is_none());
     assert!(Multilevel::new(&paper(0.25, 0.25), 0.0, Statistic::DisplacementEndMean, 1).is_none());

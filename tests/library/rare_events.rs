@@ -102,7 +102,7 @@ const UNSEEN: [&str; 3] = ["resonance", "above it", "strong noise"];
 /// runs of 100 paths that have an interval, which are 71 to 76 %; 96.1, 92.8 and 30.6 % at 300.
 #[test]
 #[ignore = "takes some minutes"]
-fn intervals_of_rare_events_hold_the_truth_in_92_percent_of_runs() {
+fn intervals_of_rare_events_cover_92_percent() {
     const RUNS: u64 = 500;
     let mut worst: Vec<String> = Vec::new();
     for scene in SCENES {

@@ -44,7 +44,7 @@ fn a_summary_with_missing_and_infinite_numbers_comes_back() {
 /// One walk writes and reads, so a walk that took one number for another would read it back all the
 /// same.
 #[test]
-fn each_variable_and_attribute_has_the_values_that_its_name_says() {
+fn each_variable_has_the_values_that_its_name_says() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("run.h5");
     let (header, s) = write(&target, 1000, 256, &EVERYTHING, Status::Complete);
@@ -507,7 +507,7 @@ fn speed_of_writing() {
 /// `STORE_SAMPLES=DIR cargo test --test library every_kind` writes these files to DIR, for readers
 /// in other languages.
 #[test]
-fn a_file_of_every_kind_comes_back_with_the_rows_it_was_asked_for() {
+fn a_file_of_every_kind_comes_back() {
     let temporary = tempfile::tempdir().unwrap();
     let folder =
         std::env::var_os("STORE_SAMPLES").map_or(temporary.path().to_owned(), PathBuf::from);

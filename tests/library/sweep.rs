@@ -140,7 +140,7 @@ fn a_point_is_the_run_of_its_scenario_with_its_bias() {
 }
 
 #[test]
-fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
+fn no_bit_depends_on_threads_or_interruptions() {
     let axes = [
         "rho=temperature.noise.intensity=0,0.1,0.25",
         "friction.static=1.1,1.2",
@@ -182,7 +182,7 @@ fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
 /// paths of pairs would be off by a factor of 2.6 for the displacement, for which antithetic noise
 /// reduces the error most.
 #[test]
-fn groups_tell_the_errors_that_a_run_tells_also_of_antithetic_pairs() {
+fn groups_have_the_errors_of_a_run_also_for_pairs() {
     for antithetic in ["false", "true"] {
         let pairs = format!("ensemble.antithetic={antithetic}");
         let set = [&SHORT[..], &[&pairs]].concat();
@@ -330,7 +330,7 @@ fn mean_and_variance(x: &[f64]) -> (f64, f64) {
 }
 
 #[test]
-fn paired_intervals_of_differences_and_elasticities_hold_what_many_seeds_show() {
+fn paired_intervals_hold_what_many_seeds_show() {
     let base = [
         "time.end=30",
         "time.output_step=30",

@@ -186,7 +186,7 @@ fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
 /// first in one bit each, give 65 different T at the end, and each path is the same as when it is
 /// simulated alone. The same holds for 65 seeds.
 #[test]
-fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
+fn every_bit_of_path_number_and_seed_counts() {
     let number = 5u64;
     let neighbours: Vec<u64> = std::iter::once(number)
         .chain((0..64).map(|bit| number ^ (1 << bit)))
@@ -233,7 +233,7 @@ fn every_bit_of_the_path_number_and_of_the_seed_counts_in_every_scheme() {
 
 /// A replay uses all 64 bits of the number of a path, and reports that number.
 #[test]
-fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
+fn path_numbers_beyond_32_bits_are_other_paths() {
     let scenario =
         Scenario::parse("rho025", shipped("rho025").expect("shipped").text, &[]).expect("sound");
     let mut ends = HashSet::new();
@@ -299,7 +299,7 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
 /// sign, bit for bit. A correction of the stick exit that used beta with its sign instead of |beta|
 /// would raise the threshold in one of the two scenes and lower it in the other.
 #[test]
-fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
+fn negative_dilatation_does_the_same_on_the_other_side() {
     let model = paper(0.25, 0.25);
     let mut mirrored = model.clone();
     mirrored.initial_displacement = -6.0;

@@ -182,7 +182,7 @@ fn no_slip_starts_against_the_force() {
 /// bodies that come to rest with |S| between the two thresholds, and bodies at rest that start to
 /// slip there. Steps within 1e-9 of a threshold, where rounding may decide, are left out.
 #[test]
-fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() {
+fn the_threshold_is_lowered_only_on_the_way_out() {
     let (model, h) = (paper(0.25, 0.25), 0.01);
     let timeline = Timeline {
         end: 60.0,
@@ -263,7 +263,7 @@ fn the_shift_does_not_know_the_sign_of_the_dilatation() {
 /// known to 0.5 %). Sample size: 20 000 paths, with a standard error of 0.23 %. False-alarm rate:
 /// below 1e-4. With the threshold lowered by the whole shift, the fraction is 11.6 % too small.
 #[test]
-fn with_equal_friction_the_sticking_fraction_is_that_of_the_limit() {
+fn the_sticking_fraction_at_equal_friction_is_the_limit() {
     let (value, se) = estimates(
         with_gap(0.0),
         1.0 / 32.0,

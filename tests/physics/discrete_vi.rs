@@ -146,7 +146,7 @@ fn assert_first_order(w: f64, exact: &[(f64, f64)], most: (f64, f64)) {
 }
 
 #[test]
-fn the_cascade_of_forcing_a_quarter_is_approached_with_order_one() {
+fn the_cascade_is_approached_with_order_one() {
     assert_first_order(0.25, &EXACT_QUARTER, (7.3, 6.5));
 }
 
@@ -173,7 +173,7 @@ fn the_cascade_of_forcing_a_half_is_approached_with_order_one() {
 /// differs, because the reference uses no fused multiply-add. So places agree to 1e-9, and with
 /// this seed every event falls on the same step.
 #[test]
-fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
+fn the_kernel_gives_the_cascade_of_the_reference() {
     let mut damped = paper(0.25, 0.25);
     damped.oscillator = Oscillator {
         mass: 2.0,
@@ -702,7 +702,7 @@ fn amplitudes_above_the_critical_one_grow_and_are_reported() {
 /// every instruction set, with noise and without, in the scheme and in an ensemble, and nothing of
 /// them is in a statistic.
 #[test]
-fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
+fn a_path_that_is_not_a_number_has_diverged() {
     let (h, end) = (20.0, 6000.0);
     for rho in [0.0, 0.25] {
         let (model, line) = (paper(0.25, rho), timeline(end, end));
@@ -786,7 +786,7 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
 /// a static row is held by f_s, and the static rows times the step are the time in sticks. With the
 /// row at the end of a stick counted as static, they would be a step for each stick more, here 8 %.
 #[test]
-fn a_path_is_static_at_the_rows_of_its_sticks_and_not_where_they_end() {
+fn a_path_is_static_at_the_rows_of_its_sticks() {
     let (model, h, end) = (paper(0.25, 0.25), 0.02, 60.0);
     let timeline = Timeline {
         output_step: h,

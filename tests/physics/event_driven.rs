@@ -13,7 +13,7 @@ use stickslip::model::{
 };
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind,
-    Observer, QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
+    Observer, QuasiStaticSimulation, Simulate as _, SlipTransition, Snapshot, Timeline,
 };
 use stickslip::stats::{Record, Statistic};
 
@@ -514,7 +514,7 @@ fn observing_does_not_touch_a_noiseless_path() {
 }
 
 #[test]
-fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
+fn relaxation_without_diffusion_is_one_more_exponential() {
     // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the stick band downwards where 6
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
@@ -658,7 +658,7 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
 }
 
 #[test]
-fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
+fn the_slip_transition_keeps_ten_digits_in_every_entry() {
     // The reference is Van Loan's block exponential and spectral sums in 220-digit arithmetic
     // (tests/reference/slip_transition.py). Entries that have decayed to less than 1e-100 of their
     // natural scale are left out, because whatever they are added to is not changed by them.
@@ -697,32 +697,85 @@ fn the_slip_transition_keeps_ten_digits_in_every_entry_for_every_step() {
                 "w0 {w0} theta {theta} alpha {alpha} h {h}, {column}: {got:e} {want:e}"
             );
         }
-        // The law of v and x given n reproduces the covariance. Its standard deviations are
-        // positive, although the condition number of the covariance is h^-4.
-        let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
-        assert!(
-            v_sd > 0.0 && x_sd > 0.0,
-            "{w0} {theta} {alpha} {h}: {:?}",
-            step.given_noise
-        );
-        let (vn, xn) = (v_on_n * sn, x_on_n * sn);
-        for (got, want, scale) in [
-            (vn * sn, row[12], sn * sv),
-            (vn * vn + v_sd * v_sd, row[14], sv * sv),
-            (xn * sn, row[13], sn * sx),
-            (xn * vn + x_on_v * v_sd, row[15], sv * sx),
-            (xn * xn + x_on_v * x_on_v + x_sd * x_sd, row[16], sx * sx),
+    }
+}
+
+/// Over all pairs of rates, dampings and steps of the reference.
+#[test]
+fn a_slip_transition_composes_and_factorises() {
+    let steps = [1e-9, 1e-6, 1e-3, 0.03, 0.5, 4.0, 30.0, 1000.0];
+    for (w0, theta) in [0.3, 1.0, 20.0]
+        .map(|w0| [0.01, 1.0, 50.0].map(|theta| (w0, theta)))
+        .concat()
+    {
+        for (ratio, h) in [0.0, 0.1, 1.0, 3.0]
+            .map(|ratio| steps.map(|h| (ratio, h)))
+            .concat()
+        {
+            let oscillator = DrivenOscillator::new(1.0, ratio * w0, w0, theta, 1.0, &[]);
+            let [first, second, whole] =
+                [0.3, 0.7, 1.0].map(|part| oscillator.transition(part * h, &mut []));
+            let case = format!("w0 {w0} theta {theta} ratio {ratio} h {h}");
+            check_composition(&case, [&first, &second, &whole]);
+            check_factors(&case, &whole);
+        }
+    }
+}
+
+/// Phi(a + b) = Phi(b) Phi(a) and Q(a + b) = Q(b) + Phi(b) Q(a) Phi(b)^T, to ten digits of the sum of
+/// the sizes of all terms.
+fn check_composition(case: &str, [first, second, whole]: [&SlipTransition; 3]) {
+    let means = |step: &SlipTransition| {
+        let row = |of: &[f64; 4]| [of[0], of[1], of[2]];
+        [row(&step.x), row(&step.v), [0.0, 0.0, step.n]]
+    };
+    let covariance = |step: &SlipTransition| {
+        let [nn, nv, nx, vv, vx, xx] = step.covariance;
+        [[xx, vx, nx], [vx, vv, nv], [nx, nv, nn]]
+    };
+    let ([a, b, all], [q, more, spread]) = (
+        [first, second, whole].map(means),
+        [first, second, whole].map(covariance),
+    );
+    for (i, j) in [0, 1, 2].map(|i| [0, 1, 2].map(|j| (i, j))).concat() {
+        let mean = [0, 1, 2].map(|k| b[i][k] * a[k][j]);
+        let pairs = [0, 1, 2].map(|k| [0, 1, 2].map(|l| b[i][k] * q[k][l] * b[j][l]));
+        for (got, terms) in [
+            (all[i][j], mean.to_vec()),
+            (spread[i][j], [&[more[i][j]][..], &pairs.concat()].concat()),
         ] {
+            let (sum, size) = terms.iter().fold((0.0, 0.0), |(sum, size), term| {
+                (sum + term, size + term.abs())
+            });
             assert!(
-                (got - want).abs() <= 1e-10 * scale,
-                "{w0} {theta} {alpha} {h}"
+                (got - sum).abs() <= 1e-10 * size + 1e-100,
+                "{case}, {i} {j}: {got:e} {sum:e}"
             );
         }
     }
 }
 
+/// The law of v and x given n reproduces the covariance. Its standard deviations are positive,
+/// although the condition number of the covariance is h^-4.
+fn check_factors(case: &str, step: &SlipTransition) {
+    let [nn, nv, nx, vv, vx, xx] = step.covariance;
+    let [sn, sv, sx] = [nn, vv, xx].map(f64::sqrt);
+    let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = step.given_noise;
+    assert!(v_sd > 0.0 && x_sd > 0.0, "{case}: {:?}", step.given_noise);
+    let (vn, xn) = (v_on_n * sn, x_on_n * sn);
+    for (got, want, scale) in [
+        (vn * sn, nv, sn * sv),
+        (vn * vn + v_sd * v_sd, vv, sv * sv),
+        (xn * sn, nx, sn * sx),
+        (xn * vn + x_on_v * v_sd, vx, sv * sx),
+        (xn * xn + x_on_v * x_on_v + x_sd * x_sd, xx, sx * sx),
+    ] {
+        assert!((got - want).abs() <= 1e-10 * scale, "{case}");
+    }
+}
+
 #[test]
-fn a_step_through_the_transition_follows_the_closed_form_under_forcing() {
+fn a_transition_under_forcing_follows_the_closed_form() {
     // The noiseless sub-phase by series and doubling compared with divided differences of the
     // exponential, at resonance as well.
     for (alpha, w) in [
@@ -911,7 +964,7 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
 }
 
 #[test]
-fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
+fn statistics_do_not_depend_on_the_tolerance() {
     // Null hypothesis: every statistic has the same value for each tolerance and output grid. All
     // statistics exist in this scene, which has three whole forcing periods. Sample size: 25 000 paths
     // on either side, seeds 1 to 5. False-alarm rate: 1e-4 for each of 84 comparisons.
@@ -1103,8 +1156,8 @@ impl Observer for Reported {
 }
 
 /// Whatever the output grid is, the events are the same to the last bit, and so is the state
-/// wherever a row lies at the end of a cell (multiples of 0.5 in this scene). If the run ends in
-/// the middle of a cell, also of the first, the path is the same up to that time.
+/// wherever a row lies at the end of a macro step (multiples of 0.5 in this scene). If the run ends
+/// in the middle of a macro step, also of the first, the path is the same up to that time.
 #[test]
 fn looking_at_a_path_does_not_change_it() {
     let mut forced = paper(0.25, 0.25);
@@ -1153,7 +1206,7 @@ fn looking_at_a_path_does_not_change_it() {
         {
             assert_eq!(row, same, "{kind:?}");
         }
-        // A finer output grid passes through the states of a coarser one, also inside cells.
+        // A finer output grid passes through the states of a coarser one, also inside macro steps.
         let coarse = reported(60.0, 0.7, None);
         let line = Timeline {
             end: 60.0,
@@ -1210,10 +1263,10 @@ fn looking_at_a_path_does_not_change_it() {
     }
 }
 
-/// A slip begins 2e-9 before the end of a cell at t = 2.5, where it is too short for an exact step,
-/// and a row lies in its middle. The forcing is that of the paper, shifted so that |b| = f_s there;
-/// the noise moves this time by 6e-11. At the row the body has moved for 1e-9 with the acceleration
-/// -(f_s - f_d)/m = -0.2, and T is the forcing.
+/// A slip begins 2e-9 before the end of a macro step at t = 2.5, where it is too short for an exact
+/// step, and a row lies in its middle. The forcing is that of the paper, shifted so that |b| = f_s
+/// there; the noise moves this time by 6e-11. At the row the body has moved for 1e-9 with the
+/// acceleration -(f_s - f_d)/m = -0.2, and T is the forcing.
 #[test]
 fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
     let (exit, row, w) = (2.5 - 2e-9, 2.5 - 1e-9, 0.25);
@@ -1253,7 +1306,7 @@ fn a_slip_that_begins_just_before_the_end_of_a_cell_is_observed() {
 /// noises, which is exceeded by chance once in 5000 runs of the test. If the states inside a step
 /// were drawn with twice their spread, the mean would be 2.6.
 #[test]
-fn under_weak_noise_rows_inside_a_cell_show_the_noise_that_moves_the_body() {
+fn under_weak_noise_rows_show_the_noise_that_moves_the_body() {
     let (w, lag) = (0.25, 0.05);
     for rho in [1e-3, 1e-5, 1e-7] {
         let line = Timeline {
@@ -1343,13 +1396,13 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     )
 }
 
-/// Null hypothesis: a state that is drawn inside a cell has the same law as one at the end of a
-/// cell. At the default tolerance cells are 0.5 long, and t = 0.7, 1.4, .. lies inside them except
-/// for every fifth. At 1/25 of that tolerance cells are 0.1 long, and all of these times are ends.
-/// Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm rate: 1e-4 for each of 9
-/// moments at 10 instants. If the bridge in a stick were drawn without the condition that it stays
-/// in the band, or if the noise in a slip were twice too large between ends, the moments would
-/// be off by tens of standard errors.
+/// Null hypothesis: a state that is drawn inside a macro step has the same law as one at the end of
+/// a macro step. At the default tolerance macro steps are 0.5 long, and t = 0.7, 1.4, .. lies
+/// inside them except for every fifth. At 1/25 of that tolerance macro steps are 0.1 long, and all
+/// of these times are ends. Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm
+/// rate: 1e-4 for each of 9 moments at 10 instants. If the bridge in a stick were drawn without the
+/// condition that it stays in the band, or if the noise in a slip were twice too large between
+/// ends, the moments would be off by tens of standard errors.
 #[test]
 fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
     let model = paper(0.25, 0.25);
@@ -1396,12 +1449,12 @@ impl Observer for Increments {
 
 /// In a slip whose forces are 1e9 times larger than the changes by the noise, the noise cannot be
 /// recovered from the forces. Null hypothesis: T still has the increments of the noise from row to
-/// row. Sample size: 40 rows inside one cell (0.5 long) in each of 500 paths, whose scaled squares
-/// have the mean 1 +- 0.01; seed 12. False-alarm rate: 1e-4 for each comparison. The same holds
-/// where four of five rows come from a finer output grid. If rows were drawn one by one from the
-/// law given both ends of the cell, the mean would be 18.
+/// row. Sample size: 40 rows inside one macro step (0.5 long) in each of 500 paths, whose scaled
+/// squares have the mean 1 +- 0.01; seed 12. False-alarm rate: 1e-4 for each comparison. The same
+/// holds where four of five rows come from a finer output grid. If rows were drawn one by one from
+/// the law given both ends of the macro step, the mean would be 18.
 #[test]
-fn in_a_slip_the_temperature_moves_as_the_noise_does_however_feeble_it_is() {
+fn in_a_slip_the_temperature_follows_feeble_noise() {
     let mut model = paper(0.25, 0.25);
     model.temperature.harmonics.clear();
     model.initial_displacement = 1e9;
@@ -1485,7 +1538,7 @@ fn two_scenes_see_the_same_noise() {
 }
 
 #[test]
-fn events_alternate_as_the_cascade_says_and_carry_consistent_forces() {
+fn events_alternate_and_carry_consistent_forces() {
     let model = paper(0.25, 0.25);
     for events in path_events(&model, 60.0, 1, &(0..500).collect::<Vec<_>>()) {
         let (mut time, mut slipping) = (0.0, false);
@@ -1777,7 +1830,7 @@ fn quasi_static_with_equal_thresholds_never_moves() {
 }
 
 #[test]
-fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing() {
+fn quasi_static_holds_on_the_viaduct_not_under_fast_forcing() {
     // Null hypothesis: both schemes have the same mean number of slips and the same mean final
     // displacement. Sample size: 400 paths on either side. False-alarm rate: 1e-4 for each
     // comparison. The laws differ by the work of the noise during a slip of 0.07 s, which is far

@@ -212,7 +212,7 @@ fn kept(model: &Model, seed: u64, paths: u64) -> Keep {
 }
 
 #[test]
-fn without_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_path() {
+fn without_noise_a_mirrored_scene_has_a_mirrored_path() {
     // Every operation is odd or even in (x, T), so the bits are the same except for the signs.
     for w in [0.25, 0.5] {
         let (path, image) = (
@@ -234,7 +234,7 @@ fn without_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_path() 
 }
 
 #[test]
-fn a_body_that_shrinks_in_the_heat_follows_the_same_path_in_the_opposite_temperature() {
+fn negative_dilatation_is_the_opposite_temperature() {
     // (beta, T) -> (-beta, -T) does not change the forces, so every path has the same bits except
     // for the sign of T.
     let model = paper(0.25, 0.25);
@@ -249,7 +249,7 @@ fn a_body_that_shrinks_in_the_heat_follows_the_same_path_in_the_opposite_tempera
 }
 
 #[test]
-fn with_noise_the_mirror_image_of_a_scene_has_the_mirror_image_of_its_law() {
+fn with_noise_a_mirrored_scene_has_a_mirrored_law() {
     // Null hypothesis: in the mirrored scene the statistics of x change sign, and all others stay
     // the same. v(0) = 0.5 and a phase make the scene itself asymmetric. Sample size: 4e4 paths on
     // either side, seeds 41 and 42. False-alarm rate: 1e-4 for each of 21 comparisons.
@@ -391,7 +391,7 @@ impl Observer for Zeros {
 }
 
 #[test]
-fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
+fn without_friction_velocity_zeros_are_as_many_as_rice_says() {
     // A stationary Gaussian process y with a derivative has sqrt(E y'^2/E y^2)/pi zeros in a unit
     // of time in the mean (Rice 1945). Here y = x' of x'' + 2 alpha x' + x = n with m = K = 1 and
     // noise of relaxation rate theta, so y' = n - 2 alpha x' - x. In units of E x'n, the time
@@ -456,8 +456,8 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
 
 /// The work of a path is bounded as theta falls to 0, where the noise is a Brownian motion. A path
 /// of 40 units of time makes fewer than 20 000 evaluations for every theta, and its slips do not
-/// depend on a theta that is far below 1/t_end. A cell as long as 1/theta made 10^5 times as many
-/// at 1e-9.
+/// depend on a theta that is far below 1/t_end. A macro step as long as 1/theta made 10^5 times as
+/// many at 1e-9.
 #[test]
 fn noise_that_hardly_relaxes_takes_bounded_work() {
     let simulated = |theta: f64, is_quasi_static: bool| {

@@ -40,7 +40,7 @@ fn body(friction: [f64; 2], x0: f64, end: f64, more: &str) -> String {
 /// A belt of speed V, seen from the belt: settled sticks last 2 (f_s - f_d)/(K V), slips 2 (pi -
 /// atan((f_s - f_d) w0/(K V)))/w0, and the body jumps by V times their sum.
 #[test]
-fn a_body_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form() {
+fn on_a_belt_the_period_is_that_of_the_closed_form() {
     let belt = scenario(&body(
         [1.2, 1.0],
         0.0,
@@ -196,7 +196,7 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
 /// Negative damping and friction: from below A = (f_d/K) (q + 1)/(q - 1), q = exp(-pi z/sqrt(1 -
 /// z^2)), the body comes to rest, and from above it runs away.
 #[test]
-fn a_body_with_negative_damping_runs_away_beyond_its_unstable_cycle() {
+fn negative_damping_runs_away_beyond_the_unstable_cycle() {
     const CYCLE: f64 = 12.742_671_918_388_782;
     let from = |x0: f64, damping: &str, force: &str| {
         let text = body([1.0, 1.0], x0, 800.0, force)
@@ -267,7 +267,7 @@ fn a_path_that_runs_away_is_counted_as_diverged() {
 /// A cubic spring released at x = 3 with f = 1, and drag against a constant force without a spring.
 /// The digits are from the integral of the energy, and from the closed form of the motion.
 #[test]
-fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
+fn a_cubic_spring_and_a_fall_have_their_closed_forms() {
     let spring = "force.expression = \"-k3*x^3\"\nparameters = { k3 = 0.5 }";
     let first = events(&scenario(&body([1.0, 1.0], 3.0, 10.0, spring)))[1];
     assert!(
@@ -517,7 +517,7 @@ fn noisy_scenes_have_the_statistics_of_an_independent_program() {
 /// The schemes with a step agree with the table where the bias that the run measures is taken off.
 /// 2 x 75 differences; the uncertainty of a bias is that of a 95 % interval.
 #[test]
-fn the_steps_agree_with_the_independent_program_once_their_bias_is_taken_off() {
+fn corrected_estimates_agree_with_the_independent_program() {
     for (scene, _) in SCENES {
         for scheme in [
             Scheme::from(DiscreteVi { step: 0.005 }),
@@ -592,7 +592,7 @@ fn differences(a: &Summary, b: &Summary) -> Vec<(&'static str, f64, f64, f64)> {
 /// seeds; 20 statistics within 4 standard errors, which a right program exceeds with a probability
 /// of 0.1 %.
 #[test]
-fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics() {
+fn half_a_spring_as_a_user_force_gives_the_same_statistics() {
     let [whole, half] = whole_and_half();
     let exact = summary(&whole, EventDriven { tolerance: 1e-3 }.into(), 30_000);
     let general = summary(&half, EventDriven { tolerance: 1e-3 }.into(), 15_000);
@@ -604,7 +604,7 @@ fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics() {
 /// The same with 2e6 paths each, within 3.5 standard errors, at two tolerances.
 #[test]
 #[ignore = "8e6 paths: a quarter of an hour; at most 1.7 standard errors apart at either tolerance"]
-fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics_in_long_runs() {
+fn half_a_spring_as_a_user_force_agrees_in_long_runs() {
     let [whole, half] = whole_and_half();
     let exact = summary(&whole, EventDriven { tolerance: 1e-3 }.into(), 2_000_000);
     for tolerance in [1e-3, 1e-5] {
@@ -638,11 +638,11 @@ fn the_tolerance_under_a_force_of_ones_own_is_kept() {
 }
 
 /// T in a slip is found from the balance of forces, g included. Null hypothesis: at t = 30.1,
-/// inside a cell, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the
+/// inside a macro step, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the
 /// variance is known to 2.2 %; 4.5 standard errors. A g that the balance left out would add several
 /// times as much.
 #[test]
-fn the_temperature_in_a_slip_is_that_of_the_noise_under_a_force_of_ones_own() {
+fn the_temperature_in_a_slip_is_that_of_the_noise() {
     let scenario = noisy("cubic spring");
     let mut keep = Keep::lanes(4000);
     let numbers: Vec<u64> = (0..4000).collect();
@@ -709,7 +709,7 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
 /// events of a hardening spring approach those without noise, and a tenth of the tolerance leaves
 /// about a tenth of the error.
 #[test]
-fn without_noise_the_error_under_a_force_of_ones_own_follows_the_tolerance() {
+fn without_noise_the_error_follows_the_tolerance() {
     let events = |expression: &str, intensity: f64, tolerance: f64| {
         let mut scenario = noisy("cubic spring");
         scenario.model.force = Some(Force::new(

@@ -129,7 +129,7 @@ fn densities(summary: &Summary) -> &Densities {
 
 /// What is counted from a time on and what is counted until then are together what is counted in the
 /// whole time, of the same path: works, times at rest and the times below every edge of a bin. Without
-/// a step neither time is a multiple of a cell, and nothing is left of the balance; a step is counted
+/// a step neither time is a multiple of a macro step, and nothing is left of the balance; a step is counted
 /// or not as it is at the nearest of its multiples.
 #[test]
 fn totals_are_additive_over_time() {
@@ -137,7 +137,7 @@ fn totals_are_additive_over_time() {
         Statistic::FrictionWorkMean,
         Statistic::TemperatureWorkMean,
         Statistic::DampingWorkMean,
-        Statistic::OwnForceWorkMean,
+        Statistic::UserForceWorkMean,
         Statistic::StoredEnergyMean,
         Statistic::EnergyResidualMean,
     ];
@@ -364,7 +364,7 @@ fn densities_of_a_sine_are_its_closed_form() {
 /// A step of a scheme with a step is its state, held for the step: densities are those of the rows at
 /// all steps, and works are sums of the forces at the start of each step times its way.
 #[test]
-fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
+fn densities_and_works_are_those_of_the_steps() {
     for scheme in ["discrete-vi", "corrected-vi"] {
         let lines = format!(
             "{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01",

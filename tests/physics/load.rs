@@ -139,7 +139,7 @@ fn without_noise_every_event_is_that_of_an_independent_program() {
 /// The schemes with a step come to the same events at a rate of order 1: at h = 1e-3 within 0.02,
 /// and at half of it within half of that.
 #[test]
-fn the_schemes_with_a_step_come_to_these_events_as_the_step_goes_to_zero() {
+fn schemes_with_a_step_converge_to_these_events() {
     for (name, _) in SCENES {
         let wanted = reference(name);
         let last = |scheme: Scheme| {
@@ -217,7 +217,7 @@ fn a_body_on_growing_friction_stops_where_energy_is_spent() {
 /// -f_s (L(t) - 1) under a constant f_s. The first sticks of 300 paths end at the same times within
 /// 1e-9, on either side: the same random numbers decide.
 #[test]
-fn a_moving_threshold_is_left_when_the_equivalent_force_leaves_a_constant_one() {
+fn a_moving_threshold_is_an_equivalent_force() {
     for side in [1.0, -1.0] {
         let noise = format!(
             "temperature.noise.intensity = 0.05\ninitial.displacement = {}\ntime.end = 20",
@@ -799,7 +799,7 @@ fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
     ] = summaries.each_ref().map(|of| {
         [
             Statistic::FrictionWorkMean,
-            Statistic::OwnForceWorkMean,
+            Statistic::UserForceWorkMean,
             Statistic::DampingWorkMean,
             Statistic::EnergyResidualMean,
         ]

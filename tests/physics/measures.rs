@@ -136,7 +136,7 @@ fn the_drift_on_a_belt_is_its_speed_and_nothing_spreads() {
 /// The noise has the correlation time 1/100, which changes the spectrum below w = 5 by less than its
 /// errors. Null: each value is within 3.5 standard errors, which fails by chance in 1 of 2000 values.
 #[test]
-fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusion() {
+fn a_free_body_has_de_gennes_spectrum_and_diffusion() {
     let more = format!(
         "{}\nrecord = {{ spectrum = true, paths = false }}\nensemble = {{ paths = 1000 }}\nscheme = {{ kind = \"event-driven\", tolerance = 0.01 }}",
         white(0.5, 100.0)
@@ -198,7 +198,7 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
 /// here, passed on 2026-11-28.
 #[test]
 #[ignore = "a minute on two cores"]
-fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
+fn the_velocity_under_friction_has_boltzmanns_law() {
     for (alpha, law) in [
         (0.0, (|v| -2.0 * v) as fn(f64) -> f64),
         (0.25, |v| -0.5 * v * v - 2.0 * v),
@@ -219,7 +219,7 @@ fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
 /// as here, passed on 2026-11-26.
 #[test]
 #[ignore = "half a minute on two cores"]
-fn under_white_noise_the_displacement_on_a_cubic_spring_has_boltzmanns_law() {
+fn the_displacement_on_a_cubic_spring_has_boltzmanns_law() {
     let shares =
         |summary: &Summary| quarters(&summary.densities.as_ref().expect("asked for").displacement);
     let spring = "force = { expression = \"-0.5*x^3\" }";
@@ -383,7 +383,7 @@ fn the_amplitude_of_a_forced_body_is_den_hartogs() {
 /// belt that is faster than the swing it is the linear response to c a cos w t, of the amplitude c a/|K
 /// - w^2 + 2 i alpha w|, beside V t by -(f_d + 2 alpha V)/K. Half of the range of x is 150.
 #[test]
-fn on_a_belt_the_amplitude_and_the_section_are_those_of_x_less_its_drift() {
+fn on_a_belt_the_amplitude_is_that_of_x_less_its_drift() {
     let (w, a, alpha, speed) = (0.5f64, 1.0, 0.1, 3.0);
     let period = std::f64::consts::TAU / w;
     for (more, load) in [

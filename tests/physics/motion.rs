@@ -37,7 +37,7 @@ fn of(summary: &Summary, statistic: Statistic) -> f64 {
 /// swings of 0.07 s of the bridge, which is quasi-static, where the work of the temperature is that of
 /// the one that is held. At most 3e-13 of the work of friction was found.
 #[test]
-fn without_noise_the_balance_of_energy_closes_to_a_billionth_of_the_work_of_friction() {
+fn without_noise_the_balance_of_energy_closes() {
     let mut scenes = Vec::new();
     let mut add = |name: &str, change: &dyn Fn(&mut Scenario)| {
         let mut scene = event_driven(shipped(name, 1));
@@ -246,7 +246,7 @@ fn an_elastic_stop_takes_no_work() {
             &more,
         )));
         let [own, friction, residual] = [
-            Statistic::OwnForceWorkMean,
+            Statistic::UserForceWorkMean,
             Statistic::FrictionWorkMean,
             Statistic::EnergyResidualMean,
         ]
@@ -263,7 +263,7 @@ fn an_elastic_stop_takes_no_work() {
 /// from one fold, whatever the rows: on rows ten times as far apart every estimate has the same bits,
 /// in a run and in a sweep. Bands, densities by rows and spectra are of the grid by definition.
 #[test]
-fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
+fn no_statistic_depends_on_the_output_step() {
     let everything = |name: &str, paths: u64| {
         let mut scene = shipped(name, paths);
         scene.record.laws = true;

@@ -85,7 +85,7 @@ fn slips(model: &Model) -> [Slips; 2] {
 /// to the 1e-12 by which the force starts above f_s (2e-11 relative to f_s - f_d), for m and K
 /// other than 1, in both directions and with any damping.
 #[test]
-fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
+fn at_constant_temperature_both_schemes_make_the_same_slip() {
     let (mass, stiffness, gap) = (0.5, 3.0, 0.2);
     let w0 = f64::sqrt(stiffness / mass);
     for (zeta, side) in [0.0, 0.05, 0.3, 0.9, 1.5]
@@ -151,7 +151,7 @@ fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
 /// w (twelvefold at zeta = 0.9, where w = 1e-5 is half of the rate at which the body begins to
 /// creep). A jump or a duration that was wrong by a factor of 2 would differ by 1.
 #[test]
-fn without_noise_the_recursion_is_the_limit_of_slow_forcing_below_critical_damping() {
+fn the_recursion_is_the_limit_of_slow_forcing() {
     println!(
         "Event-driven; quasi-static\n\n| zeta | w/w0 | slips | mean jump | mean duration |\n|---|---|---|---|---|"
     );
@@ -198,7 +198,7 @@ fn without_noise_the_recursion_is_the_limit_of_slow_forcing_below_critical_dampi
 /// of that rate the two schemes still have the same number of slips, up to the tenth that longer
 /// jumps cost. At 1.2 of it the event-driven scheme has lost four of five.
 #[test]
-fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_swing_back() {
+fn near_critical_damping_the_body_creeps_under_fast_forcing() {
     println!(
         "Event-driven; quasi-static\n\n| zeta | creeps above w/w0 | slips at 0.9 of it | at 1.2 of it |\n|---|---|---|---|"
     );
@@ -222,7 +222,7 @@ fn near_critical_damping_the_body_creeps_unless_the_forcing_is_slower_than_the_s
 /// f_d, from 5 to -5 and back, however slow the forcing is, in three slips, the first of which
 /// starts at 5.9. The recursion has some 200 slips instead.
 #[test]
-fn without_noise_an_overdamped_body_creeps_however_slow_the_forcing() {
+fn an_overdamped_body_creeps_however_slow_the_forcing() {
     for (zeta, w) in [1.0, 1.5]
         .into_iter()
         .flat_map(|zeta| [1e-3, 1e-4, 1e-5].map(|w| (zeta, w)))

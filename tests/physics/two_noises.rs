@@ -47,7 +47,7 @@ fn assert_near(name: &str, got: f64, want: f64, error: f64) {
 /// whole time. T is stationary noise around the harmonic. Sample size: 60 000 paths, whose end is
 /// inside a cell.
 #[test]
-fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
+fn without_friction_the_effects_of_two_noises_add_up() {
     let (end, paths) = (8.037, 60_000);
     let mut model = paper(0.25, 1.0);
     model.friction = Friction {

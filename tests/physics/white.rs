@@ -47,7 +47,7 @@ fn a_body_in_white_noise_has_the_speed_of_its_stationary_law() {
 /// of the shortest time in which the body does: by friction D/f^2, by the spring 1/w0, or by damping
 /// m/(2 alpha).
 #[test]
-fn white_noise_has_its_strength_and_forgets_far_faster_than_the_body() {
+fn white_noise_forgets_far_faster_than_the_body() {
     for (strength, friction, [stiffness, damping], memory) in [
         (0.5, 1.0, [0.0, 0.25], 0.5),
         (0.5, 0.3, [0.0, 1.0], 0.5),

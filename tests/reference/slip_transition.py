@@ -71,20 +71,18 @@ def van_loan(w0, theta, alpha, h):
 
 
 print("w0,theta,alpha,h,xx,xv,xn,vx,vv,vn,nn,cov_nn,cov_nv,cov_nx,cov_vv,cov_vx,cov_xx")
-for w0 in map(mpf, ("0.3", "1", "20")):
-    for theta in map(mpf, ("0.01", "1", "50")):
-        for ratio in map(mpf, ("0", "0.1", "1", "3")):
-            for h in map(mpf, ("1e-9", "1e-6", "1e-3", "0.03", "0.5", "4", "30", "1000")):
-                # The inputs as the doubles that the test reads.
-                alpha = mpf(float(ratio * w0))
-                w0, theta, h = mpf(float(w0)), mpf(float(theta)), mpf(float(h))
-                row = spectral(w0, theta, alpha, h)
-                if (w0 + theta + 2 * alpha) * h < 20:
-                    for a, b in zip(row, van_loan(w0, theta, alpha, h)):
-                        assert abs(a - b) <= mpf(10) ** -25 * abs(b), (w0, theta, alpha, h, a, b)
-                print(
-                    ",".join(
-                        [repr(float(y)) for y in (w0, theta, alpha, h)]
-                        + [mp.nstr(y, 17) for y in row]
-                    )
-                )
+W0, THETA, RATIO = ("0.3", "1", "20"), ("0.01", "1", "50"), ("0", "0.1", "1", "3")
+H = ("1e-9", "1e-6", "1e-3", "0.03", "0.5", "4", "30", "1000")
+# Every pair of two values occurs in some row.
+for i, ratio in enumerate(map(mpf, RATIO)):
+    for j, h in enumerate(map(mpf, H)):
+        w0, theta = mpf(W0[(i + j + i // 3) % 3]), mpf(THETA[(i + j // 3 + i // 3) % 3])
+        # The inputs as the doubles that the test reads.
+        alpha = mpf(float(ratio * w0))
+        w0, theta, h = mpf(float(w0)), mpf(float(theta)), mpf(float(h))
+        row = spectral(w0, theta, alpha, h)
+        if (w0 + theta + 2 * alpha) * h < 20:
+            for a, b in zip(row, van_loan(w0, theta, alpha, h)):
+                assert abs(a - b) <= mpf(10) ** -25 * abs(b), (w0, theta, alpha, h, a, b)
+        inputs = [repr(float(y)) for y in (w0, theta, alpha, h)]
+        print(",".join(inputs + [mp.nstr(y, 13) for y in row]))

@@ -8,7 +8,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::Scheme;
 use stickslip::stats::{Statistic, Summary};
 use stickslip::study::sweep::Sweep;
-use stickslip::study::trade::Prices;
+use stickslip::study::trade::CostCurves;
 use stickslip_files::dataset::{Attribute, Dataset};
 
 /// The path that is drawn.
@@ -37,7 +37,7 @@ pub enum Subject<'a> {
         path: DrawnPath<'a>,
     },
     /// A trade: what accuracy costs.
-    Trade(&'a Prices),
+    Trade(&'a CostCurves),
     /// Sweeps: statistics as functions of keys.
     Sweep {
         /// Sweeps over the same key, each with the name of its file.
@@ -111,13 +111,13 @@ impl<'a> Subject<'a> {
                     format!("{}, {paths}; path {number} is drawn", origin(scenario)),
                 )
             }
-            Subject::Trade(prices) => {
+            Subject::Trade(costs) => {
                 let origin = format!(
                     "biases against {}, seed {}",
-                    prices.reference.replace("--", ""),
-                    prices.seed
+                    costs.reference.replace("--", ""),
+                    costs.seed
                 );
-                (prices.title.clone(), origin.replace("scheme ", ""))
+                (costs.title.clone(), origin.replace("scheme ", ""))
             }
             Subject::Sweep { sweeps, statistics } => {
                 let all: Vec<&Scenario> = sweeps
@@ -195,11 +195,11 @@ impl<'a> Subject<'a> {
     }
 
     /// The costs that a trade has found.
-    pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
-        let Subject::Trade(prices) = self else {
+    pub(super) fn trade(&self) -> Result<&'a CostCurves, Absent> {
+        let Subject::Trade(costs) = self else {
             return Err(Absent::Elsewhere("a file of `mc trade`"));
         };
-        Ok(prices)
+        Ok(costs)
     }
 }
 

@@ -6,16 +6,16 @@ use super::{
     Absent, Axis, Colour, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
 };
 use stickslip::scheme::Kind;
-use stickslip::study::trade::{Number, PriceCurve, Prices};
+use stickslip::study::trade::{CostCurve, CostCurves, Number};
 
 /// CPU seconds of a year. Runs that take longer are not drawn.
 const YEAR: f64 = 3.2e7;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let prices = subject.trade()?;
+    let costs = subject.trade()?;
     let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
-    let curves: Vec<(&PriceCurve, Vec<[f64; 2]>)> = prices
+    let curves: Vec<(&CostCurve, Vec<[f64; 2]>)> = costs
         .curves
         .iter()
         .map(|curve| {
@@ -37,7 +37,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         "CPU time on one thread",
         "s",
     );
-    let error = format!("relative RMSE, {}", prices.statistic.words());
+    let error = format!("relative RMSE, {}", costs.statistic.words());
     let errors = Axis::log_around(range_of(points().map(|point| point[1])), error, "");
     let mut panel = Panel::new(seconds, errors, 150.0);
     let mut legend = Vec::new();
@@ -55,9 +55,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             });
         }
     }
-    let panels = std::iter::once(panel).chain(biases(prices, style));
+    let panels = std::iter::once(panel).chain(biases(costs, style));
     Ok(sheet(
-        &format!("Cost of accuracy: {}", prices.title),
+        &format!("Cost of accuracy: {}", costs.title),
         legend,
         panels.collect::<Vec<_>>(),
     ))
@@ -65,12 +65,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 
 /// The bias of each scheme against its step, with the order that was seen. None if no scheme has a
 /// bias that differs from zero.
-fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
+fn biases(costs: &CostCurves, style: &Style) -> Option<Panel> {
     let palette = style.palette();
     let ends =
         |bias: &Number| [-1.0, 1.0].map(|side| bias.value.abs() + side * TWO_SIDED * bias.error);
     let all = || {
-        prices
+        costs
             .curves
             .iter()
             .flat_map(|curve| &curve.biases)
@@ -83,12 +83,12 @@ fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
     if !sizes[0].is_finite() {
         return None;
     }
-    let title = format!("relative bias, {}", prices.statistic.words());
+    let title = format!("relative bias, {}", costs.statistic.words());
     let steps = Axis::log_around(range_of(all().map(|(step, _)| *step)), "time step *h*", "");
     let mut panel = Panel::new(steps, Axis::log_around(sizes, title, ""), 130.0);
     decades(palette, &mut panel);
     let mut key = Vec::new();
-    for curve in &prices.curves {
+    for curve in &costs.curves {
         let (stroke, mark) = look(curve.scheme);
         let points = || curve.biases.iter().filter(|(_, bias)| bias.value != 0.0);
         panel.line(

@@ -2,24 +2,24 @@
 
 use super::case::Case;
 use super::steepness::{expression, scales};
-use crate::model::{Doubt, beyond_hold, doubts};
+use crate::model::{ForceWarning, beyond_hold, force_warnings};
 use crate::scheme::Kind;
 use stickslip_data::numbers::short;
 
 /// The expression has a jump, or grows faster than linearly and does not confine. The paper's
 /// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most
 /// linearly.
-pub(super) fn doubtful(case: &Case) -> Vec<String> {
+pub(super) fn force_warning(case: &Case) -> Vec<String> {
     let Some(expression) = expression(case.scenario) else {
         return Vec::new();
     };
-    let found = doubts(expression, scales(case.scenario, &case.derived));
+    let found = force_warnings(expression, scales(case.scenario, &case.derived));
     let text = expression.text();
-    let told = |Doubt {
+    let told = |ForceWarning {
                     start,
                     end,
                     sentence,
-                }: Doubt| {
+                }: ForceWarning| {
         let place = text.get(start..end).unwrap_or(text);
         let column = text
             .get(..start)
@@ -33,7 +33,7 @@ pub(super) fn doubtful(case: &Case) -> Vec<String> {
 }
 
 /// How the force drives the body outward at any distance or adds energy to it at any speed, in one
-/// sentence. Faster growth than linear is a doubt of its own.
+/// sentence. Faster growth than linear is a warning of its own.
 pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     let expression = expression(case.scenario)?;
     let model = &case.scenario.model;

@@ -120,7 +120,7 @@ const ALL: &[WarningRow] = &[
         quasi_static::forcing_during_slip,
     ),
     row("creep", Class::Approximation, quasi_static::creep),
-    rows("doubtful-force", Class::Other, force::doubtful),
+    rows("doubtful-force", Class::Other, force::force_warning),
     row("stiff-damping", Class::Other, force::stiff_damping),
     row("never-slips", Class::Other, question::never_slips),
     row("identical-paths", Class::Other, question::identical_paths),

@@ -22,7 +22,7 @@ mod words;
 pub use error::ExpressionError;
 pub use expression::{Expression, Linear};
 pub use law::ForceLaw;
-pub use scan::{Doubt, Scales, Steepest, beyond_hold, doubts, steepest};
+pub use scan::{ForceWarning, Scales, Steepest, beyond_hold, force_warnings, steepest};
 pub use sides::{Hold, Sides};
 
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};

@@ -8,7 +8,7 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Drive, Friction, Model};
-use crate::scheme::{Discretisation, Look, Method, Misfit, Parameter, Stability, Timeline};
+use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
 use stickslip_data::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while
@@ -65,7 +65,7 @@ impl Method for CorrectedVi {
         })
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         limits::check_noise(model)?;
         limits::check_step(model, self.step, end)?;
         self.check_shift(model)?;
@@ -80,7 +80,7 @@ const LARGEST_SHIFT: f64 = 0.5;
 impl CorrectedVi {
     /// Checks that the shift is small compared with f_s, because the correction of the stick exit
     /// is only the first term of an expansion.
-    fn check_shift(self, model: &Model) -> Result<(), Misfit> {
+    fn check_shift(self, model: &Model) -> Result<(), CheckError> {
         let (f_s, shift) = (
             model.friction.static_force,
             monitoring_shift(model, self.step),
@@ -103,7 +103,11 @@ impl CorrectedVi {
             "without friction there is no stick to correct: choose `--scheme discrete-vi` or `--scheme event-driven`"
                 .into()
         };
-        Err(Misfit::new(&[("time.step", self.step)], problem, remedy))
+        Err(CheckError::new(
+            &[("time.step", self.step)],
+            problem,
+            remedy,
+        ))
     }
 }
 

@@ -3,11 +3,11 @@
 
 use crate::model::{InitialNoise, Model, can_be_computed_with};
 use crate::noise::Transition;
-use crate::scheme::Misfit;
+use crate::scheme::CheckError;
 
 /// Checks that h/m and its products with the friction forces are finite, and not so small that
 /// digits are lost.
-pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> {
+pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), CheckError> {
     let h_over_m = h / model.oscillator.mass;
     let usable = |x: f64| x == 0.0 || x.is_normal();
     let thresholds = [model.friction.static_force, model.friction.dynamic_force];
@@ -23,7 +23,7 @@ pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> 
     let problem = format!(
         "gives h/m = {h_over_m:e} or a threshold h f_s/m outside the range of double precision"
     );
-    Err(Misfit::new(
+    Err(CheckError::new(
         &[("time.step", h)],
         problem,
         "choose units in which mass, forces and step are closer to 1",
@@ -32,7 +32,7 @@ pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> 
 
 /// Checks that v can be counted in increments of one step: the increments must be doubles with all
 /// their digits, and so must v(0) in units of them.
-pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
+pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), CheckError> {
     let Some(noise) = model
         .temperature
         .effective_noise()
@@ -54,7 +54,7 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     );
     let remedy =
         "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
-    Err(Misfit::new(
+    Err(CheckError::new(
         &[("temperature.noise.diffusion", noise.diffusion)],
         problem,
         remedy,
@@ -64,12 +64,16 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
 /// Checks that the noise is one process that runs on from step to step. The kernels carry one v per
 /// path, and would be slower for every scene if they carried two. Nor do the steps end at the
 /// samples at which noise may be pinned.
-pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
+pub(super) fn check_noise(model: &Model) -> Result<(), CheckError> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises; schemes with a time step support one".to_string();
         let remedy =
             "choose `--scheme event-driven` or `--scheme quasi-static`, or remove one of them";
-        return Err(Misfit::new(&[("temperature.noise", 2.0)], problem, remedy));
+        return Err(CheckError::new(
+            &[("temperature.noise", 2.0)],
+            problem,
+            remedy,
+        ));
     }
     if !(model.temperature.is_pinned && model.temperature.is_random()) {
         return Ok(());
@@ -77,5 +81,5 @@ pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
     let problem = "`temperature.noise.pinned` = true is not supported by schemes with a time step"
         .to_string();
     let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`";
-    Err(Misfit::new(&[], problem, remedy))
+    Err(CheckError::new(&[], problem, remedy))
 }

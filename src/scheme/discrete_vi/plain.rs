@@ -6,7 +6,7 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Model, Oscillator};
-use crate::scheme::{Discretisation, Look, Method, Misfit, Parameter, Stability, Timeline};
+use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
 use std::f64::consts::PI;
 
 /// The discrete variational inequality with this step.
@@ -84,7 +84,7 @@ impl Method for DiscreteVi {
         })
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         limits::check_noise(model)?;
         limits::check_step(model, self.step, end)?;
         limits::check_increments(model, self.step)

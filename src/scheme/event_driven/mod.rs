@@ -2,21 +2,21 @@
 //! section on the cascade).
 //!
 //! ```text
-//! law          what holds between two times at which a path is known
-//! noiseless    without noise: phases are closed forms, events are roots; there is no time step
-//! noisy        with noise: the constants, and whether paths go alone or vectorised
-//!   cell_loop    the loop over cells of time
-//!   alone        a path crosses a cell event by event, one path after the other
-//!   vectorised      all paths that are simulated together cross a cell together, in lanes
-//! user_force   a user-defined force, if there is one
-//! work         a limit on the computing time of one path
+//! law                what holds between two times at which a path is known
+//! noiseless          without noise: closed forms between events, and no time step
+//! noisy              with noise: the constants, and whether paths are scalar or vectorised
+//!   macro_step_loop  the loop over macro steps
+//!   scalar           a path crosses a macro step event by event, one path after the other
+//!   vectorised       all paths that are simulated together cross it together, in lanes
+//! user_force         a user-defined force, if there is one
+//! work               a limit on the computing time of one path
 //! ```
 //!
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
-mod cell_loop;
 mod law;
+mod macro_step_loop;
 mod noiseless;
 mod noisy;
 mod scalar;
@@ -31,13 +31,13 @@ pub use law::{
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use cell_loop::{Watching, simulate};
-pub(super) use law::{Cell, Glance, Known, Scene, StepRules, noise_between};
-pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
+pub(super) use law::{Glance, Known, MacroStep, Scene, StepRules, noise_between};
+pub(super) use macro_step_loop::{Watching, simulate};
+pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments, WithUnfeltNoise};
 pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
 pub(super) use work::{Resolved, WorkLeft};
 
-use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
+use super::{CheckError, Discretisation, Look, Method, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};
 
 /// The event-driven scheme with this tolerance.
@@ -51,7 +51,7 @@ impl Method for EventDriven {
     const NAME: &'static str = "event-driven";
     const MEANING: &'static str = "event by event, exact in law between events";
     const PARAMETER: Parameter = Parameter::Tolerance {
-        ladder: &[1e-2, 1e-3, 1e-4, 1e-5],
+        grid: &[1e-2, 1e-3, 1e-4, 1e-5],
     };
     const LOOK: Look = Look {
         colour: "#009E73",
@@ -81,7 +81,7 @@ impl Method for EventDriven {
         self.simulation(model, timeline).resolution()
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         check_friction(model, end)
     }
 }
@@ -91,12 +91,12 @@ impl Method for EventDriven {
 ///
 /// These schemes compute when the noise moves b past f_s, which takes a time of order (f_s/s)^2. So
 /// the squares of both forces, their product and their ratio must be representable.
-pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
+pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), CheckError> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
         let problem = "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
-        return Err(Misfit::new(
+        return Err(CheckError::new(
             &[("temperature.noise.intensity", 0.0)],
             problem,
             "remove [temperature.noise]",
@@ -104,7 +104,7 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     }
     if felt.is_none() && model.temperature.has_two_noises() {
         let problem = "there are two noises, but they are negligible".to_string();
-        return Err(Misfit::new(
+        return Err(CheckError::new(
             &[("temperature.noise.intensity", 0.0)],
             problem,
             "remove one of them",
@@ -122,5 +122,9 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     );
     let remedy = "set `static = 0` and `dynamic = 0` for no friction, or choose units in which forces are \
         closer to 1";
-    Err(Misfit::new(&[("friction.static", f_s)], problem, remedy))
+    Err(CheckError::new(
+        &[("friction.static", f_s)],
+        problem,
+        remedy,
+    ))
 }

@@ -1,20 +1,20 @@
 //! The cascade under Ornstein-Uhlenbeck noise, exact in law up to the tolerance.
 //!
-//! A path is taken from cell to cell ([`super::cell_loop`]); n at the end of the cell is drawn
-//! first.
+//! A path is taken from macro step to macro step ([`super::macro_step_loop`]); n at the end of the
+//! macro step is drawn first.
 //!
 //! - Stick: the bridge of n between known values may cross a threshold ([`super::law::stick band`]).
 //! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each of which
 //!   is searched for the first zero of x' ([`super::law::first_stop`]). Where a slip stops, the
 //!   state that was drawn at the end of the step is discarded: what follows depends only on n at
-//!   the end of the cell.
+//!   the end of the macro step.
 //!
-//! A cell is as long as one step of a slip. Where the body oscillates much faster than forcing and
-//! noise change, a cell is as long as these allow. Then a slip makes many steps in a cell, and n at
-//! their ends is drawn from its bridge to the end of the cell.
+//! A macro step is as long as one step of a slip. Where the body oscillates much faster than
+//! forcing and noise change, a macro step is as long as these allow. Then a slip makes many steps
+//! in a macro step, and n at their ends is drawn from its bridge to the end of the macro step.
 
-use super::cell_loop;
 use super::law::{DrivenOscillator, Scene, SlipStep, StepRules, StopSearch};
+use super::macro_step_loop;
 use super::scalar::{Route, ScalarPaths};
 use super::vectorised::Vectorised;
 use super::work::{OWN_FORCE, Simulated};
@@ -29,8 +29,8 @@ pub struct Noisy {
     pub(super) scene: Scene,
     pub(super) route: Route,
     pub(super) oscillator: DrivenOscillator,
-    /// The slip step of the usual length. It covers a whole cell where
-    /// [`Noisy::has_one_step_a_cell`].
+    /// The slip step of the usual length. It covers a whole macro step where
+    /// [`Noisy::has_one_step_a_macro_step`].
     pub(super) step: SlipStep,
     /// The usual step, its half, its quarter and so on, where there is a user-defined force.
     pub(super) halved: Vec<SlipStep>,
@@ -39,7 +39,7 @@ pub struct Noisy {
 }
 
 /// If the fastest rate of the body is more than this multiple of the rates of forcing and noise,
-/// the length of a cell follows from forcing and noise instead.
+/// the length of a macro step follows from forcing and noise instead.
 const TWO_SCALES: f64 = 16.0;
 
 /// The most halvings of a slip step under a user-defined force.
@@ -75,18 +75,18 @@ impl Noisy {
             .copied()
             .fold(scene.noise_rate(), f64::max);
         let is_swift = fastest > TWO_SCALES * slow;
-        let longest_cell = if is_swift {
+        let longest_macro_step = if is_swift {
             rules.slip_length / slow
         } else {
             longest
         };
         // Whatever oscillates at rest is looked at often enough to be seen.
-        let longest_cell =
-            longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
+        let longest_macro_step =
+            longest_macro_step.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
-        let route = Route::new(&scene, timeline, rules, longest_cell, cost);
-        let cell_length = route.ladder.length;
-        let length = cell_length / (cell_length / longest).ceil();
+        let route = Route::new(&scene, timeline, rules, longest_macro_step, cost);
+        let macro_step_length = route.grid.length;
+        let length = macro_step_length / (macro_step_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.own.is_some() {
             FINEST_HALVING + 1
@@ -116,25 +116,29 @@ impl Noisy {
         }
     }
 
-    /// Whether the paths can be simulated vectorised: all cells have one length, there is only one
-    /// noise, and no force of the user's own.
-    pub fn has_equal_cells(&self) -> bool {
-        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.ladder.is_even()
+    /// Whether the paths can be simulated vectorised: all macro steps have one length, there is
+    /// only one noise, and no force of the user's own.
+    pub fn has_equal_macro_steps(&self) -> bool {
+        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.grid.is_even()
     }
 
-    /// Whether slips can be simulated vectorised too: the cells have the length of one slip step, and
-    /// its transition is a sum of power series without doubling.
-    pub fn has_one_step_a_cell(&self) -> bool {
+    /// Whether slips can be simulated vectorised too: the macro steps have the length of one slip
+    /// step, and its transition is a sum of power series without doubling.
+    pub fn has_one_step_a_macro_step(&self) -> bool {
         let length = self.step.length();
-        self.has_equal_cells()
-            && self.route.ladder.length == length
+        self.has_equal_macro_steps()
+            && self.route.grid.length == length
             && self.oscillator.has_series_for(length)
     }
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged
-    /// lanes of one cell, few enough to stay in the cache.
-    pub fn paths_abreast(&self) -> usize {
-        if self.has_one_step_a_cell() { 1024 } else { 1 }
+    /// lanes of one macro step, few enough to stay in the cache.
+    pub fn vectorised_paths(&self) -> usize {
+        if self.has_one_step_a_macro_step() {
+            1024
+        } else {
+            1
+        }
     }
 
     /// Simulates the paths with these numbers.
@@ -142,11 +146,11 @@ impl Noisy {
         let (instructions, follows) = (InstructionSet::detect(), observer.follows());
         let observer = RefCell::new(observer);
         let is_stopped = || observer.borrow().is_stopped();
-        if paths.len() > FEW && self.has_equal_cells() && !follows {
+        if paths.len() > FEW && self.has_equal_macro_steps() && !follows {
             let mut all = Vectorised::new(self, instructions, seed, paths, &is_stopped);
-            return cell_loop::simulate(&mut all, paths.len(), &observer);
+            return macro_step_loop::simulate(&mut all, paths.len(), &observer);
         }
         let mut all = ScalarPaths::new(self, seed, paths, &is_stopped, follows);
-        cell_loop::simulate(&mut all, paths.len(), &observer)
+        macro_step_loop::simulate(&mut all, paths.len(), &observer)
     }
 }

@@ -2,7 +2,7 @@
 //! once.
 
 use super::law::{Resolution, Scene, StepRules};
-use super::noiseless::{GeneralNoiseless, Noiseless, Stretches, WithUnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, WithUnfeltNoise};
 use super::noisy::Noisy;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
@@ -90,21 +90,24 @@ impl Simulate for EventDrivenSimulation {
         }
     }
 
-    fn paths_abreast(&self) -> usize {
+    fn vectorised_paths(&self) -> usize {
         match &self.chosen {
-            Chosen::Noisy(cascade) => cascade.paths_abreast(),
+            Chosen::Noisy(cascade) => cascade.vectorised_paths(),
             Chosen::Noiseless(_) | Chosen::General(_) => 1,
         }
     }
 
     fn kernel(&self) -> String {
         match &self.chosen {
-            Chosen::Noisy(cascade) if cascade.has_one_step_a_cell() => {
-                format!("{} lanes, cell by cell", InstructionSet::detect().name())
-            }
-            Chosen::Noisy(cascade) if cascade.has_equal_cells() => {
+            Chosen::Noisy(cascade) if cascade.has_one_step_a_macro_step() => {
                 format!(
-                    "{} lanes for sticks, cell by cell; slips path by path",
+                    "{} lanes, macro step by macro step",
+                    InstructionSet::detect().name()
+                )
+            }
+            Chosen::Noisy(cascade) if cascade.has_equal_macro_steps() => {
+                format!(
+                    "{} lanes for sticks, macro step by macro step; slips path by path",
                     InstructionSet::detect().name()
                 )
             }

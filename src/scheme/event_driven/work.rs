@@ -129,7 +129,7 @@ mod tests {
     use std::cell::Cell;
 
     #[test]
-    fn a_path_makes_as_many_evaluations_as_it_may_and_looks_around_in_between() {
+    fn a_path_makes_as_many_evaluations_as_it_may() {
         let looks = Cell::new(0);
         let look = || {
             looks.set(looks.get() + 1);

@@ -1,6 +1,6 @@
 //! Ensembles made by hand, whose statistics are known without the code under test.
 
-use super::certain::Certain;
+use super::deterministic::Deterministic;
 use super::{BlockObserver, BlockResult, Estimate, PassageLevels, Record, Statistic, Summary};
 use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -24,9 +24,9 @@ impl Record {
     }
 }
 
-impl Certain {
-    /// Nothing is certain.
-    pub const NOTHING: Certain = Certain {
+impl Deterministic {
+    /// Nothing is deterministic.
+    pub const NOTHING: Deterministic = Deterministic {
         everything: false,
         start: false,
         first_stick: false,

@@ -45,7 +45,7 @@ fn path_of(durations: &[f64]) -> Path {
 }
 
 #[test]
-fn intervals_of_pooled_stick_statistics_hold_where_those_of_independent_sticks_fail() {
+fn intervals_of_pooled_sticks_hold_where_naive_ones_fail() {
     let (ensembles, paths) = (2000, 300);
     // At the median m, z = e^{-m/2} solves z^4 + z = 1.
     let (mean, sd, median) = (
@@ -131,7 +131,7 @@ fn check_share(e: Estimate, value: f64, error: f64, t: f64) {
 /// does so by half. The correlation is -0.98, and an interval by Student's t would extend
 /// beyond -1.
 #[test]
-fn the_interval_of_a_correlation_stays_between_minus_one_and_one() {
+fn intervals_of_correlations_stay_within_minus_one_and_one() {
     let timeline = Timeline {
         end: 3.0,
         output_step: 3.0,
@@ -170,7 +170,7 @@ fn the_interval_of_a_correlation_stays_between_minus_one_and_one() {
 /// Null: the interval covers the truth in 95 % of all ensembles, whatever the law.
 /// [`Coverage::assert_95_percent`] states the false-alarm rate.
 #[test]
-fn intervals_of_the_standard_deviation_cover_with_few_sticks_a_path_whatever_their_law() {
+fn intervals_of_an_sd_cover_with_few_sticks_per_path() {
     let lognormal = LogNormal::new(0.0, 0.5).unwrap();
     let spread = ((0.25f64.exp() - 1.0) * 0.25f64.exp()).sqrt();
     let gamma = Gamma::new(0.5, 1.0).unwrap();
@@ -988,7 +988,7 @@ fn the_interval_of_the_median_has_the_students_t_of_its_batches() {
 }
 
 #[test]
-fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fraction() {
+fn an_ensemble_that_never_slips_has_no_stick_duration() {
     let paths: Vec<Path> = (0..10)
         .map(|_| Path {
             events: Vec::new(),
@@ -1034,7 +1034,7 @@ fn an_ensemble_that_never_slips_has_no_stick_duration_and_a_certain_sticking_fra
 /// 3.84) = 0.49. A number without a bound, such as the number of slips of a path that does
 /// slip, has an infinite upper end.
 #[test]
-fn few_random_paths_that_agree_are_not_certain() {
+fn few_random_paths_that_agree_are_not_deterministic() {
     let paths: Vec<Path> = (0..4)
         .map(|_| Path {
             events: Vec::new(),
@@ -1049,7 +1049,7 @@ fn few_random_paths_that_agree_are_not_certain() {
         after: 0.0,
     };
     let mut totals = observe(&timeline, &Record::NOTHING, 0, &paths, &rows, &[]).totals;
-    totals.counts.certain = Certain::NOTHING;
+    totals.counts.deterministic = Deterministic::NOTHING;
     let summary = totals.summary();
     let interval = |statistic| {
         let e = estimate(&summary, statistic);
@@ -1092,7 +1092,7 @@ fn few_random_paths_that_agree_are_not_certain() {
 }
 
 #[test]
-fn equal_paths_give_standard_errors_of_exactly_zero_however_they_are_blocked() {
+fn equal_paths_give_standard_errors_of_exactly_zero() {
     let block = |first, n| {
         let path = || Path {
             events: vec![

@@ -2,7 +2,7 @@
 
 use super::SweepQuestion;
 use crate::ensemble::BLOCK_SIZE;
-use crate::study::pace::seconds_per_path;
+use crate::study::path_cost::seconds_per_path;
 use std::time::Duration;
 
 /// Number of points that are timed, spread evenly over all points.

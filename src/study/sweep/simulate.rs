@@ -6,7 +6,7 @@
 //! point are formed along the same tree as in a run.
 
 use super::{Point, Sweep, SweepQuestion};
-use crate::bias::{BesideRun, NoBias};
+use crate::bias::{AuxiliaryRun, NoBias};
 use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
@@ -66,7 +66,7 @@ impl Job<'_> {
     fn make(&self, k: u64, stop: &AtomicBool) -> Option<Made> {
         if k < self.blocks {
             let setup = self.setup();
-            return Some(Made::Block(Box::new(setup.plan.block_beside(
+            return Some(Made::Block(Box::new(setup.plan.block_with_auxiliary(
                 k,
                 &setup.grouping,
                 stop,
@@ -159,7 +159,7 @@ struct JobDone {
 
 enum Made {
     Block(Box<Delivered<Groups>>),
-    Bias(Box<Result<BesideRun, NoBias>>),
+    Bias(Box<Result<AuxiliaryRun, NoBias>>),
 }
 
 /// The sums of the point whose pieces are being delivered.
@@ -200,30 +200,31 @@ impl SweepSimulation<'_> {
             let job = &jobs[piece.job];
             let here = growing.get_or_insert_with(|| job.nothing_yet());
             here.seconds += piece.seconds;
-            let mut beside = None;
+            let mut auxiliary_run = None;
             match piece.made {
                 Made::Block(block) => {
                     let Delivered {
                         index,
                         result,
-                        beside,
+                        auxiliary_sums,
                     } = *block;
                     done += result.rows.paths;
                     progress.paths(done, paths);
-                    here.totals.push_with(index, result.totals, beside)?;
+                    here.totals
+                        .push_with(index, result.totals, auxiliary_sums)?;
                     if job.has_bias || index + 1 < job.blocks {
                         return Ok(ControlFlow::Continue(()));
                     }
                 }
                 Made::Bias(made) => match *made {
                     Err(_) if stop.load(Ordering::Relaxed) => return Ok(ControlFlow::Break(())),
-                    made => beside = made.ok(),
+                    made => auxiliary_run = made.ok(),
                 },
             }
             let Some(here) = growing.take() else {
                 return Ok(ControlFlow::Continue(()));
             };
-            sweep.points[job.point] = Some(here.point(job.scenario, beside));
+            sweep.points[job.point] = Some(here.point(job.scenario, auxiliary_run));
             job.drop_setup();
             receive(sweep).map_err(SweepEnd::Receiver)?;
             Ok(ControlFlow::Continue(()))
@@ -234,13 +235,13 @@ impl SweepSimulation<'_> {
 }
 
 impl Growing {
-    fn point(self, scenario: &Scenario, beside: Option<BesideRun>) -> Point {
+    fn point(self, scenario: &Scenario, auxiliary_run: Option<AuxiliaryRun>) -> Point {
         let start = thread_seconds();
         let Growing { totals, seconds } = self;
         let run = totals.totals();
         let mut summary = run.summary();
-        if let Some(beside) = beside {
-            summary.set_biases(&beside.of(&summary));
+        if let Some(auxiliary_run) = auxiliary_run {
+            summary.set_biases(&auxiliary_run.of(&summary));
         }
         let without = totals.own().without(&run);
         Point {

@@ -1,13 +1,13 @@
 //! Why a scenario cannot be measured.
 
-use crate::scheme::Misfit;
+use crate::scheme::CheckError;
 
 /// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
     /// A scheme does not go with the scenario.
     #[error(transparent)]
-    Misfit(#[from] Misfit),
+    CheckError(#[from] CheckError),
     /// The duration of the scenario, `time.end`, is 0.
     #[error("`time.end` = 0 leaves nothing to compare; it must be above 0")]
     NothingHappens,

@@ -4,7 +4,7 @@
 use super::setting::{Cost, GROUPS, TradeSetting};
 use super::settings::is_exact;
 use super::timing::{bare_plan, cost};
-use super::{Effort, LeftOut, Number, Pairing, SettingGrid, Trade, TradeError, pairing};
+use super::{LeftOut, Number, Pairing, PlannedCost, SettingGrid, Trade, TradeError, pairing};
 use crate::ensemble::{Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Scheme, Simulate as _};
@@ -64,9 +64,15 @@ pub fn measure_within(
     let watch = Stopwatch::start(threads);
     limits.begin("a few paths of each scheme, to divide the budget");
     let mut grid = SettingGrid::of(scenario);
-    let effort = Effort::within(scenario, &mut grid, budget, threads)?;
+    let planned = PlannedCost::within(scenario, &mut grid, budget, threads)?;
     let time = Some(budget.saturating_sub(watch.elapsed()));
-    measure(scenario, &grid, &effort, threads, Limits { time, ..limits })
+    measure(
+        scenario,
+        &grid,
+        &planned,
+        threads,
+        Limits { time, ..limits },
+    )
 }
 
 // Shares of the time after which no further paths are begun: for the reference, for everything
@@ -75,12 +81,12 @@ const REFERENCE_ENDS: f64 = 0.35;
 const FREE_ENDS: f64 = 0.5;
 const ALL_ENDS: f64 = 0.9;
 
-/// Measure a scenario with a given effort. If no limit cuts it short, everything but the costs is a
-/// function of scenario, grid and effort.
+/// Measure a scenario at a planned cost. If no limit cuts it short, everything but the costs is a
+/// function of scenario, grid and planned cost.
 pub fn measure(
     scenario: &Scenario,
     grid: &SettingGrid,
-    effort: &Effort,
+    planned: &PlannedCost,
     threads: usize,
     limits: Limits<'_>,
 ) -> Result<Trade, TradeError> {
@@ -94,12 +100,12 @@ pub fn measure(
         time: limits.time.map(|time| time.mul_f64(share)),
         limits,
     };
-    let [reference_ends, free_ends] = if effort.steps > 0 {
+    let [reference_ends, free_ends] = if planned.steps > 0 {
         [REFERENCE_ENDS, FREE_ENDS]
     } else {
         [FREE_ENDS, ALL_ENDS]
     };
-    let runs = free_runs(grid, effort);
+    let runs = free_runs(grid, planned);
     let tightest = runs
         .iter()
         .rposition(|run| is_exact(run.scheme))
@@ -118,8 +124,8 @@ pub fn measure(
         |runs: &[FreeRun]| free_until_stopped(scenario, runs, until(free_ends), &mut left_out);
     let looser = others(&runs[..tightest])?;
     let tighter = others(&runs[tightest + 1..])?;
-    let mut settings = coupled(scenario, grid, effort, until(ALL_ENDS))?;
-    if effort.steps > 0 && settings.is_empty() {
+    let mut settings = coupled(scenario, grid, planned, until(ALL_ENDS))?;
+    if planned.steps > 0 && settings.is_empty() {
         left_out.extend(
             grid.stepping
                 .iter()
@@ -132,9 +138,9 @@ pub fn measure(
     settings.extend(tighter);
     limits.begin("CPU times");
     let timing = if limits.is_stopped() {
-        effort.timing.min(BRIEF)
+        planned.timing.min(BRIEF)
     } else {
-        effort.timing
+        planned.timing
     };
     for setting in &mut settings {
         setting.cost = cost(&scenario.with_scheme(setting.scheme)?.plan(), timing);
@@ -172,8 +178,8 @@ struct FreeRun {
     first: u64,
 }
 
-fn free_runs(grid: &SettingGrid, effort: &Effort) -> Vec<FreeRun> {
-    (grid.free.iter().zip(&effort.free_paths).zip(2..))
+fn free_runs(grid: &SettingGrid, planned: &PlannedCost) -> Vec<FreeRun> {
+    (grid.free.iter().zip(&planned.free_paths).zip(2..))
         .map(|((scheme, paths), part)| FreeRun {
             scheme: *scheme,
             paths: *paths,
@@ -324,10 +330,10 @@ fn setting(scheme: Scheme, totals: &Totals) -> TradeSetting {
 fn coupled(
     scenario: &Scenario,
     grid: &SettingGrid,
-    effort: &Effort,
+    planned: &PlannedCost,
     end: MeasureUntil<'_>,
 ) -> Result<Vec<TradeSetting>, TradeError> {
-    let steps = &grid.steps[..effort.steps.min(grid.steps.len())];
+    let steps = &grid.steps[..planned.steps.min(grid.steps.len())];
     let mut plans: Vec<(Scheme, Plan)> = Vec::new();
     for &kind in &grid.stepping {
         for (k, &h) in steps.iter().enumerate() {
@@ -358,7 +364,7 @@ fn coupled(
     let groups = in_groups(
         &plans,
         &empty,
-        whole_pairs(any, effort.coupled_paths / GROUPS),
+        whole_pairs(any, planned.coupled_paths / GROUPS),
         end,
     );
     if groups[0].len() < FEWEST_GROUPS {

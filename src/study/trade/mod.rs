@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! SettingGrid::of        which settings a scenario can be run with: steps, tolerances
-//!   -> Effort       how many paths of each, from a budget of time
+//!   -> PlannedCost       how many paths of each, from a budget of time
 //!     -> measure    for each setting: CPU time per path, estimates, and changes from step to step
 //!       -> Law      bias = C h^p, fitted to those changes and the distance from the reference
 //!         -> Trade::best   the cheapest setting for a target, with its paths and its cost
@@ -14,33 +14,33 @@
 //! cheapest setting for a target eps is the one with the least N c, where N = variance/(eps^2 -
 //! bias^2).
 //!
-//! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
+//! Except for times, everything is a function of the scenario, the seed and the [`PlannedCost`].
 
-mod effort;
+mod cost_curves;
 mod error;
 mod law;
 mod measure;
 mod pairing;
+mod planned_cost;
 mod predict;
-mod prices;
 mod setting;
 mod settings;
 mod standing;
 mod timing;
 
-pub use effort::Effort;
+pub use cost_curves::{CostCurve, CostCurves};
 pub use error::TradeError;
 pub use law::{Change, Law};
 pub use measure::{Limits, measure, measure_within};
 pub use pairing::Pairing;
+pub use planned_cost::PlannedCost;
 pub use predict::{Choice, Refusal, TARGETS};
-pub use prices::{PriceCurve, Prices};
 pub use setting::{Cost, TradeSetting};
 pub use settings::{LeftOut, SettingGrid};
 pub use standing::Standing;
 
 use crate::scenario::Scenario;
-use crate::scheme::{Kind, Misfit};
+use crate::scheme::{CheckError, Kind};
 use crate::stats::Statistic;
 
 /// A number and its standard error.
@@ -97,7 +97,7 @@ impl Trade {
         settings: Vec<TradeSetting>,
         reference: usize,
         pairing: Pairing,
-    ) -> Result<Trade, Misfit> {
+    ) -> Result<Trade, CheckError> {
         let has_limitless_phases = scenario
             .with_scheme(settings[reference].scheme)?
             .resolution()

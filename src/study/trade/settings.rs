@@ -50,7 +50,7 @@ impl SettingGrid {
                     coarsest = coarsest.min(step);
                     grid.stepping.push(scheme);
                 }),
-                Parameter::Tolerance { ladder: tolerances } => suits(scenario, scheme).map(|()| {
+                Parameter::Tolerance { grid: tolerances } => suits(scenario, scheme).map(|()| {
                     // Without noise the cascade is exact at any tolerance, so one tolerance is
                     // enough.
                     let one = [DEFAULT_TOLERANCE];
@@ -87,8 +87,8 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
         let step = grid / 2f64.powi(halvings);
         let candidate = match scenario.with_scheme(scheme.with(step)) {
             Ok(candidate) => candidate,
-            Err(misfit) => {
-                why = format!("--step {step:?}: {}", misfit.sentence());
+            Err(check_error) => {
+                why = format!("--step {step:?}: {}", check_error.sentence());
                 continue;
             }
         };
@@ -136,7 +136,7 @@ fn suits(scenario: &Scenario, scheme: Kind) -> Result<(), String> {
     }
     let candidate = scenario
         .with_scheme(scheme)
-        .map_err(|misfit| misfit.to_string())?;
+        .map_err(|check_error| check_error.to_string())?;
     let against = |warning: &Warning| warning.class() == Class::Approximation;
     match candidate.warnings().into_iter().find(against) {
         Some(warning) => Err(warning.to_string()),

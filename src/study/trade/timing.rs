@@ -3,12 +3,12 @@
 use super::setting::Cost;
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
-use crate::scheme::{Misfit, Scheme};
+use crate::scheme::{CheckError, Scheme};
 use crate::study::clock::thread_seconds;
 
 /// The ensemble that a scheme simulates for the estimates, those on request included, without an
 /// output grid and without rows of single paths.
-pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
+pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, CheckError> {
     let mut scenario = scenario.with_scheme(scheme)?;
     scenario.time.output_step = scenario.time.end;
     scenario.record = scenario.record.of_no_path();

@@ -13,7 +13,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::{Kind, Scheme};
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{
-    Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting,
+    Choice, Cost, CostCurves, Number, Pairing, TARGETS, Trade, TradeSetting,
 };
 
 /// Name and version of the format.
@@ -224,16 +224,16 @@ pub struct StoredTrade {
 }
 
 impl StoredTrade {
-    /// The prices of accuracy for this statistic, or for the first statistic that has any; none if
+    /// The costs of accuracy for this statistic, or for the first statistic that has any; none if
     /// none has.
-    pub fn prices(&self, statistic: Option<Statistic>) -> Option<Prices> {
-        let prices = |statistic| Prices::of(&self.trade, statistic, &self.scenario);
+    pub fn cost_curves(&self, statistic: Option<Statistic>) -> Option<CostCurves> {
+        let costs = |statistic| CostCurves::of(&self.trade, statistic, &self.scenario);
         match statistic {
-            Some(statistic) => Some(prices(statistic)),
+            Some(statistic) => Some(costs(statistic)),
             None => Statistic::ALL
                 .into_iter()
-                .map(prices)
-                .find(Prices::has_points),
+                .map(costs)
+                .find(CostCurves::has_points),
         }
     }
 }
@@ -256,7 +256,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
         false => Pairing::Measured(ratios),
     };
     let trade = Trade::of_rungs(&scenario, settings, reference, pairing)
-        .map_err(|misfit| misfit.to_string())?;
+        .map_err(|check_error| check_error.to_string())?;
     Ok(StoredTrade {
         trade,
         scenario,

@@ -157,7 +157,7 @@ fn failure(error: AccuracyError) -> Failure {
             );
         }
         AccuracyError::Pilot(error) => return error.into(),
-        AccuracyError::Misfit(error) => return error.into(),
+        AccuracyError::CheckError(error) => return error.into(),
         AccuracyError::NoAnswer { .. } => {
             "choose another one with --statistic, or increase `time.end`".into()
         }

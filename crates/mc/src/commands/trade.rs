@@ -15,7 +15,7 @@ use std::time::Duration;
 use stickslip::config::{Override, input_files};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
-use stickslip::study::trade::{self, Limits, Prices, Trade, TradeError};
+use stickslip::study::trade::{self, CostCurves, Limits, Trade, TradeError};
 use stickslip_figure::{Style, Subject};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::store;
@@ -120,16 +120,16 @@ impl Arguments {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
-        let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
-        let draw = |prices: &Prices| {
+        let costs = shown.map(|statistic| CostCurves::of(trade, statistic, scenario));
+        let draw = |costs: &CostCurves| {
             stickslip_figure::page(
                 stickslip_figure::TRADE.iter(),
-                &Subject::Trade(prices),
+                &Subject::Trade(costs),
                 &Style::default(),
             )
             .ok()
         };
-        let Some(scene) = prices.as_ref().and_then(draw) else {
+        let Some(scene) = costs.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be estimated".to_string(), |s| {
                 trade.standing(s).to_string()
             });
@@ -162,7 +162,7 @@ fn budget(text: &str) -> Result<Duration, String> {
 impl From<TradeError> for Failure {
     fn from(error: TradeError) -> Self {
         match error {
-            TradeError::Misfit(misfit) => Failure::from(misfit),
+            TradeError::CheckError(check_error) => Failure::from(check_error),
             TradeError::NothingHappens => Failure::Refused(error.to_string()),
             TradeError::BudgetTooSmall { .. } => {
                 Failure::run(error, "measure longer with --budget, or shorten `time.end`")

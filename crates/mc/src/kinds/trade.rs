@@ -25,7 +25,7 @@ impl AnyResult for StoredTrade {
         let title = &self.scenario.title;
         Ok(match shown.all && shown.is_text {
             true => report::trade(title, &self.trade, None),
-            false => report::prices(title, &self.trade, shown.chosen),
+            false => report::costs(title, &self.trade, shown.chosen),
         })
     }
 
@@ -37,10 +37,10 @@ impl AnyResult for StoredTrade {
     fn page(&self, file: &Path) -> Result<String, Failure> {
         let scenario = self.scenario.to_toml();
         let mut page = page(file, &scenario);
-        if let Some(prices) = self.prices(None) {
-            page.pictures = pictures(TRADE.figures, &Subject::Trade(&prices), "");
+        if let Some(costs) = self.cost_curves(None) {
+            page.pictures = pictures(TRADE.figures, &Subject::Trade(&costs), "");
         }
-        page.report = report::prices(&self.scenario.title, &self.trade, Chosen::First);
+        page.report = report::costs(&self.scenario.title, &self.trade, Chosen::First);
         page.provenance = provenance(file, self.other_program.as_deref());
         Ok(page.html())
     }
@@ -64,8 +64,8 @@ impl StoredResult for StoredTrade {
                 "measure again with a larger --budget",
             )
         };
-        let prices = self.prices(asked.statistic).ok_or_else(nothing)?;
-        asked.draw(&Subject::Trade(&prices))
+        let costs = self.cost_curves(asked.statistic).ok_or_else(nothing)?;
+        asked.draw(&Subject::Trade(&costs))
     }
 
     /// Everything that follows from its measurements is computed again.

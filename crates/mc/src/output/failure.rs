@@ -9,8 +9,8 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
-use stickslip::config::{Fault, ScenarioError};
-use stickslip::scheme::Misfit;
+use stickslip::config::{Diagnostic, ScenarioError};
+use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
 
 /// Why a verb did not do what it was asked to do. A message contains the remedy.
@@ -66,9 +66,9 @@ fn with_remedy(problem: impl Display, remedy: impl Display) -> String {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Failure::Refused(match error {
-            ScenarioError::Invalid(faults) => faults
+            ScenarioError::Invalid(diagnostics) => diagnostics
                 .iter()
-                .map(Fault::to_string)
+                .map(Diagnostic::to_string)
                 .collect::<Vec<_>>()
                 .join("\nerror: "),
             error => error.to_string(),
@@ -76,9 +76,9 @@ impl From<ScenarioError> for Failure {
     }
 }
 
-impl From<Misfit> for Failure {
-    fn from(misfit: Misfit) -> Self {
-        Failure::Refused(misfit.to_string())
+impl From<CheckError> for Failure {
+    fn from(check_error: CheckError) -> Self {
+        Failure::Refused(check_error.to_string())
     }
 }
 

@@ -31,7 +31,7 @@ pub use remarks::{found, lost};
 pub use run::{Chosen, run};
 pub use sweep::{paths_of_each, sweep, warnings};
 pub use text::{aligned, text};
-pub use trade::{prices, trade, without_answer};
+pub use trade::{costs, trade, without_answer};
 
 pub use stickslip_report::{
     Cell, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, TEXT, Table, columns,

@@ -71,7 +71,7 @@ pub fn trade(title: &str, trade: &Trade, shown: Option<(&Path, Statistic)>) -> R
 }
 
 /// The report of the cheapest run for each of these statistics, or of all, and each target.
-pub fn prices(title: &str, trade: &Trade, chosen: Chosen) -> Report {
+pub fn costs(title: &str, trade: &Trade, chosen: Chosen) -> Report {
     let answerable = trade.answerable();
     let statistics = chosen.of(&answerable, &answerable);
     let row = |(statistic, target): (Statistic, f64)| {

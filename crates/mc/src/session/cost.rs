@@ -5,7 +5,7 @@ use crate::output::failure::{Failure, note};
 use crate::output::numbers::{counted, time};
 use std::time::Duration;
 use stickslip::scenario::Scenario;
-use stickslip::study::pace::seconds_per_path;
+use stickslip::study::path_cost::seconds_per_path;
 
 /// Approximate CPU seconds of one step of one path of a discrete scheme, on a processor of about
 /// 2025.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use stickslip::ensemble::{BLOCK_SIZE, Plan, check_threads};
 use stickslip::scheme::Unresolved;
 use stickslip::stats::{Estimate, Statistic};
-use stickslip::study::pace::TimeLimit;
+use stickslip::study::path_cost::TimeLimit;
 use stickslip::study::trade::Limits;
 
 /// Shows the progress of a run. The engine calls it after every finished block of paths.

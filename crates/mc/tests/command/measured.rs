@@ -411,12 +411,12 @@ fn pinned_noise_without_a_series_is_refused_in_memory_as_well() {
     let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = stickslip::scenario::Scenario::parse("rho025", text, &[]).expect("sound");
     scenario.model.temperature.is_pinned = true;
-    let misfit = scenario.check().expect_err("there is nothing to pin to");
+    let check_error = scenario.check().expect_err("there is nothing to pin to");
     assert!(
-        misfit
+        check_error
             .sentence()
             .contains("`temperature.noise.pinned` = true, but there is no"),
-        "{misfit:?}"
+        "{check_error:?}"
     );
 }
 

@@ -663,7 +663,7 @@ fn verbose_and_warnings_name_the_resolution() {
     for part in [
         "shortest slip resolved",
         "warning: f_s and f_d are equal",
-        "lanes, cell by cell",
+        "lanes, macro step by macro step",
     ] {
         assert!(said.contains(part), "{part}\n{said}");
     }

@@ -11,7 +11,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{
-    Choice, Cost, Effort, Limits, Number, Pairing, Refusal, SettingGrid, Standing, Trade,
+    Choice, Cost, Limits, Number, Pairing, PlannedCost, Refusal, SettingGrid, Standing, Trade,
     TradeSetting, measure,
 };
 
@@ -29,7 +29,7 @@ const TWO_THREADS: usize = 2;
 /// choice depends on the machine: 1.2 ns for a step, 30 us for an event-driven path.
 static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let scenario = shipped("rho025");
-    let effort = Effort {
+    let planned = PlannedCost {
         steps: 7,
         coupled_paths: 2560,
         free_paths: vec![1024, 8192, 1024, 16_384],
@@ -38,7 +38,7 @@ static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let mut trade = measure(
         &scenario,
         &SettingGrid::of(&scenario),
-        &effort,
+        &planned,
         TWO_THREADS,
         Limits::default(),
     )
@@ -214,7 +214,7 @@ fn biases_are_those_against_another_program() {
 #[test]
 fn a_measurement_is_reproducible() {
     let scenario = shipped("damped");
-    let effort = Effort {
+    let planned = PlannedCost {
         steps: 3,
         coupled_paths: 400,
         free_paths: vec![300, 300, 0, 300],
@@ -224,7 +224,7 @@ fn a_measurement_is_reproducible() {
         measure(
             &scenario,
             &SettingGrid::of(&scenario),
-            &effort,
+            &planned,
             threads,
             Limits::default(),
         )
@@ -399,18 +399,18 @@ fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
         1,
         "one tolerance is as good as another"
     );
-    let effort = Effort {
+    let planned = PlannedCost {
         steps: 9,
         coupled_paths: 20,
         free_paths: vec![2; grid.free.len()],
         timing: 1e-3,
     };
-    let trade = measure(scenario, &grid, &effort, 1, Limits::default()).expect("measured");
+    let trade = measure(scenario, &grid, &planned, 1, Limits::default()).expect("measured");
     let budgeted =
-        Effort::within(scenario, &mut grid, Duration::from_secs(10), 1).expect("it fits");
+        PlannedCost::within(scenario, &mut grid, Duration::from_secs(10), 1).expect("it fits");
     assert_eq!(
         (budgeted.coupled_paths, budgeted.free_paths),
-        (effort.coupled_paths, effort.free_paths)
+        (planned.coupled_paths, planned.free_paths)
     );
     let first = Statistic::FirstStickDurationMean;
     assert!((trade.settings[trade.reference].estimate(first).value - exact).abs() < 1e-12);
@@ -468,7 +468,7 @@ fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
 fn statistics_without_an_answer_have_a_reason() {
     let small = |name: &str, tolerances: usize| {
         let scenario = shipped(name);
-        let effort = Effort {
+        let planned = PlannedCost {
             steps: 2,
             coupled_paths: 40,
             free_paths: vec![64; tolerances],
@@ -477,7 +477,7 @@ fn statistics_without_an_answer_have_a_reason() {
         measure(
             &scenario,
             &SettingGrid::of(&scenario),
-            &effort,
+            &planned,
             TWO_THREADS,
             Limits::default(),
         )

@@ -1,7 +1,6 @@
 //! The contents of a file that `mc run` writes, read without the store. This finds numbers that a
-//! program which writes and reads with the same mistake would not notice.
-//! `tests/python/recompute.py` recomputes every variable; here are the checks against rows of the
-//! same file that need no Python.
+//! program which writes and reads with the same mistake would not notice: each is compared with rows
+//! of the same file.
 
 use crate::command;
 use hdf5::File;

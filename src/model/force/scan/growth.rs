@@ -102,7 +102,7 @@ pub(super) fn beyond_hold(
                 probe.at(point) * direction[0] - body.stiffness * point[X].abs()
             };
             let outward = TIMES.map(|times| excess(probe, times) / times);
-            // In proportion to the distance; growth that is faster is a doubt of its own.
+            // In proportion to the distance; growth that is faster is a warning of its own.
             if outward
                 .iter()
                 .all(|excess| *excess > 0.5 * outward[0] && *excess < 2.0 * outward[0])

@@ -74,7 +74,7 @@ pub(super) fn tracks(probe: &Probe) -> Vec<Track> {
     all
 }
 
-/// An operation that can be the cause of a doubt.
+/// An operation that can be the cause of a warning.
 struct Suspect {
     node: usize,
     /// The node of its argument.
@@ -113,7 +113,7 @@ impl Suspect {
     }
 }
 
-/// Searches for one doubt for each operation that can be the cause.
+/// Searches for one warning for each operation that can be the cause.
 pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
     let nodes = probe.formula.nodes.len();
     let suspects: Vec<Suspect> = (0..nodes)

@@ -28,7 +28,7 @@ pub struct Scales {
 
 /// A place in an expression that the schemes are not made for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Doubt {
+pub struct ForceWarning {
     /// The first byte of the place in the text.
     pub start: usize,
     /// The byte behind the place.
@@ -37,9 +37,9 @@ pub struct Doubt {
     pub sentence: String,
 }
 
-/// What is doubtful about a force, in the order of its text. A place has one doubt of its value and
-/// one of its growth at most, and places with the same doubt are represented by the first.
-pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
+/// What is doubtful about a force, in the order of its text. A place has one warning of its value
+/// and one of its growth at most, and places with the same warning are represented by the first.
+pub fn force_warnings(force: &Expression, scales: Scales) -> Vec<ForceWarning> {
     let mut probe = probe(force, scales);
     let mut all = jumps::found(&mut probe);
     all.extend(growth::found(&mut probe));
@@ -48,7 +48,7 @@ pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
     all.retain(|(_, sentence)| said.insert(sentence.clone()));
     let place = |node: usize| probe.formula.nodes[node].place.clone();
     all.into_iter()
-        .map(|(node, sentence)| Doubt {
+        .map(|(node, sentence)| ForceWarning {
             start: place(node).start,
             end: place(node).end,
             sentence,

@@ -1,6 +1,6 @@
 //! Texts that are not expressions.
 
-use super::super::{Expression, Scales, beyond_hold, doubts, steepest};
+use super::super::{Expression, Scales, beyond_hold, force_warnings, steepest};
 use super::parameters;
 use crate::model::{Drive, Oscillator};
 use proptest::prelude::*;
@@ -335,12 +335,12 @@ proptest! {
         match Expression::parse(&text, &parameters()) {
             Ok(expression) => {
                 let scales = Scales { displacement: 1.0, velocity: 1.0, end: 10.0 };
-                let found = doubts(&expression, scales);
+                let found = force_warnings(&expression, scales);
                 let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive: Drive::Force(0.0) };
                 let steepest = steepest(&expression, scales, &body);
                 prop_assert!(steepest.stiffness >= 0.0 && steepest.damping >= 0.0, "{steepest:?}");
                 beyond_hold(&expression, scales, &body, 0.0);
-                prop_assert!(found.iter().all(|doubt| text.get(doubt.start..doubt.end).is_some()));
+                prop_assert!(found.iter().all(|warning| text.get(warning.start..warning.end).is_some()));
             }
             Err(error) => prop_assert!(text.get(error.start..error.end).is_some(), "{error:?}"),
         }

@@ -1,13 +1,13 @@
 //! What is doubtful about forces.
 
-use super::super::{Scales, beyond_hold, doubts, steepest};
+use super::super::{Scales, beyond_hold, force_warnings, steepest};
 use super::expression;
 use crate::model::{Drive, Oscillator};
 use std::time::Instant;
 
-/// The doubts about a force, each with the part of the text that it is about.
+/// The warnings about a force, each with the part of the text that it is about.
 fn found(text: &str) -> Vec<String> {
-    let all = doubts(
+    let all = force_warnings(
         &expression(text),
         Scales {
             displacement: 2.0,
@@ -16,7 +16,13 @@ fn found(text: &str) -> Vec<String> {
         },
     );
     all.into_iter()
-        .map(|doubt| format!("{}: {}", &text[doubt.start..doubt.end], doubt.sentence))
+        .map(|warning| {
+            format!(
+                "{}: {}",
+                &text[warning.start..warning.end],
+                warning.sentence
+            )
+        })
         .collect()
 }
 

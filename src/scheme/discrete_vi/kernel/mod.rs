@@ -229,7 +229,7 @@ impl Kernel {
     }
 
     /// g of these forces at t_n.
-    fn own_force(&self, force: &Force, at: &State, n: u64) -> f64 {
+    fn user_force(&self, force: &Force, at: &State, n: u64) -> f64 {
         force.at(
             self.instructions,
             at.x,
@@ -242,7 +242,8 @@ impl Kernel {
     pub(super) fn pulls(&self, at: &State, forcing: f64, n: u64) -> [f64; 2] {
         let b = self.linear_force(at, forcing);
         self.own.as_ref().map_or([b; 2], |own| {
-            own.in_stick().map(|force| b + self.own_force(force, at, n))
+            own.in_stick()
+                .map(|force| b + self.user_force(force, at, n))
         })
     }
 
@@ -265,7 +266,7 @@ impl Kernel {
         let b = self.linear_force(at, forcing);
         self.own
             .as_ref()
-            .map_or(b, |own| b + self.own_force(own, at, n))
+            .map_or(b, |own| b + self.user_force(own, at, n))
     }
 
     /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is

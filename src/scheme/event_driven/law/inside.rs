@@ -25,7 +25,7 @@ pub struct Glance {
     /// Its time. An instant and an event at the same time are in the order in which an observer is
     /// told of them, so the times that are compared are those that an observer sees.
     pub at: f64,
-    /// The time after the start of the cell.
+    /// The time after the start of the macro step.
     pub time: f64,
     /// Whether it is a row between those of the run.
     pub is_closer: bool,
@@ -52,7 +52,7 @@ pub struct SlipPiece<L = f64> {
     /// The direction, and x at the start of the step.
     pub eps: L,
     pub x0: L,
-    /// The times at which the piece begins and ends, after the start of the cell.
+    /// The times at which the piece begins and ends, after the start of the macro step.
     pub after: L,
     pub until: L,
     /// The deviation of the distance since the start of the step, and of the motion, at the start
@@ -191,7 +191,7 @@ impl<L: Lanes> SlipPiece<L> {
     }
 }
 
-/// A time after the start of the cell, and n at that time.
+/// A time after the start of the macro step, and n at that time.
 pub type Known = (f64, f64);
 
 /// Draws n at a time between two known values of it: from its bridge, or, at and beyond one of
@@ -224,7 +224,7 @@ pub fn noise_between(
 /// A piece of a stick, in any number of paths. The stick lasts at least until the end of the piece.
 #[derive(Clone, Copy, Debug)]
 pub struct StickPiece<L = f64> {
-    /// The times at which it begins and ends, after the start of the cell.
+    /// The times at which it begins and ends, after the start of the macro step.
     pub after: (L, L),
     /// n at both ends.
     pub noise: (L, L),

@@ -10,7 +10,7 @@
 //! own limit ([`Force::hold`]).
 
 use super::super::user_force::UserForce;
-use super::ladder::{CellPlace, StepLadder};
+use super::step_grid::{MacroStepPlace, StepGrid};
 use super::stick_band::{Limit, Limits};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
@@ -41,9 +41,9 @@ pub struct Scene {
     pub initial_displacement: f64,
     pub initial_velocity: f64,
     /// The harmonics of B(t). Where the temperature has a constant or a trend, or was measured, the
-    /// last one represents the straight line of the current cell (see [`Scene::set_line`]).
+    /// last one represents the straight line of the current macro step (see [`Scene::set_line`]).
     pub harmonics: Vec<ForceHarmonic>,
-    /// The constant and the slope of B(t) that do not change from cell to cell.
+    /// The constant and the slope of B(t) that do not change from macro step to macro step.
     line: Option<[f64; 2]>,
     /// The measured temperature, if there is one.
     pub series: Option<Arc<Series>>,
@@ -56,7 +56,7 @@ pub struct Scene {
     /// The law of n(0): its mean and standard deviation.
     pub initial_noise: (f64, f64),
     /// The two noises whose sum is n, if there are two. Then `relaxation_rate` and `diffusion` are
-    /// those of the single process that stands for the sum inside a cell.
+    /// those of the single process that stands for the sum inside a macro step.
     pub two_noises: Option<TwoNoises>,
     /// K beta: force per unit of temperature.
     pub force_per_temperature: f64,
@@ -64,7 +64,7 @@ pub struct Scene {
     pub own: UserForce,
 }
 
-/// The number of sticks with their slips that a cell may be long.
+/// The number of sticks with their slips that a macro step may be long.
 const MOST_CASCADES: f64 = 64.0;
 
 impl Scene {
@@ -109,7 +109,8 @@ impl Scene {
                 None,
             ),
         };
-        // A cell lasts at most from sample to sample, and at most as long as the noise remembers.
+        // A macro step lasts at most from sample to sample, and at most as long as the noise
+        // remembers.
         let longest = series.as_ref().map(|series| series.longest_spacing());
         if let Some(longest) = longest.or(line.map(|_| 1.0 / noise.relaxation_rate)) {
             harmonics.push(ForceHarmonic {
@@ -199,19 +200,20 @@ impl Scene {
         )
     }
 
-    /// The relaxation rate that the length of a cell must resolve. With two noises it is larger
-    /// than either theta (see [`TwoNoises::rate`]).
+    /// The relaxation rate that the length of a macro step must resolve. With two noises it is
+    /// larger than either theta (see [`TwoNoises::rate`]).
     pub fn noise_rate(&self) -> f64 {
         self.two_noises
             .map_or(self.relaxation_rate, |both| both.rate())
     }
 
-    /// The longest cell that holds only so much work, however slowly the noise relaxes.
+    /// The longest macro step that holds only so much work, however slowly the noise relaxes.
     ///
-    /// A path crosses the last cell to its end, also beyond the end of the run, because no event
-    /// depends on the end. In a cell as long as 1/theta, a noise that hardly relaxes crosses the
-    /// stick band any number of times. It takes (f_s/s)^2 to cross it, and a slip takes 1/w0.
-    pub fn longest_cell(&self) -> f64 {
+    /// A path crosses the last macro step to its end, also beyond the end of the run, because no
+    /// event depends on the end. In a macro step as long as 1/theta, a noise that hardly relaxes
+    /// crosses the stick band any number of times. It takes (f_s/s)^2 to cross it, and a slip takes
+    /// 1/w0.
+    pub fn longest_macro_step(&self) -> f64 {
         let (f_s, w0) = (
             self.friction.static_force,
             self.oscillator.natural_frequency(),
@@ -265,9 +267,10 @@ impl Scene {
         })
     }
 
-    /// The cells for this scene, each of at most this length. All have the same length, except that
-    /// a cell also ends at every sample of a measured temperature and at every kink of g.
-    pub fn ladder(&self, longest: f64, end: f64) -> StepLadder {
+    /// The macro steps for this scene, each of at most this length. All have the same length,
+    /// except that a macro step also ends at every sample of a measured temperature and at every
+    /// kink of g.
+    pub fn grid(&self, longest: f64, end: f64) -> StepGrid {
         let samples = self
             .series
             .as_ref()
@@ -278,27 +281,27 @@ impl Scene {
         cuts.sort_by(f64::total_cmp);
         cuts.dedup();
         if cuts.len() < 2 {
-            StepLadder::even(longest)
+            StepGrid::even(longest)
         } else {
-            StepLadder::cut(cuts, longest)
+            StepGrid::cut(cuts, longest)
         }
     }
 
-    /// The transition of n over a cell: that of a free Ornstein-Uhlenbeck process, or, where the
-    /// noise is pinned, that of a bridge to zero at the next sample.
-    pub fn transition(&self, rung: &CellPlace) -> Transition {
+    /// The transition of n over a macro step: that of a free Ornstein-Uhlenbeck process, or, where
+    /// the noise is pinned, that of a bridge to zero at the next sample.
+    pub fn transition(&self, place: &MacroStepPlace) -> Transition {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {
             Some(series) if self.is_pinned => {
-                let ahead = (series.times()[series.piece(rung.sample) + 1] - rung.end).max(0.0);
+                let ahead = (series.times()[series.piece(place.sample) + 1] - place.end).max(0.0);
                 // The mean of the bridge is `decay` times n, because its other end is zero.
-                let (decay, increment_sd) = bridge_at(theta, s, rung.length, ahead, (1.0, 0.0));
+                let (decay, increment_sd) = bridge_at(theta, s, place.length, ahead, (1.0, 0.0));
                 Transition {
                     decay,
                     increment_sd,
                 }
             }
-            _ => Transition::new(theta, s, rung.length),
+            _ => Transition::new(theta, s, place.length),
         }
     }
 

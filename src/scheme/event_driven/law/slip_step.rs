@@ -83,7 +83,7 @@ impl SlipStep {
     }
 }
 
-/// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
+/// A remainder of a macro step that is shorter than this fraction of it takes no exact step: the
 /// difference of n at both its ends, which such a step needs, would have lost its digits.
 pub const SHORTEST: f64 = 1e-8;
 

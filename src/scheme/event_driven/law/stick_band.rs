@@ -41,7 +41,7 @@ pub struct StickBand {
 /// What is known of a stick at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<L = f64> {
-    /// Time after the start of the cell.
+    /// Time after the start of the macro step.
     pub after: L,
     pub noise: L,
     /// b.

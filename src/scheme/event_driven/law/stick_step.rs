@@ -139,7 +139,7 @@ impl<L: Lanes> StickStep<L> {
         [normal, place, acceptance]: [L; 3],
     ) -> (L, L::Mask) {
         let threshold = self.threshold(scene, side, ends);
-        let (place, chance) = threshold.proposed_place(normal, place);
+        let (place, probability) = threshold.proposed_place(normal, place);
         let [first, last] = ends.limits;
         let width = (width(&first) + width(&last)) * 0.5;
         let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
@@ -147,7 +147,7 @@ impl<L: Lanes> StickStep<L> {
             .noise
             .time_at(scene.relaxation_rate, place)
             .or_at_most(self.length);
-        (after, acceptance.lt(chance * misses_other))
+        (after, acceptance.lt(probability * misses_other))
     }
 }
 
@@ -288,7 +288,7 @@ mod tests {
     /// met before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26;
     /// each of the four comparisons fails by chance once in 1e4.
     #[test]
-    fn a_step_is_left_at_the_farther_threshold_when_the_nearer_one_is_missed() {
+    fn a_step_ends_at_the_far_threshold_if_the_near_is_missed() {
         let (f_s, from, bridges) = (0.9, -0.75, 1_600_000);
         let scene = Scene::new(&noise_alone(f_s, 1e-9));
         let step = StickStep::new(&scene, 1.0);

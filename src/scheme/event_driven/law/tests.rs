@@ -1,4 +1,4 @@
-//! Helpers that the unit tests of the laws, and of paths alone, share.
+//! Helpers that the unit tests of the laws, and of scalar paths, share.
 
 use super::first_stop::{KnownStep, SlipVelocity};
 use crate::model::tests::paper;

@@ -1,9 +1,9 @@
 //! Two Ornstein-Uhlenbeck noises at once.
 //!
 //! n = n1 + n2, where each is a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton
-//! of a path holds both values at the ends of every cell, drawn exactly. Inside a cell only their
-//! sum matters. There the sum is approximated by one Ornstein-Uhlenbeck process between the two
-//! known ends, with
+//! of a path holds both values at the ends of every macro step, drawn exactly. Inside a macro step
+//! only their sum matters. There the sum is approximated by one Ornstein-Uhlenbeck process between
+//! the two known ends, with
 //!
 //! ```text
 //! s^2 = s1^2 + s2^2,    theta^2 = (theta1^2 s1^2 + theta2^2 s2^2)/s^2
@@ -19,8 +19,8 @@
 //!
 //! So the variance of the sum is that of one process with the theta above, up to the fourth power
 //! of theta_j h. The mean of the sum is off by at most (theta_1^2 - theta^2) h^2/8 of n1, and
-//! likewise of n2. The cells are so short that theta_j h <= 0.1 at the default tolerance, which
-//! leaves an error of 0.13 % of n1 in the middle of a cell.
+//! likewise of n2. The macro steps are so short that theta_j h <= 0.1 at the default tolerance,
+//! which leaves an error of 0.13 % of n1 in the middle of a macro step.
 
 use super::scene::one_noise;
 use crate::model::Noise;
@@ -41,7 +41,7 @@ pub struct OneNoise {
     pub initial: (f64, f64),
 }
 
-/// How many times shorter the cells are than with one noise.
+/// How many times shorter the macro steps are than with one noise.
 const SHORTER: f64 = 5.0;
 
 impl TwoNoises {
@@ -50,7 +50,7 @@ impl TwoNoises {
         TwoNoises(noises.map(|noise| one_noise(&noise, gain)))
     }
 
-    /// The single process that approximates their sum inside a cell.
+    /// The single process that approximates their sum inside a macro step.
     pub fn inside(&self) -> OneNoise {
         let [a, b] = self.0;
         let diffusion = a.diffusion.hypot(b.diffusion);
@@ -68,13 +68,13 @@ impl TwoNoises {
         }
     }
 
-    /// The rate that the length of a cell must resolve, in the way in which it resolves theta of
-    /// one noise: the larger theta_j, times `SHORTER`.
+    /// The rate that the length of a macro step must resolve, in the way in which it resolves theta
+    /// of one noise: the larger theta_j, times `SHORTER`.
     pub fn rate(&self) -> f64 {
         SHORTER * self.fastest()
     }
 
-    /// The transition of each noise over a cell of this length.
+    /// The transition of each noise over a macro step of this length.
     pub fn transitions(&self, length: f64) -> [Transition; 2] {
         self.0
             .map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, length))

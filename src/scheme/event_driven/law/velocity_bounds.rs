@@ -19,12 +19,12 @@
 use super::first_stop::{Interval, SlipVelocity};
 use crate::lanes::Lanes;
 
-/// The mean of V on an interval, and the doubt about it.
+/// The mean of V on an interval, and its uncertainty.
 pub struct VelocityBounds<L: Lanes> {
     /// The Bezier control points of the mean of V.
     controls: [L; 5],
     /// caution c h^{3/2}.
-    doubt: L,
+    uncertainty: L,
 }
 
 /// Control points of a polynomial of degree 4 that is nowhere below sd V/(c h^{3/2}) on a half of
@@ -45,7 +45,7 @@ impl<L: Lanes> VelocityBounds<L> {
         let middle = next.travel * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0);
         VelocityBounds {
             controls: [v0, v0 + q0, middle, v1 - q1, v1],
-            doubt: next.noise * next.length * caution,
+            uncertainty: next.noise * next.length * caution,
         }
     }
 
@@ -78,14 +78,14 @@ impl<L: Lanes> VelocityBounds<L> {
     /// Whether V is positive on a half with these control points.
     #[inline(always)]
     fn is_above(&self, [c1, c2, c3, c4]: [L; 4]) -> L::Mask {
-        let [s1, s2, s3, s4] = self.doubts();
+        let [s1, s2, s3, s4] = self.uncertainties();
         L::and(L::and(c1.gt(s1), c2.gt(s2)), L::and(c3.gt(s3), c4.gt(s4)))
     }
 
     /// Whether V is negative there.
     #[inline(always)]
     fn is_below(&self, [c1, c2, c3, c4]: [L; 4]) -> L::Mask {
-        let [s1, s2, s3, s4] = self.doubts();
+        let [s1, s2, s3, s4] = self.uncertainties();
         L::and(
             L::and(c1.lt(-s1), c2.lt(-s2)),
             L::and(c3.lt(-s3), c4.lt(-s4)),
@@ -95,7 +95,7 @@ impl<L: Lanes> VelocityBounds<L> {
     /// Whether V falls on a half whose slope has these control points.
     #[inline(always)]
     fn falls(&self, [d0, d1, d2, d3]: [L; 4]) -> L::Mask {
-        let most = self.doubt * -SLOPE_SPREAD;
+        let most = self.uncertainty * -SLOPE_SPREAD;
         L::and(
             L::and(d0.lt(most), d1.lt(most * 2.0)),
             L::and(d2.lt(most * 4.0), d3.lt(most * 8.0)),
@@ -104,13 +104,13 @@ impl<L: Lanes> VelocityBounds<L> {
 
     /// `caution` times [`SPREAD`], in the units of [`halves`].
     #[inline(always)]
-    fn doubts(&self) -> [L; 4] {
+    fn uncertainties(&self) -> [L; 4] {
         let [s1, s2, s3, s4] = SPREAD;
         [
-            self.doubt * (2.0 * s1),
-            self.doubt * (4.0 * s2),
-            self.doubt * (8.0 * s3),
-            self.doubt * (16.0 * s4),
+            self.uncertainty * (2.0 * s1),
+            self.uncertainty * (4.0 * s2),
+            self.uncertainty * (8.0 * s3),
+            self.uncertainty * (16.0 * s4),
         ]
     }
 }
@@ -237,13 +237,16 @@ mod tests {
             let (mut phase, mut is_positive) = (0, true);
             for (i, [v, a]) in spread.iter().enumerate() {
                 let (_, mean) = step.mean((i as f64 + 1.0) / 1000.0 * next.length);
-                let doubt = CAUTION * next.noise;
-                let (above, below) = (doubt * next.length * v, -doubt * next.length * v);
+                let uncertainty = CAUTION * next.noise;
+                let (above, below) = (
+                    uncertainty * next.length * v,
+                    -uncertainty * next.length * v,
+                );
                 is_positive &= mean.velocity > above;
                 if phase == 0 && mean.velocity <= above {
                     phase = 1;
                 }
-                if phase == 1 && mean.acceleration >= -doubt * a {
+                if phase == 1 && mean.acceleration >= -uncertainty * a {
                     phase = 2;
                 }
                 if phase == 2 && mean.velocity >= below {

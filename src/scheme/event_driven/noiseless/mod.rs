@@ -1,8 +1,8 @@
 //! Without noise: phases are closed forms, events are roots, and there is no time step.
 //!
 //! ```text
-//! stretch         the one path that there is, stretch by stretch, for every lane
-//! one_path        its legs
+//! segment         the one path that there is, segment by segment, for every lane
+//! one_path        its segments
 //!   first_root      the first zero of a smooth function, without ever missing one
 //!   exact_time      time with twice the digits of a double
 //! general         the same for any force, where slips have no closed form
@@ -13,11 +13,11 @@ mod exact_time;
 mod first_root;
 mod general;
 mod one_path;
-mod stretch;
+mod path_segment;
 mod unfelt_noise;
 
 pub use exact_time::ExactTime;
 pub use general::GeneralNoiseless;
 pub use one_path::Noiseless;
-pub use stretch::{End, Stretch, Stretches};
+pub use path_segment::{End, PathSegment, PathSegments};
 pub use unfelt_noise::WithUnfeltNoise;

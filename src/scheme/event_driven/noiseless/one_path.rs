@@ -16,7 +16,7 @@
 use super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
-use super::stretch::{End, Stretch, Stretches};
+use super::path_segment::{End, PathSegment, PathSegments};
 use crate::model::{
     Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign,
     SlipFlow, can_be_computed_with,
@@ -40,7 +40,7 @@ pub struct Noiseless {
 /// sixth power of it over 46 080.
 const PIECE: f64 = 0.1;
 
-/// The most pieces of one leg.
+/// The most pieces of one segment.
 const MOST_PIECES: f64 = 1e6;
 
 /// The signs of b at the two thresholds.
@@ -48,10 +48,10 @@ const SIDES: [f64; 2] = [1.0, -1.0];
 
 /// One phase of the path, or the part of a phase that lies between two samples, at which the
 /// temperature has a kink.
-type Leg = Stretch<LegStart, ()>;
+type ClosedSegment = PathSegment<SegmentStart, ()>;
 
-/// The motion at the start of a leg.
-pub struct LegStart {
+/// The motion at the start of a segment.
+pub struct SegmentStart {
     displacement: f64,
     /// x' at the start. It is zero except after a sample inside a slip.
     velocity: f64,
@@ -101,15 +101,15 @@ impl Noiseless {
     }
 
     /// The motion of a sub-phase.
-    fn flow<'a>(&'a self, leg: &'a Leg, direction: Sign) -> SlipFlow<'a> {
+    fn flow<'a>(&'a self, segment: &'a ClosedSegment, direction: Sign) -> SlipFlow<'a> {
         let dynamic_force = self.model.friction.dynamic_force;
-        let LegStart {
+        let SegmentStart {
             velocity,
             force,
             ref terms,
             line,
             ..
-        } = leg.from;
+        } = segment.from;
         self.body
             .slip((terms, line), velocity, force, direction, dynamic_force)
     }
@@ -159,12 +159,12 @@ impl Noiseless {
     ) -> Resolved<Option<Event>> {
         let terms = self.terms_at(start);
         let force = self.force_at_rest(start, &terms, displacement);
-        let mut leg = self.stick(start, displacement, force, terms, work)?;
+        let mut segment = self.stick(start, displacement, force, terms, work)?;
         loop {
-            match leg.end {
+            match segment.end {
                 None => return Ok(None),
                 Some((_, End::Event(event))) => return Ok(Some(event)),
-                Some(cut) => leg = self.next(&leg, cut, work)?,
+                Some(cut) => segment = self.next(&segment, cut, work)?,
             }
         }
     }
@@ -185,7 +185,7 @@ impl Noiseless {
         force: f64,
         terms: Vec<Complex>,
         work: &mut WorkLeft,
-    ) -> Resolved<Leg> {
+    ) -> Resolved<ClosedSegment> {
         let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
         let (line, horizon, is_cut) = self.line(start);
         let never = self.never_exits(displacement, f_s);
@@ -230,14 +230,14 @@ impl Noiseless {
             )
         });
         let cut = (is_cut && !never).then_some((horizon, End::Cut(())));
-        let from = LegStart {
+        let from = SegmentStart {
             displacement,
             velocity: 0.0,
             force,
             terms,
             line,
         };
-        Ok(Leg {
+        Ok(ClosedSegment {
             start,
             phase: Phase::Static,
             from,
@@ -285,7 +285,7 @@ impl Noiseless {
         terms: Vec<Complex>,
         direction: Sign,
         work: &mut WorkLeft,
-    ) -> Resolved<Leg> {
+    ) -> Resolved<ClosedSegment> {
         let (line, horizon, is_cut) = self.line(start);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
         let eps = direction.value();
@@ -340,14 +340,14 @@ impl Noiseless {
             )
         });
         let end = end.or(is_cut.then_some((horizon, End::Cut(()))));
-        let from = LegStart {
+        let from = SegmentStart {
             displacement,
             velocity,
             force,
             terms,
             line,
         };
-        Ok(Leg {
+        Ok(ClosedSegment {
             start,
             phase: Phase::Slip(direction),
             from,
@@ -381,8 +381,8 @@ impl Noiseless {
     }
 }
 
-impl Stretches for Noiseless {
-    type Motion = LegStart;
+impl PathSegments for Noiseless {
+    type Motion = SegmentStart;
     type Cut = ();
 
     fn timeline(&self) -> &Timeline {
@@ -393,7 +393,7 @@ impl Stretches for Noiseless {
         self.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Resolved<Leg> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<ClosedSegment> {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
         let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
@@ -414,10 +414,10 @@ impl Stretches for Noiseless {
             }),
         ));
         let (start, phase, line) = (ExactTime::ZERO, Phase::Static, 0.0);
-        Ok(Leg {
+        Ok(ClosedSegment {
             start,
             phase,
-            from: LegStart {
+            from: SegmentStart {
                 displacement,
                 velocity: 0.0,
                 force,
@@ -430,14 +430,14 @@ impl Stretches for Noiseless {
 
     fn next(
         &self,
-        leg: &Leg,
+        segment: &ClosedSegment,
         (duration, end): (f64, End<()>),
         work: &mut WorkLeft,
-    ) -> Resolved<Leg> {
+    ) -> Resolved<ClosedSegment> {
         work.spend()?;
-        let start = leg.start.after(duration);
+        let start = segment.start.after(duration);
         let terms = self.terms_at(start);
-        match (end, leg.phase) {
+        match (end, segment.phase) {
             (End::Event(event), _) => match event.kind.phase() {
                 Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
                 Phase::Slip(sign) => {
@@ -457,16 +457,16 @@ impl Stretches for Noiseless {
                 }
             },
             (End::Cut(()), Phase::Static) => {
-                let force = self.force_at_rest(start, &terms, leg.from.displacement);
-                self.stick(start, leg.from.displacement, force, terms, work)
+                let force = self.force_at_rest(start, &terms, segment.from.displacement);
+                self.stick(start, segment.from.displacement, force, terms, work)
             }
             (End::Cut(()), Phase::Slip(direction)) => {
-                let state = self.flow(leg, direction).at(duration);
+                let state = self.flow(segment, direction).at(duration);
                 let friction = direction.value() * self.model.friction.dynamic_force;
                 let force = friction + self.model.oscillator.mass * state.acceleration;
                 self.slip(
                     start,
-                    leg.from.displacement + state.displacement,
+                    segment.from.displacement + state.displacement,
                     (state.velocity, force),
                     terms,
                     direction,
@@ -476,12 +476,17 @@ impl Stretches for Noiseless {
         }
     }
 
-    fn segments(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
-        let Phase::Slip(direction) = leg.phase else {
+    fn segments(
+        &self,
+        segment: &ClosedSegment,
+        duration: f64,
+        mut tell: impl FnMut(Segment),
+    ) -> Resolved<()> {
+        let Phase::Slip(direction) = segment.phase else {
             return Ok(());
         };
         let (flow, pieces) = (
-            self.flow(leg, direction),
+            self.flow(segment, direction),
             (duration / (PIECE * self.span))
                 .ceil()
                 .clamp(1.0, MOST_PIECES),
@@ -491,9 +496,9 @@ impl Stretches for Noiseless {
             let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
             let there = flow.at(end);
             tell(Segment {
-                start: leg.start.after(start).value(),
+                start: segment.start.after(start).value(),
                 length: end - start,
-                displacement: leg.from.displacement + here.displacement,
+                displacement: segment.from.displacement + here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
                 along: Along::Smooth {
@@ -506,29 +511,29 @@ impl Stretches for Noiseless {
         Ok(())
     }
 
-    fn state(&self, leg: &Leg, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {
-        let r = leg.start.until(t).max(0.0);
+    fn state(&self, segment: &ClosedSegment, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {
+        let r = segment.start.until(t).max(0.0);
         let terms = &self.body.terms;
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // With beta = 0 the terms of the body do not contain the temperature that the observer
-        // sees. With samples, a leg without an end may extend over several of them.
+        // sees. With samples, a segment without an end may extend over several of them.
         let temperature =
             if gain == 0.0 || self.series().is_some() || self.model.temperature.has_line() {
                 self.model.temperature.mean(t)
             } else {
                 let here: f64 = terms
                     .iter()
-                    .zip(&leg.from.terms)
+                    .zip(&segment.from.terms)
                     .map(|(term, p)| (*p * (term.rate * r).exp()).re)
                     .sum();
                 here / gain
             };
-        Ok(match leg.phase {
-            Phase::Static => (leg.from.displacement, 0.0, temperature, true),
+        Ok(match segment.phase {
+            Phase::Static => (segment.from.displacement, 0.0, temperature, true),
             Phase::Slip(direction) => {
-                let state = self.flow(leg, direction).at(r);
+                let state = self.flow(segment, direction).at(r);
                 (
-                    leg.from.displacement + state.displacement,
+                    segment.from.displacement + state.displacement,
                     state.velocity,
                     temperature,
                     false,

@@ -1,23 +1,23 @@
-//! One path alone: the order of work for paths that cross a cell one after the other.
+//! Scalar paths: the order of work for paths that cross a macro step one after the other.
 //!
 //! ```text
-//! path           the state of a path, and how it crosses a cell: stick, slip, stick, ..
-//!   stick          does b leave the stick band before the end of the cell?
+//! path           the state of a path, and how it crosses a macro step: stick, slip, stick, ..
+//!   stick          does b leave the stick band before the end of the macro step?
 //!   slip           steps, each of which is searched for a stop
-//!     own_force      a step under a user-defined force
+//!     user_force      a step under a user-defined force
 //!     stop_search    bisects a step from left to right
 //!     step_flow      the motion of the step without noise, for feeble noise and for observers
-//! watch          draws the state at instants inside a cell, without changing the path
+//! watch          draws the state at instants inside a macro step, without changing the path
 //! paths     all paths, one after the other
 //! ```
 
-mod own_force;
 mod path;
 mod paths;
 mod slip;
 mod step_flow;
 mod stick;
 mod stop_search;
+mod user_force;
 mod watch;
 
 pub use path::{Cascade, Path, Route, cross, start};

@@ -1,7 +1,7 @@
-//! One path, and how it crosses a cell: phase by phase.
+//! One path, and how it crosses a macro step: phase by phase.
 
 use super::super::law::{
-    Cell, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, StickBand, cell_length,
+    EVENT_PLACE, MacroStep, NOISE_PLACE, Scene, StepGrid, StepRules, StickBand, macro_step_length,
 };
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
@@ -13,14 +13,14 @@ use crate::scheme::Timeline;
 /// The state of one path.
 #[derive(Clone, Debug)]
 pub struct Path<'w, M> {
-    /// The time up to which it has been simulated, after the start of the cell.
+    /// The time up to which it has been simulated, after the start of the macro step.
     pub after: f64,
     /// x, or x at the start of the phase if the scheme computes x from that.
     pub displacement: f64,
     /// n.
     pub noise: f64,
-    /// The part of n that is the second noise, at the start of the cell; 0 where there is only one
-    /// noise.
+    /// The part of n that is the second noise, at the start of the macro step; 0 where there is
+    /// only one noise.
     pub second_noise: f64,
     /// b. Where a phase begins it is the value that is known exactly (the threshold, or the force
     /// at a stop), not a difference of larger forces.
@@ -34,12 +34,12 @@ pub struct Path<'w, M> {
     pub lost: Option<Unresolved>,
 }
 
-/// How the paths of a scheme go from cell to cell.
+/// How the paths of a scheme go from macro step to macro step.
 #[derive(Clone, Debug)]
 pub struct Route {
     pub timeline: Timeline,
-    /// The division of time into cells.
-    pub ladder: StepLadder,
+    /// The division of time into macro steps.
+    pub grid: StepGrid,
     /// Finds the exits from sticks.
     pub band: StickBand,
     /// The number of evaluations that a path may make.
@@ -50,8 +50,8 @@ pub struct Route {
 }
 
 impl Route {
-    /// The route through cells that are at most this long, where an evaluation takes `cost` times
-    /// as long as usual.
+    /// The route through macro steps that are at most this long, where an evaluation takes `cost`
+    /// times as long as usual.
     pub fn new(
         scene: &Scene,
         timeline: &Timeline,
@@ -61,8 +61,8 @@ impl Route {
     ) -> Self {
         Route {
             timeline: *timeline,
-            ladder: scene.ladder(
-                cell_length(longest.min(scene.longest_cell()), timeline.end),
+            grid: scene.grid(
+                macro_step_length(longest.min(scene.longest_macro_step()), timeline.end),
                 timeline.end,
             ),
             band: StickBand::new(scene, rules.chord_error),
@@ -84,11 +84,11 @@ pub trait Cascade {
 
     fn scratch(&self) -> Self::Scratch;
 
-    /// Takes a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
-    /// that ends the sub-phase if this comes first. Returns that event.
+    /// Takes a path in a sub-phase to the end of the macro step, where n is `end_noise`, or to the
+    /// event that ends the sub-phase if this comes first. Returns that event.
     fn slip(
         &self,
-        cell: &Cell,
+        macro_step: &MacroStep,
         path: &mut Path<Self::Memory>,
         direction: Sign,
         end_noise: f64,
@@ -99,8 +99,8 @@ pub trait Cascade {
     /// The motion at the start of the phase that follows an event.
     fn motion_after(&self, event: &Event) -> Self::Memory;
 
-    /// x and x' at the end of the cell to which the path has been taken.
-    fn look(&self, path: &Path<Self::Memory>, cell: &Cell) -> (f64, f64);
+    /// x and x' at the end of the macro step to which the path has been taken.
+    fn look(&self, path: &Path<Self::Memory>, macro_step: &MacroStep) -> (f64, f64);
 }
 
 /// A path at t = 0.
@@ -142,29 +142,29 @@ impl<'w, M: Default> Path<'w, M> {
     }
 }
 
-/// Takes a path across a cell, phase by phase.
+/// Takes a path across a macro step, phase by phase.
 #[inline(always)]
 pub fn cross<C: Cascade>(
     cascade: &C,
-    cell: &Cell,
+    macro_step: &MacroStep,
     path: &mut Path<C::Memory>,
     (scratch, pending): &mut (C::Scratch, PendingNodes),
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
 ) -> Resolved<()> {
-    let end_noise = noise_at_the_end(cell, path);
-    path.draws = path.draws.at(cell.index, EVENT_PLACE);
+    let end_noise = noise_at_the_end(macro_step, path);
+    path.draws = path.draws.at(macro_step.index, EVENT_PLACE);
     path.after = 0.0;
-    if cell.index == 0 && cascade.scene().initial_velocity != 0.0 {
+    if macro_step.index == 0 && cascade.scene().initial_velocity != 0.0 {
         let event = first_slip(cascade.scene(), path);
         (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
         emit(event);
     }
     loop {
         let event = match path.phase {
-            Phase::Static => stick(cascade, cell, path, end_noise, pending, watch)?,
+            Phase::Static => stick(cascade, macro_step, path, end_noise, pending, watch)?,
             Phase::Slip(direction) => {
-                cascade.slip(cell, path, direction, end_noise, scratch, watch)?
+                cascade.slip(macro_step, path, direction, end_noise, scratch, watch)?
             }
         };
         let Some(event) = event else { break };
@@ -207,12 +207,12 @@ fn first_slip<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     }
 }
 
-/// Draws n at the end of a cell, given n at its start: the next value of the skeleton.
+/// Draws n at the end of a macro step, given n at its start: the next value of the skeleton.
 #[inline(always)]
-fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
-    let mut draws = path.draws.at(cell.index, NOISE_PLACE);
-    let Some([first, second]) = cell.two_transitions else {
-        return cell.transition.next(path.noise, draws.normal());
+fn noise_at_the_end<M>(macro_step: &MacroStep, path: &mut Path<M>) -> f64 {
+    let mut draws = path.draws.at(macro_step.index, NOISE_PLACE);
+    let Some([first, second]) = macro_step.two_transitions else {
+        return macro_step.transition.next(path.noise, draws.normal());
     };
     let [for_first, for_second] = draws.normal_pair();
     let first = first.next(path.noise - path.second_noise, for_first);

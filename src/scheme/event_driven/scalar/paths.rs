@@ -1,7 +1,7 @@
-//! Paths that cross the cells one after the other.
+//! Paths that cross the macro steps one after the other.
 
-use super::super::cell_loop::{Inside, PathSet, Watching};
-use super::super::law::Cell;
+use super::super::law::MacroStep;
+use super::super::macro_step_loop::{Inside, PathSet, Watching};
 use super::super::work::Simulated;
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
@@ -17,9 +17,9 @@ pub struct ScalarPaths<'a, C: Cascade> {
     instructions: InstructionSet,
     paths: Vec<Path<'a, C::Memory>>,
     is_stopped: &'a dyn Fn() -> bool,
-    /// The events of the cells that were crossed last, with their lanes.
+    /// The events of the macro steps that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
-    /// The motion of these cells, if it is followed.
+    /// The motion of these macro steps, if it is followed.
     segments: Option<Vec<(usize, Segment)>>,
     scratch: (C::Scratch, PendingNodes),
 }
@@ -49,13 +49,13 @@ impl<'a, C: Cascade> ScalarPaths<'a, C> {
     }
 }
 
-/// Takes one path after the other across cells, with or without stops inside. This scalar program
-/// is compiled for each instruction set together with everything that it calls often (hence
+/// Takes one path after the other across macro steps, with or without stops inside. This scalar
+/// program is compiled for each instruction set together with everything that it calls often (hence
 /// `inline(always)` there), so that a fused multiply-add is an instruction instead of a call. The
 /// bits are the same on all instruction sets.
 struct CrossOneByOne<'p, 'a, C: Cascade> {
     all: &'p mut ScalarPaths<'a, C>,
-    cells: &'p [Cell],
+    macro_steps: &'p [MacroStep],
     inside: Option<&'p mut Inside>,
 }
 
@@ -72,13 +72,13 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
             ..
         } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
-            let mut cells = self.cells.iter();
+            let mut macro_steps = self.macro_steps.iter();
             if is_stopped() {
                 return;
             }
-            while let Some(cell) = cells.next().filter(|_| path.lost.is_none()) {
+            while let Some(macro_step) = macro_steps.next().filter(|_| path.lost.is_none()) {
                 if let Some(inside) = &mut self.inside {
-                    inside.cross(lane, *cascade, cell, path, scratch);
+                    inside.cross(lane, *cascade, macro_step, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
                     let mut watch = Follower {
@@ -86,7 +86,7 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                         lane,
                         segments: segments.as_mut(),
                     };
-                    path.lost = cross(*cascade, cell, path, scratch, &mut watch, emit).err();
+                    path.lost = cross(*cascade, macro_step, path, scratch, &mut watch, emit).err();
                 }
             }
         }
@@ -100,11 +100,11 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         self.cascade
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>) {
         let instructions = self.instructions;
         instructions.run_single(&mut CrossOneByOne {
             all: self,
-            cells,
+            macro_steps,
             inside: None,
         });
         let mut observer = observer.borrow_mut();
@@ -120,17 +120,17 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         }
     }
 
-    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
-        let cells = std::slice::from_ref(cell);
+    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
+        let macro_steps = std::slice::from_ref(macro_step);
         let instructions = self.instructions;
         instructions.run_single(&mut CrossOneByOne {
             all: self,
-            cells,
+            macro_steps,
             inside: Some(inside),
         });
     }
 
-    fn look(&self, passed: &Cell, columns: &mut StateColumns) {
+    fn look(&self, passed: &MacroStep, columns: &mut StateColumns) {
         for (lane, path) in self.paths.iter().enumerate() {
             columns.set(lane, at_the_end(self.cascade, passed, path));
         }
@@ -155,12 +155,14 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
     }
 }
 
-/// The state that an observer sees of a path at the end of a cell.
-fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Memory>) -> Seen {
+/// The state that an observer sees of a path at the end of a macro step.
+fn at_the_end<C: Cascade>(cascade: &C, macro_step: &MacroStep, path: &Path<C::Memory>) -> Seen {
     if path.lost.is_some() {
         return LOST;
     }
-    let (x, v) = cascade.look(path, cell);
-    let temperature = cascade.scene().temperature(cell.last.value, path.noise);
+    let (x, v) = cascade.look(path, macro_step);
+    let temperature = cascade
+        .scene()
+        .temperature(macro_step.last.value, path.noise);
     (x, v, temperature, path.phase == Phase::Static)
 }

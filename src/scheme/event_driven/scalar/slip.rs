@@ -1,16 +1,17 @@
-//! A slip of one path in a cell: steps of (x, x', n), given n at their ends, each of which is
-//! searched for the first zero of x'. The steps are exact in law, or follow a user-defined force ([`super::own_force`]).
+//! A slip of one path in a macro step: steps of (x, x', n), given n at their ends, each of which is
+//! searched for the first zero of x'. The steps are exact in law, or follow a user-defined force
+//! ([`super::user_force`]).
 
 use super::super::law::{
-    Cell, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity,
-    WHOLE_PLACE, force, forcing, motion, noise_between,
+    Glance, Known, MacroStep, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
+    SlipVelocity, WHOLE_PLACE, force, forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
-use super::own_force::OwnForce;
 use super::path::{Cascade, Path, Route};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
+use super::user_force::UserForceSteps;
 use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
@@ -63,7 +64,7 @@ impl Cascade for Noisy {
     #[inline(always)]
     fn slip(
         &self,
-        cell: &Cell,
+        macro_step: &MacroStep,
         path: &mut Path<f64>,
         direction: Sign,
         end_noise: f64,
@@ -72,7 +73,7 @@ impl Cascade for Noisy {
     ) -> Resolved<Option<Event>> {
         Slip {
             noisy: self,
-            cell,
+            macro_step,
             direction,
             end_noise,
         }
@@ -86,7 +87,7 @@ impl Cascade for Noisy {
         }
     }
 
-    fn look(&self, path: &Path<f64>, _: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path<f64>, _: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(_) => (path.displacement, path.motion),
@@ -94,17 +95,17 @@ impl Cascade for Noisy {
     }
 }
 
-/// A sub-phase in a cell, at whose end n is known.
+/// A sub-phase in a macro step, at whose end n is known.
 pub(super) struct Slip<'a> {
     pub noisy: &'a Noisy,
-    pub cell: &'a Cell,
+    pub macro_step: &'a MacroStep,
     pub direction: Sign,
     pub end_noise: f64,
 }
 
 impl Slip<'_> {
-    /// Takes a path to the end of the cell, or to the event that ends the sub-phase if this comes
-    /// first. Returns that event.
+    /// Takes a path to the end of the macro step, or to the event that ends the sub-phase if this
+    /// comes first. Returns that event.
     #[inline(always)]
     fn go_on(
         &self,
@@ -120,15 +121,15 @@ impl Slip<'_> {
             passed,
         } = buffers;
         if path.after == 0.0 {
-            terms.copy_from_slice(&self.cell.terms);
+            terms.copy_from_slice(&self.macro_step.terms);
         } else {
-            self.cell.set_terms(path.after, terms);
+            self.macro_step.set_terms(path.after, terms);
         }
         let mut first = self.motion(path);
-        let mut own = OwnForce::new(&self.noisy.scene, self.direction, self.time(path), path);
+        let mut own = UserForceSteps::new(&self.noisy.scene, self.direction, self.time(path), path);
         loop {
-            let remaining = self.cell.length - path.after;
-            if remaining <= SHORTEST * self.cell.length {
+            let remaining = self.macro_step.length - path.after;
+            if remaining <= SHORTEST * self.macro_step.length {
                 self.coast(path, watch);
                 return Ok(None);
             }
@@ -181,11 +182,11 @@ impl Slip<'_> {
     /// The time at which a path is.
     #[inline(always)]
     pub fn time(&self, path: &Path<f64>) -> f64 {
-        self.cell.start + path.after
+        self.macro_step.start + path.after
     }
 
-    /// The step of the usual length, or what remains of the cell if this is less, and whether it
-    /// ends with the cell.
+    /// The step of the usual length, or what remains of the macro step if this is less, and whether
+    /// it ends with the macro step.
     #[inline(always)]
     pub fn at_most<'s>(
         &'s self,
@@ -204,7 +205,7 @@ impl Slip<'_> {
     }
 
     /// Takes one exact step of (x, x', n), with one normal for x' and one for x, and moves B and b
-    /// with it. n at its end is known if the step ends with the cell, and is drawn otherwise.
+    /// with it. n at its end is known if the step ends with the macro step, and is drawn otherwise.
     #[inline(always)]
     fn take(
         &self,
@@ -212,7 +213,7 @@ impl Slip<'_> {
         is_last: bool,
         path: &mut Path<f64>,
         terms: &mut [Complex],
-        own: Option<&OwnForce>,
+        own: Option<&UserForceSteps>,
     ) {
         let start = SlipPoint {
             x: path.displacement,
@@ -224,12 +225,15 @@ impl Slip<'_> {
         if !is_last {
             let ends = [
                 (0.0, start.n),
-                (self.cell.length - path.after, self.end_noise),
+                (self.macro_step.length - path.after, self.end_noise),
             ];
             noise = noise_between(&self.noisy.scene, ends, step.length(), &mut path.draws);
         }
         let normals = match is_whole {
-            true => path.draws.at(self.cell.index, WHOLE_PLACE).normal_pair(),
+            true => path
+                .draws
+                .at(self.macro_step.index, WHOLE_PLACE)
+                .normal_pair(),
             false => path.draws.normal_pair(),
         };
         let friction = own.map_or(self.friction(), |own| self.friction() - own.push);
@@ -274,12 +278,12 @@ impl Slip<'_> {
             x,
             time,
         );
-        path.noise = force - self.cell.forcing(path.after).value + scene.spring(x, time);
+        path.noise = force - self.macro_step.forcing(path.after).value + scene.spring(x, time);
         let kind = let_go(force, scene.limits(x, time))
             .map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
         Event {
             kind,
-            time: self.cell.start + path.after,
+            time: self.macro_step.start + path.after,
             displacement: path.displacement,
             force,
         }
@@ -304,7 +308,7 @@ impl Slip<'_> {
             acceleration,
         } = interval.end;
         Segment {
-            start: self.cell.start + (began + after),
+            start: self.macro_step.start + (began + after),
             length: interval.length,
             displacement: x0 + eps * travel,
             way: eps * interval.travel,
@@ -316,12 +320,12 @@ impl Slip<'_> {
         }
     }
 
-    /// Crosses the remainder of the cell with uniform acceleration, where it is too short for the
-    /// noise to be distinguished from rounding.
+    /// Crosses the remainder of the macro step with uniform acceleration, where it is too short for
+    /// the noise to be distinguished from rounding.
     fn coast(&self, path: &mut Path<f64>, watch: &mut impl Watch) {
         let Slip {
             noisy: Noisy { scene, .. },
-            cell,
+            macro_step,
             direction,
             end_noise,
         } = *self;
@@ -331,13 +335,13 @@ impl Slip<'_> {
             displacement: path.displacement,
             velocity: path.motion,
             acceleration: (path.force - self.friction()) / body.mass,
-            ends: [(path.after, path.noise), (cell.length, end_noise)],
+            ends: [(path.after, path.noise), (macro_step.length, end_noise)],
         };
         watch.look(scene, || piece);
-        (path.displacement, path.motion) = piece.at(cell.length);
+        (path.displacement, path.motion) = piece.at(macro_step.length);
         watch.segment(Segment {
-            start: cell.start + path.after,
-            length: cell.length - path.after,
+            start: macro_step.start + path.after,
+            length: macro_step.length - path.after,
             displacement: piece.displacement,
             way: path.displacement - piece.displacement,
             velocity: [piece.velocity, path.motion],
@@ -347,13 +351,16 @@ impl Slip<'_> {
             },
         });
         path.noise = end_noise;
-        path.force = cell.last.value + end_noise
+        path.force = macro_step.last.value + end_noise
             - body.stiffness * path.displacement
             - 2.0 * body.damping * path.motion;
         if scene.own.is_some() {
-            path.force += scene
-                .own
-                .at(Some(direction), path.displacement, path.motion, cell.end);
+            path.force += scene.own.at(
+                Some(direction),
+                path.displacement,
+                path.motion,
+                macro_step.end,
+            );
         }
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct FlowBuffers {
 pub(super) struct StepFlow<'a> {
     slip: &'a Slip<'a>,
     step: &'a SlipStep,
-    /// The time at which the step begins, after the start of the cell.
+    /// The time at which the step begins, after the start of the macro step.
     after: f64,
     start: SlipPoint,
     /// The drawn motion at both ends of the step, which is searched for a stop.
@@ -75,7 +75,7 @@ impl<'a> StepFlow<'a> {
             self.slip.friction() - self.push,
         );
         let FlowBuffers { part, terms } = &mut *self.buffers.borrow_mut();
-        self.slip.cell.set_terms(self.after, terms);
+        self.slip.macro_step.set_terms(self.after, terms);
         let mut to = self.start;
         if since == self.step.length() {
             to = self.step.mean(self.start, terms, friction);
@@ -100,7 +100,7 @@ impl<'a> StepFlow<'a> {
         }
     }
 
-    /// The motion at a time after the start of the cell.
+    /// The motion at a time after the start of the macro step.
     #[inline(always)]
     fn at(&self, after: f64) -> Way {
         self.since(after - self.after)

@@ -1,10 +1,10 @@
-//! A stick of one path in a cell: whether and when b leaves the stick band |b| <= f_s, given n at the
-//! end of the cell ([`crate::scheme::event_driven::law::stick band`]). Where friction has a load, the
-//! limits are those of [`crate::model::Force::hold`].
+//! A stick of one path in a macro step: whether and when b leaves the stick band |b| <= f_s, given
+//! n at the end of the macro step ([`crate::scheme::event_driven::law::stick band`]). Where
+//! friction has a load, the limits are those of [`crate::model::Force::hold`].
 
 use super::super::law::{
-    Cell, Forcing, Limit, Limits, Node, Scene, StickBand, StickEnd, StickStep, ends, stick_piece,
-    width,
+    Forcing, Limit, Limits, MacroStep, Node, Scene, StickBand, StickEnd, StickStep, ends,
+    stick_piece, width,
 };
 use super::super::work::{Resolved, Unresolved};
 use super::path::{Cascade, Path};
@@ -16,7 +16,7 @@ use crate::noise::{AddressedDraws, bridge_middle};
 const HALVINGS: usize = 60;
 
 /// The spacing of the values of g from which its second derivative is computed, as a fraction of a
-/// cell.
+/// macro step.
 const OWN_SPACING: f64 = 1.0 / 64.0;
 
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
@@ -45,12 +45,12 @@ impl PendingNodes {
     }
 }
 
-/// Takes a path in a static phase to the end of the cell, or to its exit if this comes first.
+/// Takes a path in a static phase to the end of the macro step, or to its exit if this comes first.
 /// Returns the exit.
 #[inline(always)]
 pub(super) fn stick<C: Cascade>(
     cascade: &C,
-    cell: &Cell,
+    macro_step: &MacroStep,
     path: &mut Path<C::Memory>,
     end_noise: f64,
     pending: &mut PendingNodes,
@@ -59,14 +59,14 @@ pub(super) fn stick<C: Cascade>(
     let (scene, displacement) = (cascade.scene(), path.displacement);
     let slip = |direction: Sign, force: f64, after: f64| Event {
         kind: EventKind::SlipStarted(direction),
-        time: cell.start + after,
+        time: macro_step.start + after,
         displacement,
         force,
     };
     if scene.own.is_some() && !path.force.is_finite() {
         return Err(Unresolved::NoNumber);
     }
-    let [up, down] = scene.limits(displacement, cell.start + path.after);
+    let [up, down] = scene.limits(displacement, macro_step.start + path.after);
     if path.force >= up || -path.force >= down {
         let direction = if path.force >= up {
             Sign::Positive
@@ -75,9 +75,16 @@ pub(super) fn stick<C: Cascade>(
         };
         return Ok(Some(slip(direction, path.force, path.after)));
     }
-    let stick = Stick::new(scene, &cascade.route().band, cell, displacement, end_noise);
+    let stick = Stick::new(
+        scene,
+        &cascade.route().band,
+        macro_step,
+        displacement,
+        end_noise,
+    );
     let Some((direction, exit)) = stick.exit(path, pending, watch)? else {
-        path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
+        path.force =
+            stick.with_own(macro_step.last, macro_step.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() {
             Err(Unresolved::NoNumber)
         } else {
@@ -88,11 +95,11 @@ pub(super) fn stick<C: Cascade>(
     Ok(Some(slip(direction, exit.force, exit.after)))
 }
 
-/// A stick in a cell, at whose end n is known.
+/// A stick in a macro step, at whose end n is known.
 struct Stick<'a> {
     scene: &'a Scene,
     band: &'a StickBand,
-    cell: &'a Cell,
+    macro_step: &'a MacroStep,
     displacement: f64,
     /// K x, less g(x, 0, t) where this is a constant.
     spring: f64,
@@ -108,7 +115,7 @@ impl<'a> Stick<'a> {
     fn new(
         scene: &'a Scene,
         band: &'a StickBand,
-        cell: &'a Cell,
+        macro_step: &'a MacroStep,
         displacement: f64,
         end_noise: f64,
     ) -> Self {
@@ -116,13 +123,13 @@ impl<'a> Stick<'a> {
         let spring = if is_moved {
             scene.oscillator.stiffness * displacement
         } else {
-            scene.spring(displacement, cell.start)
+            scene.spring(displacement, macro_step.start)
         };
-        let limits = scene.limits(displacement, cell.start);
+        let limits = scene.limits(displacement, macro_step.start);
         Stick {
             scene,
             band,
-            cell,
+            macro_step,
             displacement,
             spring,
             is_moved,
@@ -131,8 +138,8 @@ impl<'a> Stick<'a> {
         }
     }
 
-    /// B, and what changes of g, with their second derivative, a time after the start of the cell
-    /// where B is `forcing`; and the limits of b and -b.
+    /// B, and what changes of g, with their second derivative, a time after the start of the macro
+    /// step where B is `forcing`; and the limits of b and -b.
     #[inline(always)]
     fn with_own(&self, forcing: Forcing, after: f64) -> (Forcing, Limits) {
         if !self.is_moved {
@@ -144,11 +151,11 @@ impl<'a> Stick<'a> {
                 }),
             );
         }
-        let spacing = self.cell.length * OWN_SPACING;
+        let spacing = self.macro_step.length * OWN_SPACING;
         let at = |after: f64| {
             self.scene
                 .own
-                .hold(self.displacement, self.cell.start + after)
+                .hold(self.displacement, self.macro_step.start + after)
         };
         let all = [at(after - spacing), at(after), at(after + spacing)];
         let curvature =
@@ -168,7 +175,7 @@ impl<'a> Stick<'a> {
         (moved, [limit(0), limit(1)])
     }
 
-    /// The exit of a path before the end of the cell; none if the path stays inside the band.
+    /// The exit of a path before the end of the macro step; none if the path stays inside the band.
     #[inline(always)]
     fn exit<M>(
         &self,
@@ -245,9 +252,9 @@ impl<'a> Stick<'a> {
         }: &Path<M>,
     ) -> (Node, Limits) {
         let forcing = if after == 0.0 {
-            self.cell.first
+            self.macro_step.first
         } else {
-            self.cell.forcing(after)
+            self.macro_step.forcing(after)
         };
         let (forcing, limit) = self.with_own(forcing, after);
         (
@@ -261,17 +268,17 @@ impl<'a> Stick<'a> {
         )
     }
 
-    /// The end of the cell.
+    /// The end of the macro step.
     #[inline(always)]
     fn end(&self) -> (Node, Limits) {
         let ((last, limit), noise) = (
-            self.with_own(self.cell.last, self.cell.length),
+            self.with_own(self.macro_step.last, self.macro_step.length),
             self.end_noise,
         );
         let force = last.value - self.spring + noise;
         (
             Node {
-                after: self.cell.length,
+                after: self.macro_step.length,
                 noise,
                 force,
                 curvature: last.curvature,
@@ -287,7 +294,7 @@ impl<'a> Stick<'a> {
         let (weight, sd) = bridge_middle(self.scene.relaxation_rate, self.scene.diffusion, h);
         let noise = weight * (left.noise + right.noise) + sd * draws.normal();
         let after = left.after + 0.5 * h;
-        let (forcing, limit) = self.with_own(self.cell.forcing(after), after);
+        let (forcing, limit) = self.with_own(self.macro_step.forcing(after), after);
         (
             Node {
                 after,
@@ -311,7 +318,7 @@ impl<'a> Stick<'a> {
         let step = StickStep::new(self.scene, right.after - left.after);
         let (sign, passed) = step.exit(self.scene, &ends(left, right, limits), draws)?;
         let after = left.after + passed;
-        let (forcing, [up, down]) = self.with_own(self.cell.forcing(after), after);
+        let (forcing, [up, down]) = self.with_own(self.macro_step.forcing(after), after);
         let force = if sign == Sign::Positive {
             up.value
         } else {
@@ -338,7 +345,7 @@ mod tests {
     use crate::model::{Harmonic, Model};
     use crate::noise::{AddressedDraws, Transition};
     use crate::scheme::event_driven::law::{
-        DEFAULT_TOLERANCE, StepLadder, StepRules, cell_length,
+        DEFAULT_TOLERANCE, StepGrid, StepRules, macro_step_length,
         tests::{mean_and_error, noise_alone},
     };
     use crate::scheme::event_driven::work::WorkLeft;
@@ -356,29 +363,32 @@ mod tests {
         let scene = Scene::new(model);
         let band = StickBand::new(&scene, kappa);
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
-        let length = cell_length(
+        let length = macro_step_length(
             0.5 / rates.fold(scene.relaxation_rate, f64::max),
             f64::INFINITY,
         );
         let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
         let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
-        let ladder = StepLadder::even(length);
-        let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), PendingNodes::new());
+        let grid = StepGrid::even(length);
+        let (mut macro_step, mut pending) = (MacroStep::new(&scene, &grid, 0), PendingNodes::new());
         (0..paths)
             .map(|number| {
                 let draws = AddressedDraws::new(seed, number);
                 let mut path = Path::<()>::new(&scene, noise, draws, WorkLeft::new(1_000_000));
                 for index in 0..(horizon / length).ceil() as u64 {
-                    cell.move_to(&scene, &ladder, index);
+                    macro_step.move_to(&scene, &grid, index);
                     let end_noise = transition.next(path.noise, draws.at(index, 0).normal());
                     path.draws = draws.at(index, 2);
-                    path.force = cell.first.value - spring_force + path.noise;
-                    let stick = Stick::new(&scene, &band, &cell, path.displacement, end_noise);
+                    path.force = macro_step.first.value - spring_force + path.noise;
+                    let stick =
+                        Stick::new(&scene, &band, &macro_step, path.displacement, end_noise);
                     match stick
                         .exit(&mut path, &mut pending, &mut NullObserver)
                         .expect("bounded work")
                     {
-                        Some((direction, exit)) => return (cell.start + exit.after, direction),
+                        Some((direction, exit)) => {
+                            return (macro_step.start + exit.after, direction);
+                        }
                         None => path.noise = end_noise,
                     }
                 }
@@ -464,7 +474,7 @@ mod tests {
     /// 1.1 %; if pieces of that length were decided for one threshold after the other, the upper
     /// one first, the share would be 16 % too large.
     #[test]
-    fn a_stick_that_begins_close_to_one_threshold_is_rarely_left_at_the_other() {
+    fn a_stick_near_one_threshold_rarely_ends_at_the_other() {
         let (half, from) = (0.25, -0.24);
         let model = noise_alone(half, 1.0);
         let found = exits(&model, from, kappa(), 1e4, 31, 400_000);
@@ -537,7 +547,7 @@ mod tests {
     }
 
     #[test]
-    fn feeble_noise_costs_few_steps_and_tends_to_the_deterministic_exit() {
+    fn feeble_noise_costs_few_steps() {
         for rho in [1e-4, 1e-6, 1e-9, 1e-12] {
             let found = exits(&paper(0.25, rho), 0.0, kappa(), 60.0, 5, 1_000);
             let times: Vec<f64> = found.iter().map(|e| e.0).collect();
@@ -551,14 +561,14 @@ mod tests {
     }
 
     /// A threshold that bends: it lies 1 + 100 (1 - cos((t - 2.5)/10)) above the noise, with theta
-    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error alone. Null:
-    /// the probability to leave in the first dip, and the mean time of these exits, are the exact
-    /// ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths give
-    /// standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in 1e4.
-    /// At four times the chord error the time is 0.3 % too short; with twice the first-order change
-    /// of the rate of crossing it is 0.4 % too short at the default.
+    /// = 0.0354 and s = 1, so that the length of a piece follows from its chord error alone.
+    /// Null: the probability to leave in the first dip, and the mean time of these exits, are the
+    /// exact ones (`tests/reference/first_stick.py`) within the default tolerance, 0.1 %. 8e5 paths
+    /// give standard errors of 0.12 and 0.06 %; each of the two comparisons fails by chance once in
+    /// 1e4. At four times the chord error the time is 0.3 % too short; with twice the first-order
+    /// change of the rate of crossing it is 0.4 % too short at the default.
     #[test]
-    fn a_bent_threshold_is_left_when_it_should_be_at_the_default_tolerance() {
+    fn a_bent_threshold_is_left_in_time_at_the_default_tolerance() {
         let (amplitude, w): (f64, f64) = (100.0, 0.1);
         let mut model = noise_alone(amplitude + 1.0, 0.0354);
         model.temperature.harmonics = vec![Harmonic {

@@ -1,4 +1,4 @@
-//! The state of a path at instants inside a cell.
+//! The state of a path at instants inside a macro step.
 //!
 //! Events are drawn without regard to the instants at which the state is observed. The state at an
 //! instant is drawn given what is known of the path on the piece around it
@@ -13,11 +13,11 @@ use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Segment;
 use crate::scheme::columns::{Seen, StateColumns};
 
-/// An observer of one path inside a cell.
+/// An observer of one path inside a macro step.
 pub trait Watch {
-    /// Whether the pieces of the path inside this cell are observed.
+    /// Whether the pieces of the path inside this macro step are observed.
     fn is_looking(&self) -> bool;
-    /// Whether there are instants to observe before this time after the start of the cell.
+    /// Whether there are instants to observe before this time after the start of the macro step.
     fn is_ahead(&self, end: f64) -> bool;
     /// Observes a piece of the path: draws the state at all instants before the end of the piece.
     /// One at its end belongs to the next piece.
@@ -68,7 +68,7 @@ impl<W: Watch> Watch for Follower<'_, W> {
     }
 }
 
-/// There are no instants to observe inside this cell.
+/// There are no instants to observe inside this macro step.
 pub struct NullObserver;
 
 impl Watch for NullObserver {
@@ -89,9 +89,9 @@ impl Watch for NullObserver {
 /// Observes one path at these times, in order.
 pub struct Glances<'a> {
     pub glances: &'a [Glance],
-    /// When the cell begins.
-    pub cell_start: f64,
-    /// The random numbers of the path in this cell.
+    /// When the macro step begins.
+    pub macro_step_start: f64,
+    /// The random numbers of the path in this macro step.
     pub draws: AddressedDraws,
     /// The lane of the path, and for each time the states of all paths.
     pub lane: usize,
@@ -108,13 +108,13 @@ impl Watch for Glances<'_> {
 
     #[inline(always)]
     fn is_ahead(&self, end: f64) -> bool {
-        self.ahead(self.cell_start + end).next().is_some()
+        self.ahead(self.macro_step_start + end).next().is_some()
     }
 
     #[inline(always)]
     fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
-        let end = self.cell_start + rest.end();
+        let end = self.macro_step_start + rest.end();
         while let Some(row) = self.ahead(end).find(|glance| !glance.is_closer) {
             let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
             self.look_closer(scene, before, row.at);
@@ -153,7 +153,7 @@ impl<'a> Glances<'a> {
 
 /// A piece of a path without an event, except perhaps at its end.
 pub trait WatchedPiece: Sized {
-    /// The time at which it ends, after the start of the cell.
+    /// The time at which it ends, after the start of the macro step.
     fn end(&self) -> f64;
     /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
     /// piece before and after the instant.
@@ -237,9 +237,9 @@ fn stuck(
                 TimeChange::new(theta, sigma, before),
                 TimeChange::new(theta, sigma, behind),
             ];
-            let cell_start = glance.at - glance.time;
+            let macro_step_start = glance.at - glance.time;
             let limits = [piece.after.0, glance.time, piece.after.1]
-                .map(|after| scene.limits(piece.displacement, cell_start + after));
+                .map(|after| scene.limits(piece.displacement, macro_step_start + after));
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
             loop {

@@ -1,26 +1,27 @@
-//! The crossing of a cell, stage by stage: the sweep, the tasks of the queues, the states at output
-//! times, and the lanes that cross the cell alone.
+//! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
+//! output times, and the lanes that cross the macro step in scalar form.
 
-use super::super::cell_loop::Inside;
-use super::super::law::{Cell, Glance};
+use super::super::law::{Glance, MacroStep};
+use super::super::macro_step_loop::Inside;
 use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
-/// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
-/// alone.
+/// Where more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are
+/// simulated in scalar form.
 const MOST_ODD: usize = 2;
 
 /// The number of lanes after which the decision for `MOST_ODD` is made.
 const SWEPT: usize = 4096;
 
-/// After this number of tasks in one cell, the scheme asks whether the paths are still wanted.
+/// After this number of tasks in one macro step, the scheme asks whether the paths are still
+/// wanted.
 const LOOK: u32 = 64;
 
-/// A crossing of one cell by all paths, in lanes of one kind.
+/// A crossing of one macro step by all paths, in lanes of one kind.
 pub struct Crossing<'p, 'a, L: Lanes> {
     pub paths: &'p mut Vectorised<'a>,
-    pub cell: &'p Cell,
+    pub macro_step: &'p MacroStep,
     lanes: PhantomData<L>,
 }
 
@@ -30,10 +31,10 @@ trait Stage {
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>);
 }
 
-/// A stage of the crossing of a cell, for any instruction set.
+/// A stage of the crossing of a macro step, for any instruction set.
 struct InLanes<'p, 'a, S> {
     paths: &'p mut Vectorised<'a>,
-    cell: &'p Cell,
+    macro_step: &'p MacroStep,
     stage: S,
 }
 
@@ -42,13 +43,13 @@ impl<S: Stage> LaneProgram for InLanes<'_, '_, S> {
     fn run<L: Lanes>(&mut self) {
         self.stage.run(&mut Crossing::<L> {
             paths: self.paths,
-            cell: self.cell,
+            macro_step: self.macro_step,
             lanes: PhantomData,
         });
     }
 }
 
-/// Takes every lane to the end of the cell.
+/// Takes every lane to the end of the macro step.
 struct CrossingStage;
 
 impl Stage for CrossingStage {
@@ -85,9 +86,9 @@ macro_rules! tasks {
 
         impl Vectorised<'_> {
             /// Works on the lanes that were taken out of the queue of a task.
-            fn work_on(&mut self, task: Task, cell: &Cell) {
+            fn work_on(&mut self, task: Task, macro_step: &MacroStep) {
                 match task {
-                    $(Task::$Task => self.run(cell, $Task),)*
+                    $(Task::$Task => self.run(macro_step, $Task),)*
                 }
             }
         }
@@ -103,7 +104,7 @@ tasks! {
     Leave: leave,
     /// Go on to the next piece of a stick.
     StickOn: stick_on,
-    /// Begin a sub-phase inside the cell.
+    /// Begin a sub-phase inside the macro step.
     Begin: begin,
     /// Draw the state in the middle of an interval of a slip, and divide the interval.
     Bisect: bisect,
@@ -115,7 +116,7 @@ tasks! {
     Rest: rest,
 }
 
-/// Draws the states at the stops inside the cell.
+/// Draws the states at the stops inside the macro step.
 struct LookInside<'i>(&'i mut Inside);
 
 impl Stage for LookInside<'_> {
@@ -125,8 +126,8 @@ impl Stage for LookInside<'_> {
     }
 }
 
-/// Takes the lanes across the cell that have to cross it alone. `inside` are the stops inside the
-/// cell.
+/// Takes the lanes across the macro step that have to cross it in scalar form. `inside` are the stops
+/// inside the macro step.
 struct Alone<'i> {
     inside: Option<&'i mut Inside>,
 }
@@ -135,42 +136,48 @@ impl Stage for Alone<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         while let Some(lane) = crossing.paths.odd.pop() {
-            crossing
-                .paths
-                .cross_alone(lane as usize, crossing.cell, self.inside.as_deref_mut());
+            crossing.paths.cross_scalar(
+                lane as usize,
+                crossing.macro_step,
+                self.inside.as_deref_mut(),
+            );
         }
         crossing.paths.limit_work();
     }
 }
 
 impl Vectorised<'_> {
-    /// Takes all paths across a cell: first as if they had no event, then, from task to task, those
-    /// that may have one, and last, alone, those that meet a rare case. `inside` are the stops
-    /// inside the cell.
-    pub(super) fn cross_cell(&mut self, cell: &Cell, mut inside: Option<&mut Inside>) {
+    /// Takes all paths across a macro step: first as if they had no event, then, from task to task,
+    /// those that may have one, and last, in scalar form, those that meet a rare case. `inside` are the
+    /// stops inside the macro step.
+    pub(super) fn cross_macro_step(
+        &mut self,
+        macro_step: &MacroStep,
+        mut inside: Option<&mut Inside>,
+    ) {
         let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
-        self.begin_cell(cell, glances);
-        if self.go_alone(cell, glances) {
+        self.begin_macro_step(macro_step, glances);
+        if self.go_scalar(macro_step, glances) {
             self.mark_all_odd();
         } else {
-            self.run(cell, CrossingStage);
+            self.run(macro_step, CrossingStage);
             for turn in 1_u32.. {
                 let Some(task) = self.jobs.longest() else {
                     break;
                 };
-                self.work_on(task, cell);
+                self.work_on(task, macro_step);
                 if turn.is_multiple_of(LOOK) && (self.is_stopped)() {
                     return;
                 }
             }
             self.count_work();
             if let Some(inside) = &mut inside {
-                self.run(cell, LookInside(inside));
+                self.run(macro_step, LookInside(inside));
             }
             self.drop_events_of_odd();
         }
         self.run(
-            cell,
+            macro_step,
             Alone {
                 inside: inside.as_deref_mut(),
             },
@@ -186,31 +193,32 @@ impl Vectorised<'_> {
     }
 
     /// Runs a stage of the crossing in lanes.
-    fn run(&mut self, cell: &Cell, stage: impl Stage) {
+    fn run(&mut self, macro_step: &MacroStep, stage: impl Stage) {
         let instructions = self.instructions;
         instructions.run_paired(&mut InLanes {
             paths: self,
-            cell,
+            macro_step,
             stage,
         });
     }
 
-    /// Starts a new cell, in which the paths are observed at these instants.
-    fn begin_cell(&mut self, cell: &Cell, glances: &[Glance]) {
-        self.records.begin(cell.start, glances);
+    /// Starts a new macro step, in which the paths are observed at these instants.
+    fn begin_macro_step(&mut self, macro_step: &MacroStep, glances: &[Glance]) {
+        self.records.begin(macro_step.start, glances);
         self.spent_before.copy_from_slice(&self.spent);
         self.jobs.clear();
     }
 
-    /// Whether all paths cross the cell alone: where most of them would have to cross it again
-    /// alone, for a closer look, which is for few paths, and where they move at t = 0.
-    fn go_alone(&self, cell: &Cell, glances: &[Glance]) -> bool {
+    /// Whether all paths cross the macro step in scalar form: where most of them would have to cross it
+    /// again in scalar form, for a closer look, which is for few paths, and where they move at t = 0.
+    fn go_scalar(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
-        let have_initial_velocity = cell.index == 0 && self.noisy.scene.initial_velocity != 0.0;
+        let have_initial_velocity =
+            macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
         are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
     }
 
-    /// Marks all lanes to cross the cell alone.
+    /// Marks all lanes to cross the macro step in scalar form.
     fn mark_all_odd(&mut self) {
         let Vectorised {
             odd, lost, count, ..
@@ -222,8 +230,8 @@ impl Vectorised<'_> {
         );
     }
 
-    /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell
-    /// alone.
+    /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the macro step
+    /// in scalar form.
     fn count_work(&mut self) {
         let Vectorised {
             odd,
@@ -241,7 +249,7 @@ impl Vectorised<'_> {
         *turned_odd += odd.len();
     }
 
-    /// Drops the events of lanes that cross the cell again, alone.
+    /// Drops the events of lanes that cross the macro step again in scalar form.
     fn drop_events_of_odd(&mut self) {
         let Vectorised { odd, events, .. } = self;
         if !odd.is_empty() {

@@ -1,12 +1,12 @@
-//! The work that remains in a cell: one queue per task, and for each waiting lane the data of its
-//! task, a row in each of two tables.
+//! The work that remains in a macro step: one queue per task, and for each waiting lane the data of
+//! its task, a row in each of two tables.
 
 use super::crossing::{TASKS, Task};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// The most pieces of one lane that may wait. A lane with more crosses the cell alone, which would
-/// happen often with half as many, where f_s is close to f_d.
+/// The most pieces of one lane that may wait. A lane with more crosses the macro step in scalar form,
+/// which would happen often with half as many, where f_s is close to f_d.
 pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of
@@ -24,7 +24,7 @@ pub struct Jobs {
     /// wait, and grows within that room, so that nothing is copied; few paths ever have as many,
     /// and memory that is not used takes no time.
     stack: Vec<Row>,
-    /// The lanes that were flagged in this cell.
+    /// The lanes that were flagged in this macro step.
     flagged: Queue,
     queues: [Queue; TASKS.len()],
     /// The lanes that were taken out of a queue and remain to be worked on.
@@ -103,13 +103,13 @@ impl Jobs {
         self.queues.iter_mut().for_each(Queue::clear);
     }
 
-    /// Notes that the lanes of a mask may have an event in this cell.
+    /// Notes that the lanes of a mask may have an event in this macro step.
     #[inline(always)]
     pub fn flag<L: Lanes>(&mut self, rows: &RowNumbers, lanes: u32) {
         self.flagged.push::<L>(rows, lanes);
     }
 
-    /// The lanes that were flagged in this cell.
+    /// The lanes that were flagged in this macro step.
     pub fn flagged(&self) -> &[u32] {
         &self.flagged.lanes[..self.flagged.len]
     }
@@ -248,9 +248,9 @@ impl<L: Lanes> Count<L> {
 
     /// The random numbers of the lanes with these keys, from the next one on.
     #[inline(always)]
-    pub fn draws(self, cell: u64, origin: L::Bits, key: L::Bits) -> LaneDraws<L> {
+    pub fn draws(self, macro_step: u64, origin: L::Bits, key: L::Bits) -> LaneDraws<L> {
         let place = L::keep_and_set(self.0, BEHIND - 1, 0);
-        LaneDraws::at_places([origin, key, self.flip()], cell, place)
+        LaneDraws::at_places([origin, key, self.flip()], macro_step, place)
     }
 
     #[inline(always)]
@@ -300,9 +300,9 @@ impl<L: Lanes> Count<L> {
 
     /// Sets the number of waiting pieces, or of attempts, to zero in these lanes.
     #[inline(always)]
-    pub fn alone_where(self, mask: L::Mask) -> Self {
-        let alone = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
-        Count(L::select(mask, L::from_bits(alone), self.number()).to_bits())
+    pub fn scalar_where(self, mask: L::Mask) -> Self {
+        let scalar = L::keep_and_set(self.0, !(MOST_BEHIND * BEHIND), 0);
+        Count(L::select(mask, L::from_bits(scalar), self.number()).to_bits())
     }
 
     /// Counts one evaluation.
@@ -327,7 +327,7 @@ impl<L: Lanes> Count<L> {
 pub const COUNT: usize = 4;
 
 impl Jobs {
-    /// The evaluations of a lane in this cell since it was flagged.
+    /// The evaluations of a lane in this macro step since it was flagged.
     pub fn spent(&self, lane: usize) -> u64 {
         self.left[lane].0[COUNT].to_bits() >> SPENT
     }

@@ -1,10 +1,11 @@
-//! The states of the paths at instants inside a cell, in lanes, after the paths have crossed it.
+//! The states of the paths at instants inside a macro step, in lanes, after the paths have crossed
+//! it.
 
-use super::super::cell_loop::Inside;
 use super::super::law::{
     Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece,
     Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
 };
+use super::super::macro_step_loop::Inside;
 use super::Vectorised;
 use super::crossing::Crossing;
 use super::jobs::RowNumbers;
@@ -19,21 +20,21 @@ use crate::scheme::columns::{LOST, StateColumns};
 /// The start of a slip step.
 #[derive(Clone, Copy)]
 struct StepStart<L: Lanes> {
-    /// Its time after the start of the cell.
+    /// Its time after the start of the macro step.
     after: L,
     state: SlipPoint<L>,
     motion: SlipVelocity<L>,
     eps: L,
 }
 
-/// A slip that lasts throughout the cell, from the last instant at which it was observed.
+/// A slip that lasts throughout the macro step, from the last instant at which it was observed.
 struct ClearSlip<L: Lanes> {
     step: StepStart<L>,
     piece: SlipPiece<L>,
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Draws the states of all lanes at the instants inside the cell. A lane in which a state
+    /// Draws the states of all lanes at the instants inside the macro step. A lane in which a state
     /// cannot be drawn in lanes is added to `odd`.
     #[inline(always)]
     pub(super) fn look(&mut self, inside: &mut Inside) {
@@ -44,18 +45,18 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.look_at_sticks(StickEnd::Exit, inside);
     }
 
-    /// Draws the states of all lanes as if they crossed the cell in one piece. Those of the lanes
-    /// that do not are replaced afterwards.
+    /// Draws the states of all lanes as if they crossed the macro step in one piece. Those of the
+    /// lanes that do not are replaced afterwards.
     #[inline(always)]
     fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
-        let whole = SharedStep::<L>::new(&noisy.step, self.cell);
-        let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
+        let whole = SharedStep::<L>::new(&noisy.step, self.macro_step);
+        let nothing = SharedStep::<L>::until(noisy, self.macro_step, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
-        // Slips of many steps cross the cell alone, and are observed there.
-        if noisy.has_one_step_a_cell() {
+        // Slips of many steps cross the macro step in scalar form, and are observed there.
+        if noisy.has_one_step_a_macro_step() {
             for glance in &inside.glances {
-                parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
+                parts.push(SharedStep::<L>::until(noisy, self.macro_step, glance.time));
             }
         }
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
@@ -67,7 +68,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
             let mut known_odd = 0;
             for (i, &glance) in inside.glances.iter().enumerate() {
-                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let draws = now.draws(self.macro_step.index << 32 | glance.place);
                 let (mut x, mut v, mut noise) = (
                     now.x,
                     L::splat(0.0),
@@ -93,11 +94,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// A stick over the whole cell.
+    /// A stick over the whole macro step.
     #[inline(always)]
     fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickPiece<L> {
         StickPiece {
-            after: (L::splat(0.0), L::splat(self.cell.length)),
+            after: (L::splat(0.0), L::splat(self.macro_step.length)),
             noise: (now.n, next.n),
             force: (now.force, next.force),
             displacement: now.x,
@@ -113,7 +114,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         stuck.noise
     }
 
-    /// A slip over the whole cell. `ends` are the steps to its start and to its end.
+    /// A slip over the whole macro step. `ends` are the steps to its start and to its end.
     #[inline(always)]
     fn clear_slip(
         &self,
@@ -153,7 +154,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         };
         let [nothing, whole] = ends;
         let before = self.shared_way(&step, nothing, 0.0);
-        let behind = self.shared_way(&step, whole, self.cell.length);
+        let behind = self.shared_way(&step, whole, self.macro_step.length);
         ClearSlip {
             step,
             piece: piece.less([&before, &behind]),
@@ -178,7 +179,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             &here,
             draws.three_normals(self.paths.normals, 0),
         );
-        let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.cell.length));
+        let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.macro_step.length));
         let (x, v) = piece.seen(&there);
         *piece = piece.parted_at(glance, &there)[1];
         ((x, v, there.noise), is_felt)
@@ -206,7 +207,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             inverse,
             noise,
         };
-        // A step that begins with the cell has the state at its start; one that begins later
+        // A step that begins with the macro step has the state at its start; one that begins later
         // starts from rest.
         let is_later = began.gt(zero);
         let state = SlipPoint {
@@ -244,21 +245,21 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
-        let cell_start = L::splat(self.cell.start);
+        let macro_step_start = L::splat(self.macro_step.start);
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
             let now = Border::<L>::get(&self.paths.now, &rows);
             let (step, mut piece) = self.recorded_slip(&now, left, right);
             let (from, to) = (piece.after, piece.until);
-            let step_length = L::splat(self.cell.length) - step.after;
+            let step_length = L::splat(self.macro_step.length) - step.after;
             let mut odd = 0;
             for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
+                let is_held = is_inside(glance.at, macro_step_start + from, macro_step_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
                 }
-                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let draws = now.draws(self.macro_step.index << 32 | glance.place);
                 let here = self.way(&step, L::splat(glance.time));
                 let there = piece.state(
                     scene,
@@ -288,7 +289,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
-        let (zero, cell_start) = (L::splat(0.0), L::splat(self.cell.start));
+        let (zero, macro_step_start) = (L::splat(0.0), L::splat(self.macro_step.start));
         for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.sticks(kind).get::<L>(first);
             let [from, noise, force, _, displacement, ..] = left;
@@ -301,12 +302,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 displacement,
             };
             for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.at, cell_start + from, cell_start + to);
+                let is_held = is_inside(glance.at, macro_step_start + from, macro_step_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
                 }
-                let draws = now.draws(self.cell.index << 32 | glance.place);
+                let draws = now.draws(self.macro_step.index << 32 | glance.place);
                 let bridge = self.bridge(&piece, *glance);
                 let drawn = match kind {
                     StickEnd::Clear => bridge.anywhere(draws.normal(self.paths.normals, 0)),
@@ -423,7 +424,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// The motion without noise of a step that begins with the cell, at the end of `part`.
+    /// The motion without noise of a step that begins with the macro step, at the end of `part`.
     #[inline(always)]
     fn shared_way(&self, step: &StepStart<L>, part: &SharedStep<L>, since: f64) -> Way<L> {
         let friction = step.eps * self.paths.noisy.scene.friction.dynamic_force;
@@ -431,7 +432,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.way_to(step, mean, L::splat(part.forcing), L::splat(since))
     }
 
-    /// The motion of a step without noise, at a time after the start of the cell.
+    /// The motion of a step without noise, at a time after the start of the macro step.
     #[inline(always)]
     fn way(&self, step: &StepStart<L>, after: L) -> Way<L> {
         let noisy = self.paths.noisy;

@@ -1,19 +1,20 @@
-//! Paths vectorised: all paths that are simulated together cross a cell together, in lanes.
+//! Paths vectorised: all paths that are simulated together cross a macro step together, in lanes.
 //!
 //! ```text
-//! sweep    draws n at the end of the cell, and takes every path there as if it had no event
+//! sweep    draws n at the end of the macro step, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
-//! look     draws the states at output times inside the cell, in the pieces that hold them
-//! alone    the few lanes that meet a rare case cross the cell again, one by one
+//! look     draws the states at output times inside the macro step, in the pieces that hold them
+//! scalar   the few lanes that meet a rare case cross the macro step again, path by path
 //! ```
 //!
 //! A lane does the same as [`super::scalar::cross`], with the same random numbers and the same
-//! rounding, so a path has the same bits vectorised and alone. Therefore rare cases (the end of a
+//! rounding, so a path has the same bits vectorised and scalar. Therefore rare cases (the end of a
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
-//! in lanes: such a lane crosses the cell again alone.
+//! in lanes: such a lane crosses the macro step again in scalar form.
 //!
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
-//! cell. Then only sticks are treated in lanes, and a lane with a slip crosses the cell alone.
+//! macro step. Then only sticks are treated in lanes, and a lane with a slip crosses the macro step
+//! in scalar form.
 
 mod crossing;
 mod jobs;
@@ -27,8 +28,8 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-use super::cell_loop::{Inside, PathSet, Watching};
-use super::law::Cell;
+use super::law::MacroStep;
+use super::macro_step_loop::{Inside, PathSet, Watching};
 use super::noisy::Noisy;
 use super::scalar::{self, Cascade, NullObserver, Path, PendingNodes, SlipBuffers};
 use super::work::{Simulated, Unresolved, WorkLeft};
@@ -47,15 +48,15 @@ pub struct Vectorised<'a> {
     instructions: InstructionSet,
     normals: &'static LookupTable,
     count: usize,
-    /// The [`states::Border`] of each lane at the start of the cell, and at its end.
+    /// The [`states::Border`] of each lane at the start of the macro step, and at its end.
     now: Vec<Row>,
     next: Vec<Row>,
     phases: Phases,
-    /// The lanes that slip, and those that stick, at the start of the cell.
+    /// The lanes that slip, and those that stick, at the start of the macro step.
     slips: Queue,
     sticks: Queue,
     draws: Vec<AddressedDraws>,
-    /// Evaluations of each path until now, and until the start of the cell.
+    /// Evaluations of each path until now, and until the start of the macro step.
     spent: Vec<u64>,
     spent_before: Vec<u64>,
     /// The lanes whose paths have been given up, and why.
@@ -63,14 +64,14 @@ pub struct Vectorised<'a> {
     jobs: Jobs,
     /// The pieces in which the paths are observed.
     records: Records,
-    /// n and b of each lane at the start of the slip step that began last inside the cell.
+    /// n and b of each lane at the start of the slip step that began last inside the macro step.
     begun: [Vec<f64>; 2],
-    /// The events in the cell, with their lanes.
+    /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
-    /// The lanes that cross the cell again, alone.
+    /// The lanes that cross the macro step again in scalar form.
     odd: Vec<u32>,
-    /// The number of lanes that have crossed a cell together, and how many of them crossed it again
-    /// alone.
+    /// The number of lanes that have crossed a macro step together, and how many of them crossed it
+    /// again in scalar form.
     swept: usize,
     turned_odd: usize,
     scratch: (SlipBuffers, PendingNodes),
@@ -123,7 +124,7 @@ impl<'a> Vectorised<'a> {
         all
     }
 
-    /// The path of a lane at the start of the cell.
+    /// The path of a lane at the start of the macro step.
     fn path(&self, lane: usize) -> Path<'a, f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
         let left = self
@@ -149,7 +150,7 @@ impl<'a> Vectorised<'a> {
         }
     }
 
-    /// Sets the state of a lane at the end of the cell.
+    /// Sets the state of a lane at the end of the macro step.
     fn put(&mut self, lane: usize, path: &Path<f64>) {
         let (eps, v) = match path.phase {
             Phase::Static => (0.0, 0.0),
@@ -196,17 +197,17 @@ impl<'a> Vectorised<'a> {
         }
     }
 
-    /// Takes a lane across the cell alone.
+    /// Takes a lane across the macro step in scalar form.
     #[inline(always)]
-    fn cross_alone(&mut self, lane: usize, cell: &Cell, inside: Option<&mut Inside>) {
+    fn cross_scalar(&mut self, lane: usize, macro_step: &MacroStep, inside: Option<&mut Inside>) {
         let mut path = self.path(lane);
         if let Some(inside) = inside {
-            inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
+            inside.cross(lane, self.noisy, macro_step, &mut path, &mut self.scratch);
         } else {
             let emit = |event| self.events.push((lane as u32, event));
             let crossed = scalar::cross(
                 self.noisy,
-                cell,
+                macro_step,
                 &mut path,
                 &mut self.scratch,
                 &mut NullObserver,
@@ -218,10 +219,10 @@ impl<'a> Vectorised<'a> {
     }
 }
 
-/// Writes the state of every path at the end of a cell.
+/// Writes the state of every path at the end of a macro step.
 struct LookAtEnd<'p, 'a> {
     paths: &'p Vectorised<'a>,
-    passed: &'p Cell,
+    passed: &'p MacroStep,
     columns: &'p mut StateColumns,
 }
 
@@ -246,12 +247,12 @@ impl PathSet for Vectorised<'_> {
         self.noisy
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
-        for cell in cells {
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>) {
+        for macro_step in macro_steps {
             if (self.is_stopped)() {
                 return;
             }
-            self.cross_cell(cell, None);
+            self.cross_macro_step(macro_step, None);
             let mut observer = observer.borrow_mut();
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
@@ -259,11 +260,11 @@ impl PathSet for Vectorised<'_> {
         }
     }
 
-    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
-        self.cross_cell(cell, Some(inside));
+    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
+        self.cross_macro_step(macro_step, Some(inside));
     }
 
-    fn look(&self, passed: &Cell, columns: &mut StateColumns) {
+    fn look(&self, passed: &MacroStep, columns: &mut StateColumns) {
         self.instructions.run(&mut LookAtEnd {
             paths: self,
             passed,

@@ -1,16 +1,16 @@
 //! The pieces of paths in which an instant lies at which the paths are observed. They are recorded
-//! while the lanes cross the cell, and the states are drawn afterwards.
+//! while the lanes cross the macro step, and the states are drawn afterwards.
 
 use super::super::law::{Glance, StickEnd};
 use super::jobs::RowNumbers;
 use crate::lanes::{Lanes, ROW, Row};
 
-/// The pieces in one cell.
+/// The pieces in one macro step.
 #[derive(Default)]
 pub(super) struct Records {
-    /// When the cell begins.
-    cell_start: f64,
-    /// The instants in the cell; none where the paths are not observed.
+    /// When the macro step begins.
+    macro_step_start: f64,
+    /// The instants in the macro step; none where the paths are not observed.
     times: Vec<f64>,
     pub slips: Pieces,
     /// Sticks with each [`StickEnd`].
@@ -27,16 +27,16 @@ pub(super) struct Pieces {
 }
 
 impl Records {
-    /// Starts a new cell, which begins at this time and has these instants inside.
-    pub fn begin(&mut self, cell_start: f64, glances: &[Glance]) {
-        self.cell_start = cell_start;
+    /// Starts a new macro step, which begins at this time and has these instants inside.
+    pub fn begin(&mut self, macro_step_start: f64, glances: &[Glance]) {
+        self.macro_step_start = macro_step_start;
         self.times.clear();
         self.times.extend(glances.iter().map(|glance| glance.at));
         self.slips.len = 0;
         self.sticks.iter_mut().for_each(|sticks| sticks.len = 0);
     }
 
-    /// Whether the paths are observed in this cell.
+    /// Whether the paths are observed in this macro step.
     #[inline(always)]
     pub fn is_watched(&self) -> bool {
         !self.times.is_empty()
@@ -46,11 +46,11 @@ impl Records {
         &mut self.sticks[kind as usize]
     }
 
-    /// A mask of the lanes in which a piece between these times after the start of the cell has an
-    /// instant inside.
+    /// A mask of the lanes in which a piece between these times after the start of the macro step
+    /// has an instant inside.
     #[inline(always)]
     pub fn hold<L: Lanes>(&self, from: L, to: L) -> u32 {
-        let start = L::splat(self.cell_start);
+        let start = L::splat(self.macro_step_start);
         let (from, to) = (start + from, start + to);
         let mut any = 0;
         for &time in &self.times {

@@ -1,6 +1,6 @@
-//! A slip step that begins with the cell and has the same length in all lanes.
+//! A slip step that begins with the macro step and has the same length in all lanes.
 
-use super::super::law::{Cell, Push, SlipPoint, SlipStep, SlipTransition, splat};
+use super::super::law::{MacroStep, Push, SlipPoint, SlipStep, SlipTransition, splat};
 use super::super::noisy::Noisy;
 use crate::lanes::Lanes;
 
@@ -13,22 +13,22 @@ pub(super) struct SharedStep<L: Lanes> {
 }
 
 impl<L: Lanes> SharedStep<L> {
-    /// The step from the start of the cell to a time inside it.
+    /// The step from the start of the macro step to a time inside it.
     #[inline(always)]
-    pub fn until(noisy: &Noisy, cell: &Cell, after: f64) -> Self {
+    pub fn until(noisy: &Noisy, macro_step: &MacroStep, after: f64) -> Self {
         Self::new(
             &SlipStep::new(&noisy.oscillator, noisy.step.harmonics.len(), after),
-            cell,
+            macro_step,
         )
     }
 
-    /// A step that begins with this cell.
+    /// A step that begins with this macro step.
     #[inline(always)]
-    pub fn new(step: &SlipStep, cell: &Cell) -> Self {
+    pub fn new(step: &SlipStep, macro_step: &MacroStep) -> Self {
         let pushes: Vec<Push> = step
             .harmonics
             .iter()
-            .zip(&cell.terms)
+            .zip(&macro_step.terms)
             .map(|(response, term)| response.push(*term))
             .collect();
         let forcing = pushes.iter().map(|push| push.term.re).sum();

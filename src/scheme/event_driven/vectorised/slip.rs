@@ -1,4 +1,4 @@
-//! Sub-phases that may stop in the cell, and those that begin in it.
+//! Sub-phases that may stop in the macro step, and those that begin in it.
 
 use super::super::law::{
     Extent, FEEBLE, FINEST, Interval, Node, SAME_LENGTH, SHORTEST, STOP_REFINEMENTS, SlipPoint,
@@ -22,7 +22,7 @@ pub(super) struct SearchedSlip<L: Lanes> {
     pub after: L,
     pub travel: L,
     pub count: Count<L>,
-    /// x at the start of the step, and its time after the start of the cell.
+    /// x at the start of the step, and its time after the start of the macro step.
     pub x: L,
     pub start: L,
     pub eps: L,
@@ -110,8 +110,8 @@ impl<L: Lanes> SearchedSlip<L> {
     }
 
     #[inline(always)]
-    fn draws(&self, cell: u64) -> LaneDraws<L> {
-        self.count.draws(cell, self.origin, self.key)
+    fn draws(&self, macro_step: u64) -> LaneDraws<L> {
+        self.count.draws(macro_step, self.origin, self.key)
     }
 
     /// Moves the start of the search to the end of the interval `passed`, where `mask` holds.
@@ -153,12 +153,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let too_short = searched
             .interval
             .length
-            .le(L::splat(self.cell.length * (2.0 * FINEST)));
+            .le(L::splat(self.macro_step.length * (2.0 * FINEST)));
         let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
         let normals = searched
-            .draws(self.cell.index)
+            .draws(self.macro_step.index)
             .three_normals(self.paths.normals, 0);
         let parts = halves(searched.left, &searched.interval, normals);
         self.search_parts(searched, rows, lanes, parts, L::always());
@@ -215,7 +215,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             .is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
         let searched = SearchedSlip {
-            count: searched.count.alone_where(is_stop),
+            count: searched.count.scalar_where(is_stop),
             ..searched
         };
         searched.put(&mut self.paths.jobs, rows);
@@ -248,7 +248,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
         let search = self.paths.noisy.search;
         let normals = searched
-            .draws(self.cell.index)
+            .draws(self.macro_step.index)
             .three_normals(self.paths.normals, 0);
         let near = search.near_stop(searched.left, &searched.interval, normals);
         let is_first = searched.count.has_none();
@@ -280,7 +280,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_finite = (found_after + found_travel + acceleration)
             .abs()
             .lt(L::splat(f64::INFINITY));
-        let step = L::splat(self.cell.length) - searched.start;
+        let step = L::splat(self.macro_step.length) - searched.start;
         let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
         let good = L::bitmask(L::and(is_finite, is_felt)) & found;
         let missed = lanes & !found;
@@ -312,7 +312,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let spring = x * body.stiffness;
         let force =
             eps * scene.friction.dynamic_force + eps * body.mass * searched.left.acceleration;
-        let forcing = self.cell.forcing(after);
+        let forcing = self.macro_step.forcing(after);
         let noise = force - forcing.value + spring;
         let f_s = L::splat(scene.friction.static_force);
         let held = L::bitmask(force.abs().le(f_s)) & lanes;
@@ -324,7 +324,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.odd_lanes(rows, edge);
 
         let SearchedSlip { origin, key, .. } = searched;
-        let count = searched.count.spent().alone_where(L::always());
+        let count = searched.count.spent().scalar_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
             let begun = Begun {
@@ -350,10 +350,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 curvature: forcing.curvature,
             };
             let end_noise = self.end_noise(rows);
-            let end_force = L::splat(self.cell.last.value) - spring + end_noise;
-            let curvature = L::splat(self.cell.last.curvature);
+            let end_force = L::splat(self.macro_step.last.value) - spring + end_noise;
+            let curvature = L::splat(self.macro_step.last.curvature);
             let right = Node {
-                after: L::splat(self.cell.length),
+                after: L::splat(self.macro_step.length),
                 noise: end_noise,
                 force: end_force,
                 curvature,
@@ -371,8 +371,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// The mean state after a step which starts a time `after` the start of the cell, and B at the
-    /// end of the step.
+    /// The mean state after a step which starts a time `after` the start of the macro step, and B
+    /// at the end of the step.
     #[inline(always)]
     pub(super) fn mean_state(
         &self,
@@ -383,20 +383,20 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) -> (SlipPoint<L>, L) {
         let mut mean = transition.free(start, friction);
         let mut forcing = L::splat(0.0);
-        for harmonic in 0..self.cell.terms.len() {
+        for harmonic in 0..self.macro_step.terms.len() {
             let response = self.paths.noisy.oscillator.response(transition, harmonic);
-            let push = response.push(self.cell.term(harmonic, after));
+            let push = response.push(self.macro_step.term(harmonic, after));
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
             forcing = forcing + push.term.re;
         }
         (mean, forcing)
     }
 
-    /// Begins a sub-phase in the cell, with one exact step to the end of the cell, which is divided
-    /// soon after its start where it is not clear.
+    /// Begins a sub-phase in the macro step, with one exact step to the end of the macro step,
+    /// which is divided soon after its start where it is not clear.
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &RowNumbers, lanes: u32) {
-        if !self.paths.noisy.has_one_step_a_cell() {
+        if !self.paths.noisy.has_one_step_a_macro_step() {
             return self.odd_lanes(rows, lanes);
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
@@ -410,7 +410,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             origin,
             key,
         } = begun;
-        let (zero, length) = (L::splat(0.0), self.cell.length);
+        let (zero, length) = (L::splat(0.0), self.macro_step.length);
         let remaining = L::splat(length) - after;
         let start = SlipPoint {
             x,
@@ -461,13 +461,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
         let normals = searched
-            .draws(self.cell.index)
+            .draws(self.macro_step.index)
             .three_normals(self.paths.normals, 0);
         let parts = early_parts(first, &interval, normals);
         self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
     }
 
-    /// Draws the state at the end of the cell of a sub-phase that begins in it, and b there.
+    /// Draws the state at the end of the macro step of a sub-phase that begins in it, and b there.
     #[inline(always)]
     fn drawn_to_the_end(
         &self,
@@ -483,7 +483,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         transition.given_noise = given_noise(&transition.covariance);
         let friction = begun.eps * scene.friction.dynamic_force;
         let (mean, forcing) = self.mean_state(&transition, start, begun.after, friction);
-        let draws = begun.count.draws(self.cell.index, begun.origin, begun.key);
+        let draws = begun
+            .count
+            .draws(self.macro_step.index, begun.origin, begun.key);
         let end = transition.drawn(
             mean,
             self.end_noise(rows),
@@ -507,13 +509,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// n at the end of the cell.
+    /// n at the end of the macro step.
     #[inline(always)]
     fn end_noise(&self, rows: &RowNumbers) -> L {
         Border::<L>::get(&self.paths.next, rows).n
     }
 
-    /// Sets the states of these lanes at the end of the cell.
+    /// Sets the states of these lanes at the end of the macro step.
     #[inline(always)]
     pub(super) fn set_next(
         &mut self,
@@ -527,7 +529,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.phases.set_all(rows, lanes, is_slip);
     }
 
-    /// Records an event of each of these lanes, at these times after the start of the cell.
+    /// Records an event of each of these lanes, at these times after the start of the macro step.
     #[inline(always)]
     pub(super) fn tell(
         &mut self,
@@ -542,7 +544,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         force.store(&mut forces);
         while lanes != 0 {
             let i = lanes.trailing_zeros();
-            let (time, force) = (self.cell.start + afters[i as usize], forces[i as usize]);
+            let (time, force) = (
+                self.macro_step.start + afters[i as usize],
+                forces[i as usize],
+            );
             let event = Event {
                 kind: kind(force, i),
                 time,
@@ -555,7 +560,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 }
 
-/// The start of a sub-phase in the cell.
+/// The start of a sub-phase in the macro step.
 #[derive(Clone, Copy)]
 pub(super) struct Begun<L: Lanes> {
     pub after: L,

@@ -1,11 +1,11 @@
-//! The states of the paths at the border of two cells: one row of numbers for each lane, so that
-//! any lanes can be taken into a register together.
+//! The states of the paths at the border of two macro steps: one row of numbers for each lane, so
+//! that any lanes can be taken into a register together.
 
 use super::jobs::{Queue, RowNumbers};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// The state of a path at the border of two cells, and the keys of its random numbers
+/// The state of a path at the border of two macro steps, and the keys of its random numbers
 /// ([`crate::noise::AddressedDraws::keys`]).
 #[derive(Clone, Copy)]
 pub(super) struct Border<L: Lanes> {
@@ -54,7 +54,7 @@ impl<L: Lanes> Border<L> {
         L::scatter_rows([x, v, n, force, eps, origin, key, flip], states, rows);
     }
 
-    /// The random numbers of the paths at this address, cell 2^32 + place.
+    /// The random numbers of the paths at this address, macro step 2^32 + place.
     #[inline(always)]
     pub fn draws(&self, address: u64) -> LaneDraws<L> {
         LaneDraws::at([self.origin, self.key, self.flip], address)

@@ -1,4 +1,4 @@
-//! Sticks that may be left in the cell.
+//! Sticks that may be left in the macro step.
 
 use super::super::law::{ATTEMPTS, Node, Scene, StickEnd, StickStep, ends};
 use super::crossing::{Crossing, Task};
@@ -93,8 +93,8 @@ impl<L: Lanes> SearchedStick<L> {
     }
 
     #[inline(always)]
-    fn draws(&self, cell: u64) -> LaneDraws<L> {
-        self.count.draws(cell, self.origin, self.key)
+    fn draws(&self, macro_step: u64) -> LaneDraws<L> {
+        self.count.draws(macro_step, self.origin, self.key)
     }
 
     #[inline(always)]
@@ -129,12 +129,12 @@ fn node_of<L: Lanes>(
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Begins a stick in the cell, in these lanes.
+    /// Begins a stick in the macro step, in these lanes.
     #[inline(always)]
     pub(super) fn begin_stick(&mut self, rows: &RowNumbers, lanes: u32, piece: &SearchedStick<L>) {
         let zero = L::splat(0.0);
         let spring = piece.x * self.paths.noisy.scene.oscillator.stiffness;
-        let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
+        let end_force = L::splat(self.macro_step.last.value) + piece.right.noise - spring;
         let SearchedStick {
             x,
             count,
@@ -202,10 +202,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let scene = &self.paths.noisy.scene;
         let h = piece.length();
         let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
-        let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
+        let normal = piece
+            .draws(self.macro_step.index)
+            .normal(self.paths.normals, 0);
         let noise = weight * (piece.left.noise + piece.right.noise) + sd * normal;
         let after = piece.left.after + h * 0.5;
-        let forcing = self.cell.forcing(after);
+        let forcing = self.macro_step.forcing(after);
         let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
         self.paths
             .jobs
@@ -240,7 +242,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             scene,
             &ends(&piece.left, &piece.right, scene.constant_limits()),
         );
-        let u = piece.draws(self.cell.index).uniform(0);
+        let u = piece.draws(self.macro_step.index).uniform(0);
         let one = L::splat(1.0);
         let is_up = u.lt(up);
         let is_left = L::or(is_up, u.gt(one - down));
@@ -248,7 +250,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         piece.side = L::select(is_up, one, -one);
         // A stick that is left has no waiting pieces any more. The attempts to find the time are
         // counted in their place.
-        piece.count = piece.count.drawn(1).alone_where(is_left);
+        piece.count = piece.count.drawn(1).scalar_where(is_left);
         piece.put(&mut self.paths.jobs, rows);
         let kept = lanes & !left;
         self.saw_stick(
@@ -280,7 +282,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             count,
             ..
         } = piece;
-        let draws = piece.draws(self.cell.index);
+        let draws = piece.draws(self.macro_step.index);
         let numbers = [
             draws.normal(self.paths.normals, 0),
             draws.uniform(1),
@@ -298,7 +300,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let lanes = lanes & !again;
         let after = piece.left.after + passed;
         let force = side * scene.friction.static_force;
-        let noise = force - self.cell.forcing(after).value + x * scene.oscillator.stiffness;
+        let noise = force - self.macro_step.forcing(after).value + x * scene.oscillator.stiffness;
         let exit = Node {
             after,
             noise,
@@ -309,7 +311,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, _| {
             EventKind::SlipStarted(Sign::of(force))
         });
-        let count = count.drawn(3).spent().alone_where(L::always());
+        let count = count.drawn(3).spent().scalar_where(L::always());
         let own = self.paths.jobs.only::<L>(rows, lanes);
         Begun {
             after,

@@ -1,4 +1,5 @@
-//! Takes all lanes across a cell as if it had no event, and finds the lanes that may have one.
+//! Takes all lanes across a macro step as if it had no event, and finds the lanes that may have
+//! one.
 
 use super::super::law::{EVENT_PLACE, Extent, NOISE_PLACE, Node, SlipPoint, WHOLE_PLACE, force};
 use super::super::noisy::Noisy;
@@ -12,7 +13,7 @@ use super::stick::SearchedStick;
 use crate::lanes::Lanes;
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
+    /// Takes every lane to the end of the macro step, and puts the flagged lanes into queues.
     #[inline(always)]
     pub(super) fn sweep(&mut self) {
         let Vectorised {
@@ -27,8 +28,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         phases.divide::<L>(slips, sticks);
         spent.iter_mut().for_each(|spent| *spent += 1);
         let nobody = self.paths.jobs.nobody();
-        let whole = SharedStep::<L>::new(&self.paths.noisy.step, self.cell);
-        let has_one_step = self.paths.noisy.has_one_step_a_cell();
+        let whole = SharedStep::<L>::new(&self.paths.noisy.step, self.macro_step);
+        let has_one_step = self.paths.noisy.has_one_step_a_macro_step();
         while let Some((rows, lanes)) = self.paths.slips.pop::<L>(nobody) {
             if has_one_step {
                 self.slip_whole(&whole, &rows, lanes);
@@ -41,24 +42,24 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// The extent of a step over the whole cell.
+    /// The extent of a step over the whole macro step.
     #[inline(always)]
     pub(super) fn whole_extent(&self) -> Extent<L> {
         let Noisy { search, step, .. } = self.paths.noisy;
         Extent {
-            length: L::splat(self.cell.length),
-            inverse: L::splat(1.0 / self.cell.length),
+            length: L::splat(self.macro_step.length),
+            inverse: L::splat(1.0 / self.macro_step.length),
             noise: L::splat(search.noise * step.root_length),
         }
     }
 
-    /// Draws n at the end of the cell.
+    /// Draws n at the end of the macro step.
     #[inline(always)]
     fn end_noise_of(&self, now: &Border<L>) -> L {
         let normal = now
-            .draws(self.cell.index << 32)
+            .draws(self.macro_step.index << 32)
             .normal(self.paths.normals, NOISE_PLACE);
-        now.n * self.cell.transition.decay + normal * self.cell.transition.increment_sd
+        now.n * self.macro_step.transition.decay + normal * self.macro_step.transition.increment_sd
     }
 
     #[inline(always)]
@@ -67,7 +68,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
-        let force1 = L::splat(self.cell.last.value) + end_noise - x * scene.oscillator.stiffness;
+        let force1 =
+            L::splat(self.macro_step.last.value) + end_noise - x * scene.oscillator.stiffness;
         Border {
             n: end_noise,
             force: force1,
@@ -78,12 +80,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             after: L::splat(0.0),
             noise: n,
             force,
-            curvature: L::splat(self.cell.first.curvature),
+            curvature: L::splat(self.macro_step.first.curvature),
         };
-        let end_force = L::splat(self.cell.last.value) - x * scene.oscillator.stiffness + end_noise;
-        let curvature = L::splat(self.cell.last.curvature);
+        let end_force =
+            L::splat(self.macro_step.last.value) - x * scene.oscillator.stiffness + end_noise;
+        let curvature = L::splat(self.macro_step.last.curvature);
         let right = Node {
-            after: L::splat(self.cell.length),
+            after: L::splat(self.macro_step.length),
             noise: end_noise,
             force: end_force,
             curvature,
@@ -130,7 +133,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         };
         let friction = eps * scene.friction.dynamic_force;
         let normals = now
-            .draws(self.cell.index << 32)
+            .draws(self.macro_step.index << 32)
             .normal_pair(self.paths.normals, WHOLE_PLACE);
         let end = whole
             .transition
@@ -169,7 +172,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             searched.put(&mut self.paths.jobs, &own);
             self.paths.jobs.flag::<L>(rows, flagged);
             // A slip from rest is first divided elsewhere. Only a path that slips at t = 0 is at
-            // rest at the start of a cell.
+            // rest at the start of a macro step.
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
             self.odd_lanes(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
@@ -184,7 +187,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.paths.jobs.push::<L>(task, rows, lanes);
     }
 
-    /// Marks lanes that have to cross the cell again, alone.
+    /// Marks lanes that have to cross the macro step again in scalar form.
     #[inline(always)]
     pub(super) fn odd_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {

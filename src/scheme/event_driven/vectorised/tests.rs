@@ -1,5 +1,5 @@
-use super::super::cell_loop::{self, Watching};
 use super::super::law::StepRules;
+use super::super::macro_step_loop::{self, Watching};
 use super::super::noisy::Noisy;
 use super::super::scalar::ScalarPaths;
 use super::Vectorised;
@@ -57,7 +57,7 @@ fn scenes() -> Vec<(&'static str, Model)> {
     loose.friction.static_force = loose.friction.dynamic_force * 1.01;
     let mut bare = paper(0.25, 1.5);
     bare.temperature.harmonics.clear();
-    // A slip takes some thirty steps a cell.
+    // A slip takes some thirty steps a macro step.
     let mut stiff = paper(0.25, 0.25);
     stiff.oscillator.mass = 1e-3;
     vec![
@@ -73,8 +73,8 @@ fn scenes() -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// A path has the same bits vectorised and alone, on every instruction set and among any other paths,
-/// with output rows at the ends of cells and inside them.
+/// A path has the same bits vectorised and scalar, on every instruction set and among any other
+/// paths, with output rows at the ends of macro steps and inside them.
 #[test]
 fn a_path_is_the_same_vectorised_and_scalar() {
     let paths: Vec<u64> = (100..300)
@@ -89,13 +89,13 @@ fn a_path_is_the_same_vectorised_and_scalar() {
                 after: 0.0,
             };
             let noisy = Noisy::new(&model, &timeline, &StepRules::new(1e-3));
-            assert_eq!(noisy.has_one_step_a_cell(), name != "stiff");
+            assert_eq!(noisy.has_one_step_a_macro_step(), name != "stiff");
             let nothing = Everything {
                 events: vec![Vec::new(); paths.len()],
                 ..Everything::default()
             };
             let mut scalar = nothing.clone();
-            let singly = cell_loop::simulate(
+            let singly = macro_step_loop::simulate(
                 &mut ScalarPaths::new(&noisy, 5, &paths, &|| false, false),
                 paths.len(),
                 &Watching::new(&mut scalar),
@@ -106,7 +106,7 @@ fn a_path_is_the_same_vectorised_and_scalar() {
             {
                 let mut together = Vectorised::new(&noisy, set, 5, &paths, &|| false);
                 let mut vectorised = nothing.clone();
-                let simulated = cell_loop::simulate(
+                let simulated = macro_step_loop::simulate(
                     &mut together,
                     paths.len(),
                     &Watching::new(&mut vectorised),

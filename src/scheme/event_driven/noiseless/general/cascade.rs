@@ -18,7 +18,7 @@
 use super::super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
-use super::super::stretch::{End, Stretch, Stretches};
+use super::super::path_segment::{End, PathSegment, PathSegments};
 use super::collocation::Collocation;
 use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::{Kinematics, SlipMotion};
@@ -77,10 +77,10 @@ pub struct GeneralNoiseless {
 
 /// A static phase, or one step of a slip. At the end of a step, its cut, the motion is known, and
 /// the length of the step to try next.
-type GeneralPart = Stretch<PartStart, (Kinematics, f64)>;
+type GeneralSegment = PathSegment<SegmentStart, (Kinematics, f64)>;
 
 /// The start of a part.
-pub struct PartStart {
+pub struct SegmentStart {
     /// The temperature near it.
     temperature: LocalTemperature,
     motion: Kinematics,
@@ -164,7 +164,7 @@ impl GeneralNoiseless {
         displacement: f64,
         force: Option<f64>,
         work: &mut WorkLeft,
-    ) -> Resolved<GeneralPart> {
+    ) -> Resolved<GeneralSegment> {
         let (temperature, f_s, has_load) = (
             self.forces.near(start),
             self.model.friction.static_force,
@@ -221,10 +221,10 @@ impl GeneralNoiseless {
             velocity: 0.0,
             acceleration: 0.0,
         };
-        Ok(GeneralPart {
+        Ok(GeneralSegment {
             start,
             phase: Phase::Static,
-            from: PartStart {
+            from: SegmentStart {
                 temperature,
                 motion,
             },
@@ -248,7 +248,7 @@ impl GeneralNoiseless {
         direction: Sign,
         step: f64,
         work: &mut WorkLeft,
-    ) -> Resolved<GeneralPart> {
+    ) -> Resolved<GeneralSegment> {
         let temperature = self.forces.near(start);
         let slip = self.motion(&temperature, direction, displacement);
         let from = slip.with(displacement, velocity, 0.0, work)?;
@@ -285,11 +285,11 @@ impl GeneralNoiseless {
                 None => (to.after < horizon).then_some((to.after, End::Cut((to, next)))),
             }
         };
-        let from = PartStart {
+        let from = SegmentStart {
             temperature,
             motion: from,
         };
-        Ok(GeneralPart {
+        Ok(GeneralSegment {
             start,
             phase: Phase::Slip(direction),
             from,
@@ -339,8 +339,8 @@ impl GeneralNoiseless {
     }
 }
 
-impl Stretches for GeneralNoiseless {
-    type Motion = PartStart;
+impl PathSegments for GeneralNoiseless {
+    type Motion = SegmentStart;
     type Cut = (Kinematics, f64);
 
     fn timeline(&self) -> &Timeline {
@@ -351,7 +351,7 @@ impl Stretches for GeneralNoiseless {
         self.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Resolved<GeneralPart> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<GeneralSegment> {
         let displacement = self.model.initial_displacement;
         let velocity = self.model.initial_velocity;
         if velocity == 0.0 {
@@ -378,10 +378,10 @@ impl Stretches for GeneralNoiseless {
             velocity: 0.0,
             acceleration: 0.0,
         };
-        Ok(GeneralPart {
+        Ok(GeneralSegment {
             start: ExactTime::ZERO,
             phase: Phase::Static,
-            from: PartStart {
+            from: SegmentStart {
                 temperature,
                 motion,
             },
@@ -391,10 +391,10 @@ impl Stretches for GeneralNoiseless {
 
     fn next(
         &self,
-        part: &GeneralPart,
+        part: &GeneralSegment,
         (duration, end): (f64, End<Self::Cut>),
         work: &mut WorkLeft,
-    ) -> Resolved<GeneralPart> {
+    ) -> Resolved<GeneralSegment> {
         let start = part.start.after(duration);
         match (end, part.phase) {
             (End::Event(event), _) => match event.kind.phase() {
@@ -429,7 +429,7 @@ impl Stretches for GeneralNoiseless {
     /// not.
     fn segments(
         &self,
-        part: &GeneralPart,
+        part: &GeneralSegment,
         duration: f64,
         mut tell: impl FnMut(Segment),
     ) -> Resolved<()> {
@@ -467,7 +467,7 @@ impl Stretches for GeneralNoiseless {
         Ok(())
     }
 
-    fn state(&self, part: &GeneralPart, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
+    fn state(&self, part: &GeneralSegment, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
         let temperature = self.model.temperature.mean(t);
         let Kinematics { displacement, .. } = part.from.motion;
         let Phase::Slip(direction) = part.phase else {

@@ -166,11 +166,12 @@ impl Rule {
         let n = self.nodes.len();
         let mut matrix = [[0.0; MOST]; MOST];
         for (i, row) in matrix.iter_mut().enumerate().take(n) {
-            for (j, cell) in row.iter_mut().enumerate().take(n) {
+            for (j, macro_step) in row.iter_mut().enumerate().take(n) {
                 let twice: f64 = (0..n)
                     .map(|k| self.integrals[i][k] * self.integrals[k][j])
                     .sum();
-                *cell = f64::from(i == j) - h * (self.integrals[i][j] * by_v + h * twice * by_x);
+                *macro_step =
+                    f64::from(i == j) - h * (self.integrals[i][j] * by_v + h * twice * by_x);
             }
         }
         let mut previous = f64::INFINITY;
@@ -263,8 +264,8 @@ fn solved(mut matrix: [[f64; MOST]; MOST], mut right: [f64; MOST], n: usize) -> 
         for k in i + 1..n {
             let share = matrix[k][i] / matrix[i][i];
             let above = matrix[i];
-            for (cell, above) in matrix[k].iter_mut().zip(above) {
-                *cell -= share * above;
+            for (macro_step, above) in matrix[k].iter_mut().zip(above) {
+                *macro_step -= share * above;
             }
             right[k] -= share * right[i];
         }

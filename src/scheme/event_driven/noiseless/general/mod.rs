@@ -2,7 +2,7 @@
 //! are roots.
 //!
 //! ```text
-//! cascade       the one path that there is, stretch by stretch
+//! cascade       the one path that there is, segment by segment
 //!   forces        b(x, x', t), near a time
 //!   slip_motion   a slip by extrapolation, with steps that adapt to the force
 //!   collocation   the same where damping is far faster than the motion

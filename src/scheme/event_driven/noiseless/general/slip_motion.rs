@@ -16,7 +16,7 @@ use crate::model::Sign;
 /// x, x' and x'' at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics {
-    /// The time since the start of the stretch.
+    /// The time since the start of the segment.
     pub after: f64,
     /// x.
     pub displacement: f64,

@@ -1,4 +1,4 @@
-use super::super::{Noiseless, Stretches as _};
+use super::super::{Noiseless, PathSegments as _};
 use super::GeneralNoiseless;
 use crate::lanes::Lanes;
 use crate::model::tests::paper;
@@ -237,7 +237,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
 }
 
 #[test]
-fn without_a_further_force_every_event_and_state_is_that_of_the_closed_forms() {
+fn without_a_user_force_every_state_is_the_closed_form() {
     for (name, model, end) in scenes() {
         let wanted = exact(&model, end);
         let cascade = general(&model, end, nothing());
@@ -362,7 +362,7 @@ fn a_kink_is_crossed_at_its_place() {
 /// holds. It stops just before t = 1 for the smallest lift < 0, and not for lift > 0. From t = 1 on
 /// the force exceeds f_s = 1/2 where 3 t^2 - 4 t + 1 + lift = 1/2.
 #[test]
-fn a_velocity_that_almost_vanishes_stops_the_body_according_to_its_sign() {
+fn a_tiny_velocity_stops_the_body_according_to_its_sign() {
     for lift in [1e-10, -1e-10, 1e-6, -1e-6, 1e-3, -1e-3] {
         let g = Force::new(Scalar(
             move |x: f64, _: f64, t: f64| x + (t - 1.0) * (3.0 * t - 1.0) + lift,
@@ -533,7 +533,7 @@ fn a_body_in_balance_without_friction_follows_the_force() {
 /// A load and a force that change for microseconds move a body at rest in the same way at any time,
 /// up to the rounding of the time, and take few evaluations.
 #[test]
-fn a_steep_pulse_moves_a_body_at_rest_in_the_same_way_at_any_time() {
+fn a_steep_pulse_has_the_same_effect_at_any_time() {
     for (width, fall, f_d) in [(3.572e-6, 1.0, 1.2), (3.367e-5, 0.7, 0.3), (1e-4, 0.9, 1.0)] {
         let events = |at: f64| {
             let pulse = |expression: &str| {

@@ -7,7 +7,7 @@ use crate::stats::Statistic;
 
 /// The cost of accuracy for one statistic.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prices {
+pub struct CostCurves {
     /// Title of the scenario.
     pub title: String,
     /// The seed of all paths.
@@ -17,12 +17,12 @@ pub struct Prices {
     /// The statistic whose error is meant.
     pub statistic: Statistic,
     /// What was found of each scheme.
-    pub curves: Vec<PriceCurve>,
+    pub curves: Vec<CostCurve>,
 }
 
 /// The cost of accuracy with one scheme, and its biases.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PriceCurve {
+pub struct CostCurve {
     /// The scheme.
     pub scheme: Kind,
     /// Pairs of CPU seconds on one thread and the relative error that is reached.
@@ -33,7 +33,7 @@ pub struct PriceCurve {
     pub order: Option<Number>,
 }
 
-impl Prices {
+impl CostCurves {
     /// What a trade of this scenario has measured, and predicts for each of [`TARGETS`].
     pub fn of(trade: &Trade, statistic: Statistic, scenario: &Scenario) -> Self {
         let cost = |scheme: Kind, target: f64| {
@@ -51,7 +51,7 @@ impl Prices {
                 .map(|(step, setting)| (step, trade.bias(setting, statistic).relative_to(scale)))
                 .collect()
         };
-        let curve = |scheme: Kind| PriceCurve {
+        let curve = |scheme: Kind| CostCurve {
             scheme,
             costs: TARGETS
                 .iter()
@@ -60,7 +60,7 @@ impl Prices {
             biases: biases(scheme),
             order: trade.law(scheme, statistic).map(|law| law.order),
         };
-        Prices {
+        CostCurves {
             title: scenario.title.clone(),
             seed: scenario.ensemble.seed,
             reference: trade.reference().scheme.to_string(),

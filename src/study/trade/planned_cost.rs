@@ -6,13 +6,13 @@ use super::timing::{bare_plan, timed};
 use super::{LeftOut, SettingGrid, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
-use crate::scheme::{Misfit, Scheme, Timeline};
+use crate::scheme::{CheckError, Scheme, Timeline};
 use crate::study::clock::Stopwatch;
 use std::time::Duration;
 
 /// The number of paths for each part of the measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Effort {
+pub struct PlannedCost {
     /// Number of steps of the grid that are run, from the coarsest.
     pub steps: usize,
     /// Paths of every setting with a step, a multiple of 20.
@@ -43,17 +43,17 @@ const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS 
 /// The cost of a step that gets its noise from a finer one, relative to the cost of the finer one.
 const FED: f64 = 0.7;
 
-impl Effort {
-    /// The effort that fits into `budget` of CPU time on each of `threads` threads. Numbers of
-    /// paths are powers of two times a constant, so that small differences of speed do not change
-    /// them. What does not fit is removed from the grid, with the reason. Fails if not even the
-    /// reference fits.
+impl PlannedCost {
+    /// The planned cost that fits into `budget` of CPU time on each of `threads` threads. Numbers
+    /// of paths are powers of two times a constant, so that small differences of speed do not
+    /// change them. What does not fit is removed from the grid, with the reason. Fails if not even
+    /// the reference fits.
     pub fn within(
         scenario: &Scenario,
         grid: &mut SettingGrid,
         budget: Duration,
         threads: usize,
-    ) -> Result<Effort, TradeError> {
+    ) -> Result<PlannedCost, TradeError> {
         if scenario.time.end == 0.0 {
             return Err(TradeError::NothingHappens);
         }
@@ -67,7 +67,7 @@ impl Effort {
             .free
             .iter()
             .map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
-        let each = each.collect::<Result<Vec<f64>, Misfit>>()?;
+        let each = each.collect::<Result<Vec<f64>, CheckError>>()?;
         let (steps, coupled_paths) = budget.stepping(scenario, grid)?;
         // The time of the pilot is spent. The share of the schemes with a step goes to the others
         // if none of them is run.
@@ -94,7 +94,7 @@ impl Effort {
         let settings =
             steps * grid.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
         let timing = TIMING * budget.time.as_secs_f64() / settings as f64;
-        Ok(Effort {
+        Ok(PlannedCost {
             steps,
             coupled_paths,
             free_paths,
@@ -123,7 +123,7 @@ impl Budget {
         &self,
         scenario: &Scenario,
         grid: &mut SettingGrid,
-    ) -> Result<(usize, u64), Misfit> {
+    ) -> Result<(usize, u64), CheckError> {
         if grid.stepping.is_empty() {
             return Ok((0, 0));
         }
@@ -218,7 +218,7 @@ impl Budget {
 }
 
 /// CPU seconds of a path, measured on one path, or on 16 if they are quick.
-fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, Misfit> {
+fn free_cost(scenario: &Scenario, scheme: Scheme, quick: f64) -> Result<f64, CheckError> {
     let plan = bare_plan(scenario, scheme)?;
     let one = timed(&plan, 1);
     Ok(if one * 16.0 < quick {
@@ -244,9 +244,9 @@ const PILOT_STEPS: f64 = 4096.0;
 impl StepCost {
     /// Measure the cost of a step on the first steps of the finest setting, and the cost of events on
     /// a whole path of the coarsest setting if that is short enough.
-    fn measure(scenario: &Scenario, grid: &SettingGrid) -> Result<Self, Misfit> {
+    fn measure(scenario: &Scenario, grid: &SettingGrid) -> Result<Self, CheckError> {
         let (kind, end) = (grid.stepping[0], scenario.time.end);
-        let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
+        let seconds = |h: f64, end: f64| -> Result<f64, CheckError> {
             let scheme = kind.with(h);
             let plan = bare_plan(scenario, scheme)?;
             let timeline = Timeline {

@@ -8,7 +8,7 @@ use crate::scheme::Timeline;
 
 /// The numbers that are the same for all paths of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Certain {
+pub(crate) struct Deterministic {
     /// Every number: nothing is random, or nothing has time to happen.
     pub everything: bool,
     /// Whether a path is static at t = 0, because v(0) is given.
@@ -23,7 +23,7 @@ pub(crate) struct Certain {
     pub drift: Option<f64>,
 }
 
-impl Certain {
+impl Deterministic {
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
         let Model {
             oscillator,
@@ -43,7 +43,7 @@ impl Certain {
             .is_some();
         let has_load = model.has_load();
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
-        Certain {
+        Deterministic {
             everything: !is_random || timeline.end == 0.0,
             start,
             first_stick: has_initial_velocity || start && is_let_go,
@@ -89,33 +89,33 @@ mod tests {
         }
     }
 
-    fn certain(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
-        let certain = Certain::of(model, timeline);
+    fn deterministic(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
+        let deterministic = Deterministic::of(model, timeline);
         Statistic::ALL
             .into_iter()
-            .filter(|statistic| statistic.is_decided_by(certain))
+            .filter(|statistic| statistic.is_decided_by(deterministic))
             .collect()
     }
 
     #[test]
-    fn only_what_the_scene_alone_decides_is_certain() {
+    fn only_what_the_scene_decides_is_deterministic() {
         let given = InitialNoise::At(0.0);
-        assert_eq!(certain(&scene(7.0, 2.0, given), &TIMELINE), []);
+        assert_eq!(deterministic(&scene(7.0, 2.0, given), &TIMELINE), []);
         assert_eq!(
-            certain(&scene(7.0, 0.0, given), &TIMELINE),
+            deterministic(&scene(7.0, 0.0, given), &TIMELINE),
             [Statistic::FrictionWorkMean]
         );
         assert_eq!(
-            certain(&scene(5.0, 2.0, given), &TIMELINE),
+            deterministic(&scene(5.0, 2.0, given), &TIMELINE),
             [Statistic::FirstStickDurationMean]
         );
         // With v(0) = 8, b(0) is -4, and with a random v(0) it may be anything.
         assert_eq!(
-            certain(&scene(5.0, 2.0, InitialNoise::At(8.0)), &TIMELINE),
+            deterministic(&scene(5.0, 2.0, InitialNoise::At(8.0)), &TIMELINE),
             []
         );
         assert_eq!(
-            certain(&scene(5.0, 2.0, InitialNoise::Stationary), &TIMELINE),
+            deterministic(&scene(5.0, 2.0, InitialNoise::Stationary), &TIMELINE),
             []
         );
         let never = [
@@ -125,12 +125,15 @@ mod tests {
             Statistic::StickingFraction,
             Statistic::FrictionWorkMean,
         ];
-        assert_eq!(certain(&scene(0.0, 0.0, given), &TIMELINE), never);
+        assert_eq!(deterministic(&scene(0.0, 0.0, given), &TIMELINE), never);
         let at_once = Timeline {
             end: 0.0,
             ..TIMELINE
         };
-        assert_eq!(certain(&scene(7.0, 2.0, given), &at_once), Statistic::ALL);
-        assert_eq!(certain(&model(), &TIMELINE), Statistic::ALL);
+        assert_eq!(
+            deterministic(&scene(7.0, 2.0, given), &at_once),
+            Statistic::ALL
+        );
+        assert_eq!(deterministic(&model(), &TIMELINE), Statistic::ALL);
     }
 }

@@ -1,19 +1,19 @@
-//! The loop over cells of time, for the schemes that follow noisy paths from event to event:
+//! The loop over macro steps, for the schemes that follow noisy paths from event to event:
 //! event-driven and quasi-static.
 //!
-//! All paths that are simulated together cross the same cells, one cell or a run of up to 64,
-//! before any of them goes on. They do so [alone](super::scalar), one after the other, or
-//! [vectorised](super::vectorised). Within a cell, a path is taken phase by phase:
+//! All paths that are simulated together cross the same macro steps, one macro step or a run of up
+//! to 64, before any of them goes on. They do so [scalar](super::scalar), one after the other, or
+//! [vectorised](super::vectorised). Within a macro step, a path is taken phase by phase:
 //!
 //! ```text
-//! n at the end of the cell    drawn from its law given n at the start: the skeleton
-//! stick                       does b leave the band, given n at both ends?
-//! slip                        where does it stop, given n at the end?
+//! n at the end of the step  drawn from its law given n at the start: the skeleton
+//! stick                     does b leave the band, given n at both ends?
+//! slip                      where does it stop, given n at the end?
 //! ```
 //!
-//! The state at an instant inside a cell is drawn separately and does not change the path.
+//! The state at an instant inside a macro step is drawn separately and does not change the path.
 
-use super::law::{Cell, Glance};
+use super::law::{Glance, MacroStep};
 use super::scalar::{Cascade, Follower, Glances, Path, PendingNodes, cross};
 use super::work::Simulated;
 use crate::model::Event;
@@ -23,28 +23,28 @@ use crate::scheme::timeline::Stop;
 use crate::scheme::{Instant, Observer, Segment};
 use std::cell::RefCell;
 
-/// A stop lies on the end of a cell if their times differ by at most this fraction, which is
+/// A stop lies on the end of a macro step if their times differ by at most this fraction, which is
 /// rounding.
 const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 
-/// The largest number of cells that one path crosses before the next path.
+/// The largest number of macro steps that one path crosses before the next path.
 const MOST_QUIET: usize = 64;
 
 /// The observer, which the paths ask between their events whether they are still wanted.
 pub type Watching<'o> = RefCell<&'o mut dyn Observer>;
 
-/// Paths at the border of two cells, and how the loop takes them across cells.
+/// Paths at the border of two macro steps, and how the loop takes them across macro steps.
 pub trait PathSet {
     /// The scheme.
     type Cascade: Cascade;
 
     fn cascade(&self) -> &Self::Cascade;
-    /// Takes all paths across cells that have no stop inside.
-    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>);
-    /// Takes all paths across a cell with stops inside.
-    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
-    /// Writes the state of every path at the end of the cell that was crossed last.
-    fn look(&self, passed: &Cell, columns: &mut StateColumns);
+    /// Takes all paths across macro steps that have no stop inside.
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>);
+    /// Takes all paths across a macro step with stops inside.
+    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside);
+    /// Writes the state of every path at the end of the macro step that was crossed last.
+    fn look(&self, passed: &MacroStep, columns: &mut StateColumns);
     /// Whether all paths have been given up.
     fn are_lost(&self) -> bool;
     fn simulated(&self) -> Simulated;
@@ -53,7 +53,7 @@ pub trait PathSet {
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
 pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>) -> Simulated {
     let route = paths.cascade().route();
-    let mut cell = Cell::new(paths.cascade().scene(), &route.ladder, 0);
+    let mut macro_step = MacroStep::new(paths.cascade().scene(), &route.grid, 0);
     let (closeness, timeline) = (route.closeness, route.timeline);
     let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) = (
@@ -67,28 +67,28 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
     while let Some(stop) = stops.peek().filter(|_| !observer.borrow().is_stopped()) {
-        // Collect the cells without a stop inside, up to the end of a cell at which there is a
-        // stop. Where paths go one by one, each crosses all of them before the next path, which is
-        // easier for the branch prediction of a processor.
+        // Collect the macro steps without a stop inside, up to the end of a macro step at which
+        // there is a stop. Where paths go in scalar form, each crosses all of them before the next
+        // path, which is easier for the branch prediction of a processor.
         quiet.clear();
-        while !is_before(stop, cell.end) && quiet.len() < MOST_QUIET {
-            quiet.push(cell.clone());
-            cell.move_to(
+        while !is_before(stop, macro_step.end) && quiet.len() < MOST_QUIET {
+            quiet.push(macro_step.clone());
+            macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().ladder,
-                cell.index + 1,
+                &paths.cascade().route().grid,
+                macro_step.index + 1,
             );
         }
         if quiet.is_empty() {
-            let next = || stops.next_if(|stop| is_before(stop, cell.end));
-            inside.begin(std::iter::from_fn(next), &cell, count, closeness);
-            paths.cross_watched(&cell, &mut inside);
+            let next = || stops.next_if(|stop| is_before(stop, macro_step.end));
+            inside.begin(std::iter::from_fn(next), &macro_step, count, closeness);
+            paths.cross_watched(&macro_step, &mut inside);
             inside.tell(*observer.borrow_mut(), stops.peek().is_none());
-            quiet.push(cell.clone());
-            cell.move_to(
+            quiet.push(macro_step.clone());
+            macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().ladder,
-                cell.index + 1,
+                &paths.cascade().route().grid,
+                macro_step.index + 1,
             );
         } else {
             paths.cross(&quiet, observer);
@@ -115,7 +115,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
     paths.simulated()
 }
 
-/// The stops inside a cell, the states of all paths there, and the events of the cell.
+/// The stops inside a macro step, the states of all paths there, and the events of the macro step.
 #[derive(Default)]
 pub struct Inside {
     stops: Vec<Stop>,
@@ -126,16 +126,16 @@ pub struct Inside {
     /// The states of all paths at each of `glances`. There may be more than needed.
     pub seen: Vec<StateColumns>,
     pub events: Vec<(usize, Event)>,
-    /// The motion in the cell, if it is followed.
+    /// The motion in the macro step, if it is followed.
     segments: Option<Vec<(usize, Segment)>>,
 }
 
 impl Inside {
-    /// Starts a new cell with these stops, at which `paths` paths are observed.
+    /// Starts a new macro step with these stops, at which `paths` paths are observed.
     fn begin(
         &mut self,
         stops: impl Iterator<Item = Stop>,
-        cell: &Cell,
+        macro_step: &MacroStep,
         paths: usize,
         closeness: usize,
     ) {
@@ -146,11 +146,11 @@ impl Inside {
         for stop in &self.stops {
             let is_closer =
                 matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
-            let time = stop.time - cell.start;
+            let time = stop.time - macro_step.start;
             match self.glances.last_mut().filter(|last| last.at == stop.time) {
                 Some(last) => last.is_closer &= is_closer,
                 None => {
-                    let forcing = cell.forcing(time).value;
+                    let forcing = macro_step.forcing(time).value;
                     self.glances.push(Glance {
                         at: stop.time,
                         time,
@@ -177,13 +177,13 @@ impl Inside {
         self.events.clear();
     }
 
-    /// Takes a path across the cell and draws its state at the stops.
+    /// Takes a path across the macro step and draws its state at the stops.
     #[inline(always)]
     pub fn cross<C: Cascade>(
         &mut self,
         lane: usize,
         cascade: &C,
-        cell: &Cell,
+        macro_step: &MacroStep,
         path: &mut Path<C::Memory>,
         scratch: &mut (C::Scratch, PendingNodes),
     ) {
@@ -194,10 +194,10 @@ impl Inside {
             segments,
             ..
         } = self;
-        let draws = path.draws.at(cell.index, 0);
+        let draws = path.draws.at(macro_step.index, 0);
         let watch = Glances {
             glances,
-            cell_start: cell.start,
+            macro_step_start: macro_step.start,
             draws,
             lane,
             seen,
@@ -209,7 +209,7 @@ impl Inside {
             segments: segments.as_mut(),
         };
         let emit = |event| events.push((lane, event));
-        path.lost = cross(cascade, cell, path, scratch, &mut watch, emit).err();
+        path.lost = cross(cascade, macro_step, path, scratch, &mut watch, emit).err();
         let (passed, seen) = (watch.watch.passed, watch.watch.seen);
         if passed < glances.len() {
             seen[passed..glances.len()]

@@ -18,10 +18,11 @@
 //! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) -
 //! g) ds/m and for its derivative. What a step may leave is measured by friction: a force along the
 //! whole way that is a share of f_s, so that a slip of any number of steps loses its energy to
-//! friction and not to the steps. The length follows from the state at the start alone, so that it
-//! does not depend on the noise that is then drawn, and the law of what is drawn is not changed. In
-//! the middle of a step, the noise moves x and x' off the quintic by a random amount of mean zero.
-//! The error of g by this is of order 3/2 in a step, and of order 2 in the law of the path.
+//! friction and not to the steps. The length follows from the state at the start alone, so
+//! that it does not depend on the noise that is then drawn, and the law of what is drawn is not
+//! changed. In the middle of a step, the noise moves x and x' off the quintic by a random amount of
+//! mean zero. The error of g by this is of order 3/2 in a step, and of order 2 in the law of the
+//! path.
 
 use super::super::law::{Scene, SlipPoint, SlipStep, middle};
 use super::super::work::{Resolved, Unresolved};
@@ -30,7 +31,7 @@ use super::slip::Slip;
 use crate::model::Sign;
 
 /// g along one slip.
-pub(super) struct OwnForce {
+pub(super) struct UserForceSteps {
     /// g at the start of the step.
     here: f64,
     /// The constant that stands for g in the step.
@@ -205,7 +206,7 @@ impl SlipStep {
     }
 }
 
-impl OwnForce {
+impl UserForceSteps {
     /// g where a path is that slips in this direction; none if there is no g.
     #[inline(always)]
     pub fn new(scene: &Scene, direction: Sign, time: f64, path: &Path<f64>) -> Option<Self> {
@@ -213,7 +214,7 @@ impl OwnForce {
             let here = scene
                 .own
                 .at(Some(direction), path.displacement, path.motion, time);
-            OwnForce {
+            UserForceSteps {
                 here,
                 push: here,
                 more: 0.0,
@@ -225,9 +226,9 @@ impl OwnForce {
         })
     }
 
-    /// The longest step from here on in which g is resolved, when this much of the cell remains,
-    /// and whether it ends with the cell. A path is given up where the shortest step is too long by
-    /// far.
+    /// The longest step from here on in which g is resolved, when this much of the macro step
+    /// remains, and whether it ends with the macro step. A path is given up where the shortest step
+    /// is too long by far.
     #[inline(always)]
     pub fn step_towards<'s>(
         &mut self,
@@ -247,7 +248,7 @@ impl OwnForce {
         } else {
             self.halvings
         };
-        // Halvings that leave more than what remains of the cell change nothing.
+        // Halvings that leave more than what remains of the macro step change nothing.
         while halvings < finest && slip.noisy.halved[halvings + 1].length() >= remaining {
             halvings += 1;
         }
@@ -359,7 +360,7 @@ mod tests {
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
     use crate::scheme::event_driven::law::{
-        Cell, DEFAULT_TOLERANCE, StepRules, force, tests::mean_and_error,
+        DEFAULT_TOLERANCE, MacroStep, StepRules, force, tests::mean_and_error,
     };
     use crate::scheme::event_driven::noisy::Noisy;
     use crate::scheme::event_driven::work::WorkLeft;
@@ -407,16 +408,16 @@ mod tests {
     /// x and x' after this number of equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let cell = Cell::new(scene, &noisy.route.ladder, 0);
+        let macro_step = MacroStep::new(scene, &noisy.route.grid, 0);
         let slip = Slip {
             noisy,
-            cell: &cell,
+            macro_step: &macro_step,
             direction: Sign::Positive,
             end_noise: 0.0,
         };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));
-        let mut own = OwnForce::new(scene, slip.direction, 0.0, &path).expect("a force");
+        let mut own = UserForceSteps::new(scene, slip.direction, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint {
                 x: path.displacement,

@@ -1,49 +1,49 @@
-//! The times at which cells begin and end.
+//! The times at which macro steps begin and end.
 //!
-//! All cells have one length, which follows from the scene and the tolerance. Where the temperature
-//! or an input of g was measured, a cell also ends at every sample, so that neither has a kink
-//! inside a cell. The time between two samples is divided into the smallest number of equal cells that are not
-//! longer than this length.
+//! All macro steps have one length, which follows from the scene and the tolerance. Where the
+//! temperature or an input of g was measured, a macro step also ends at every sample, so that
+//! neither has a kink inside a macro step. The time between two samples is divided into the
+//! smallest number of equal macro steps that are not longer than this length.
 
 use crate::model::usual_spacing;
 use std::sync::Arc;
 
-/// The division of time into cells.
+/// The division of time into macro steps.
 #[derive(Clone, Debug)]
-pub struct StepLadder {
-    /// The length of most cells.
+pub struct StepGrid {
+    /// The length of most macro steps.
     pub length: f64,
     cuts: Option<Arc<Cuts>>,
 }
 
-/// The division of the time between samples into cells.
+/// The division of the time between samples into macro steps.
 #[derive(Debug)]
 struct Cuts {
     /// The times of the samples.
     times: Vec<f64>,
-    /// The number of the cell that begins at each sample.
+    /// The number of the macro step that begins at each sample.
     firsts: Vec<u64>,
 }
 
-/// One cell: where it lies in time.
+/// One macro step: where it lies in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellPlace {
+pub struct MacroStepPlace {
     /// The time at which it begins.
     pub start: f64,
-    /// The time at which it ends and the next cell begins.
+    /// The time at which it ends and the next macro step begins.
     pub end: f64,
     pub length: f64,
     /// The last sample before it or at its start.
     pub sample: f64,
 }
 
-impl StepLadder {
-    /// All cells have this length.
+impl StepGrid {
+    /// All macro steps have this length.
     pub fn even(length: f64) -> Self {
-        StepLadder { length, cuts: None }
+        StepGrid { length, cuts: None }
     }
 
-    /// Cells of at most this length, which also end at each of these times, two or more.
+    /// Macro steps of at most this length, which also end at each of these times, two or more.
     pub fn cut(times: Vec<f64>, longest: f64) -> Self {
         let parts = |spacing: f64| (spacing / longest * (1.0 - SAME_LENGTH)).ceil().max(1.0);
         let mut firsts = vec![0];
@@ -51,23 +51,23 @@ impl StepLadder {
             firsts.push(firsts[firsts.len() - 1] + parts(pair[1] - pair[0]) as u64);
         }
         let usual = usual_spacing(&times);
-        StepLadder {
+        StepGrid {
             length: usual / parts(usual),
             cuts: Some(Arc::new(Cuts { times, firsts })),
         }
     }
 
-    /// Whether all cells have the same length.
+    /// Whether all macro steps have the same length.
     pub fn is_even(&self) -> bool {
         self.cuts.is_none()
     }
 
-    /// The cell with this number. After the last sample, cells go on with the length of those
-    /// before it.
-    pub fn rung(&self, index: u64) -> CellPlace {
+    /// The macro step with this number. After the last sample, macro steps go on with the length of
+    /// those before it.
+    pub fn place(&self, index: u64) -> MacroStepPlace {
         let Some(cuts) = &self.cuts else {
             let (start, end) = (index as f64 * self.length, (index + 1) as f64 * self.length);
-            return CellPlace {
+            return MacroStepPlace {
                 start,
                 end,
                 length: self.length,
@@ -82,7 +82,7 @@ impl StepLadder {
         let (from, to) = (times[piece], times[piece + 1]);
         let (done, parts) = (index - firsts[piece], firsts[piece + 1] - firsts[piece]);
         let length = (to - from) / parts as f64;
-        // The last cell before a sample ends exactly at the sample.
+        // The last macro step before a sample ends exactly at the sample.
         let at = |part: u64| {
             if part == parts {
                 to
@@ -90,7 +90,7 @@ impl StepLadder {
                 from + part as f64 * length
             }
         };
-        CellPlace {
+        MacroStepPlace {
             start: at(done),
             end: at(done + 1),
             length,
@@ -108,32 +108,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_end_at_samples_and_leave_no_time_out() {
-        let ladder = StepLadder::cut(vec![0.0, 1.0, 1.3, 2.3, 3.3], 0.4);
+    fn macro_steps_end_at_samples_and_cover_all_times() {
+        let grid = StepGrid::cut(vec![0.0, 1.0, 1.3, 2.3, 3.3], 0.4);
         let mut at = 0.0;
         for index in 0..10 {
-            let rung = ladder.rung(index);
-            assert_eq!(rung.start, at, "{index}");
-            assert!(rung.length <= 0.4 && (rung.end - rung.start - rung.length).abs() < 1e-15);
-            at = rung.end;
+            let place = grid.place(index);
+            assert_eq!(place.start, at, "{index}");
+            assert!(place.length <= 0.4 && (place.end - place.start - place.length).abs() < 1e-15);
+            at = place.end;
         }
         assert_eq!(at, 3.3);
-        // The four intervals between samples have 3, 1, 3 and 3 cells.
+        // The four intervals between samples have 3, 1, 3 and 3 macro steps.
         assert_eq!(
-            [2, 3, 6, 9].map(|index| ladder.rung(index).end),
+            [2, 3, 6, 9].map(|index| grid.place(index).end),
             [1.0, 1.3, 2.3, 3.3]
         );
         assert_eq!(
-            [0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).sample),
+            [0, 2, 3, 4, 9, 10].map(|index| grid.place(index).sample),
             [0.0, 0.0, 1.0, 1.3, 2.3, 2.3]
         );
-        assert_eq!((ladder.length, ladder.is_even()), (1.0 / 3.0, false));
-        assert_eq!(ladder.rung(10).start, 3.3);
-        // Ten minutes are filled by three cells of 200 s.
-        assert_eq!(StepLadder::cut(vec![0.0, 600.0], 200.0).length, 200.0);
+        assert_eq!((grid.length, grid.is_even()), (1.0 / 3.0, false));
+        assert_eq!(grid.place(10).start, 3.3);
+        // Ten minutes are filled by three macro steps of 200 s.
+        assert_eq!(StepGrid::cut(vec![0.0, 600.0], 200.0).length, 200.0);
         assert_eq!(
-            StepLadder::even(0.5).rung(7),
-            CellPlace {
+            StepGrid::even(0.5).place(7),
+            MacroStepPlace {
                 start: 3.5,
                 end: 4.0,
                 length: 0.5,

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// The reason why a scenario cannot be simulated, and the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub struct Misfit {
+pub struct CheckError {
     /// The values concerned, by their dotted keys in a scenario. The first one is named as the
     /// cause, unless another one was set on the command line.
     pub about: Vec<(&'static str, f64)>,
@@ -15,14 +15,14 @@ pub struct Misfit {
     pub remedy: String,
 }
 
-impl Misfit {
+impl CheckError {
     /// An error about these values.
     pub fn new(
         about: &[(&'static str, f64)],
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Misfit {
+        CheckError {
             about: about.to_vec(),
             problem: problem.into(),
             remedy: remedy.into(),
@@ -45,7 +45,7 @@ impl Misfit {
     }
 }
 
-impl fmt::Display for Misfit {
+impl fmt::Display for CheckError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}\n  fix: {}", self.sentence(), self.remedy)
     }

@@ -1,4 +1,4 @@
-//! The one path that there is without noise, stretch by stretch, reported for every lane.
+//! The one path that there is without noise, segment by segment, reported for every lane.
 
 use super::super::work::{Resolved, Simulated, WorkLeft};
 use super::exact_time::ExactTime;
@@ -8,16 +8,16 @@ use crate::scheme::{Instant, Observer, Segment, Timeline};
 use std::cell::RefCell;
 
 /// A phase of the path, or a part of one.
-pub struct Stretch<M, C> {
+pub struct PathSegment<M, C> {
     pub start: ExactTime,
     pub phase: Phase,
     /// What is known of the motion at the start.
     pub from: M,
-    /// The duration of the stretch and what ends it; none if it does not end before t_end.
+    /// The duration of the segment and what ends it; none if it does not end before t_end.
     pub end: Option<(f64, End<C>)>,
 }
 
-/// What ends a stretch.
+/// What ends a segment.
 #[derive(Clone, Copy)]
 pub enum End<C> {
     Event(Event),
@@ -25,8 +25,8 @@ pub enum End<C> {
     Cut(C),
 }
 
-impl<M, C: Copy> Stretch<M, C> {
-    /// The end of the stretch, if it is at a time or before.
+impl<M, C: Copy> PathSegment<M, C> {
+    /// The end of the segment, if it is at a time or before.
     fn end_by(&self, time: f64) -> Option<(f64, End<C>)> {
         self.end.filter(|(duration, end)| match end {
             End::Event(event) => event.time <= time,
@@ -35,13 +35,13 @@ impl<M, C: Copy> Stretch<M, C> {
     }
 }
 
-/// A stretch of the path of a scheme.
-pub type StretchOf<P> = Stretch<<P as Stretches>::Motion, <P as Stretches>::Cut>;
+/// A segment of the path of a scheme.
+pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;
 
-/// A scheme without noise, by the stretches of its path. Nothing is random, so one path is computed
+/// A scheme without noise, by the segments of its path. Nothing is random, so one path is computed
 /// for all lanes.
-pub trait Stretches {
-    /// What the scheme knows of the motion at the start of a stretch.
+pub trait PathSegments {
+    /// What the scheme knows of the motion at the start of a segment.
     type Motion;
     /// What it knows at a cut.
     type Cut: Copy;
@@ -51,24 +51,29 @@ pub trait Stretches {
     /// The number of evaluations that the path may make.
     fn work_limit(&self) -> u64;
 
-    /// The stretch that begins at t = 0.
-    fn first(&self, work: &mut WorkLeft) -> Resolved<StretchOf<Self>>;
+    /// The segment that begins at t = 0.
+    fn first(&self, work: &mut WorkLeft) -> Resolved<PathSegmentOf<Self>>;
 
-    /// The stretch that follows one that ends like this after a duration.
+    /// The segment that follows one that ends like this after a duration.
     fn next(
         &self,
-        stretch: &StretchOf<Self>,
+        path_segment: &PathSegmentOf<Self>,
         end: (f64, End<Self::Cut>),
         work: &mut WorkLeft,
-    ) -> Resolved<StretchOf<Self>>;
+    ) -> Resolved<PathSegmentOf<Self>>;
 
-    /// x, x', T and whether the path is static, at a time within the stretch.
-    fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Resolved<Seen>;
+    /// x, x', T and whether the path is static, at a time within the segment.
+    fn state(
+        &self,
+        path_segment: &PathSegmentOf<Self>,
+        t: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<Seen>;
 
-    /// The first part of a stretch, of this duration, in pieces that a quintic describes.
+    /// The first part of a segment, of this duration, in pieces that a quintic describes.
     fn segments(
         &self,
-        stretch: &StretchOf<Self>,
+        path_segment: &PathSegmentOf<Self>,
         duration: f64,
         tell: impl FnMut(Segment),
     ) -> Resolved<()>;
@@ -79,36 +84,39 @@ pub trait Stretches {
         let (mut columns, observer) = (StateColumns::new(lanes), RefCell::new(observer));
         let is_stopped = || observer.borrow().is_stopped();
         let mut work = WorkLeft::watched(self.work_limit(), &is_stopped);
-        let mut stretch = self.first(&mut work);
+        let mut path_segment = self.first(&mut work);
         let follows = observer.borrow().follows();
-        let follow = |stretch: &Stretch<_, _>, duration: f64| {
+        let follow = |path_segment: &PathSegment<_, _>, duration: f64| {
             let tell =
                 |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
             if follows {
-                self.segments(stretch, duration, tell)
+                self.segments(path_segment, duration, tell)
             } else {
                 Ok(())
             }
         };
         for stop in self.timeline().stops() {
-            while let Ok(here) = &stretch
+            while let Ok(here) = &path_segment
                 && let Some(end) = here.end_by(stop.time)
             {
-                stretch = follow(here, end.0).and_then(|()| {
+                path_segment = follow(here, end.0).and_then(|()| {
                     if let End::Event(event) = end.1 {
                         (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
                     }
                     self.next(here, end, &mut work)
                 });
             }
-            let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| {
-                if stop.instant == Instant::End {
-                    follow(here, here.start.until(stop.time))?;
-                }
-                self.state(here, stop.time, &mut work)
-            });
+            let seen = path_segment
+                .as_ref()
+                .map_err(|lost| *lost)
+                .and_then(|here| {
+                    if stop.instant == Instant::End {
+                        follow(here, here.start.until(stop.time))?;
+                    }
+                    self.state(here, stop.time, &mut work)
+                });
             columns.fill(seen.unwrap_or(LOST));
-            stretch = seen.and(stretch);
+            path_segment = seen.and(path_segment);
             if is_stopped() {
                 break;
             }
@@ -116,7 +124,7 @@ pub trait Stretches {
                 .borrow_mut()
                 .snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        let why = stretch.err();
+        let why = path_segment.err();
         Simulated {
             lost: (0..lanes).filter(|_| why.is_some()).collect(),
             why,
