@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 use stickslip::config::{self, Override, ScenarioError};
 use stickslip::scenario::{BridgeScene, Scenario as Checked};
 use stickslip_bearing::calibration::{
-    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld,
-    Quantity, Response, calibrate as calibrated, twin as made, values,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
+    NotHeld, Quantity, Response, calibrate as calibrated, twin as made, values,
 };
 use stickslip_bearing::dataset::{self, StoredCalibration};
-use stickslip_bearing::forecast::{ForecastQuestion as Asked, Foreseen};
+use stickslip_bearing::forecast::{BearingForecast, ForecastQuestion as Asked};
 use stickslip_bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
 use stickslip_data::{
     BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
@@ -377,12 +377,12 @@ pub fn forecast<'py>(
     };
     let (title, text) = (scene.title.clone(), scene.text.clone());
     let ended = abandoned_on_interrupt(py, move |stop| {
-        Foreseen::of(&scene, &record, &asked, processes, threads.0, stop, &|_| {})
+        BearingForecast::of(&scene, &record, &asked, processes, threads.0, stop, &|_| {})
     })?;
-    let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
-    let foreseen = foreseen.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
-    let found = &foreseen.forecast;
-    remarks.extend(foreseen.warnings().into_iter().map(|(_, text)| text));
+    let outcome = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
+    let outcome = outcome.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
+    let found = &outcome.forecast;
+    remarks.extend(outcome.warnings().into_iter().map(|(_, text)| text));
     Ok((
         to_python(py, dataset::forecast(&title, &text, found))?,
         remarks,
@@ -614,7 +614,7 @@ pub fn twin<'py>(
     let first = air.temperatures.first().copied().unwrap_or(0.0);
     let response = Response::of(&scene, first);
     let (white, red, memory) = noise;
-    let flaws = Flaws {
+    let imperfections = Imperfections {
         white,
         red,
         memory,
@@ -627,7 +627,7 @@ pub fn twin<'py>(
         zero_set,
         thermometer_every,
     };
-    let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
+    let (found, _) = watched(py, None, |_| made(&response, &air, &imperfections, seed))?;
     let start = begin
         .or(given)
         .or_else(|| Start::parse(EPOCH))

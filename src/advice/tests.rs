@@ -330,6 +330,32 @@ fn a_force_that_the_step_cannot_follow_is_named_with_its_place() {
     }
 }
 
+/// With f_d = 0.95 f_s: a load of 1.2 in forward slips alone, and loads that are continuous at rest, or
+/// jump with the direction of the threshold, too.
+#[test]
+fn a_load_that_jumps_as_a_slip_begins_is_warned_about() {
+    let warns = |load: &str| {
+        let load = format!("friction.load='{load}'");
+        let scenario = base(&["friction.static=1", "friction.dynamic=0.95", &load]);
+        scenario
+            .warnings()
+            .iter()
+            .any(|warning| warning.name() == "friction-jumps")
+    };
+    assert!(warns("1 + 0.2*sign(xdot)"));
+    assert!(warns("1 - 0.2*sign(xdot)"));
+    assert!(warns("1 + max(t - 50, 0)*abs(sign(xdot))"));
+    for sound in [
+        "1 + 0.2*direction",
+        "1 + 0.03*sign(xdot)",
+        "1 - 0.3*abs(sign(xdot))",
+        "1 + 0.3*(1 - exp(-abs(xdot)/0.01))",
+        "1.3 + cos(x)*cos(t)",
+    ] {
+        assert!(!warns(sound), "{sound}");
+    }
+}
+
 #[test]
 fn bodies_that_nothing_holds_run_away() {
     let runs_away = |set: &[&str]| {

@@ -207,10 +207,14 @@ const UNCERTAINTY_RATIO: f64 = 0.7;
 const MOST_HALF_WIDTHS: f64 = 10.0;
 
 /// Whether a bias says anything of an estimate: its uncertainty does not exceed both the estimate
-/// and what the estimate leaves open. Where nothing is random, all paths agree, and it always does.
+/// and what the estimate leaves open. Where all paths agree, it always does. Where they do not, and no
+/// step makes a difference, the paths that measure the bias are too few to show one; and where the
+/// paths of the run are too few for an interval, so are those.
 fn is_informative(bias: &Bias, e: &Estimate) -> bool {
     let half_width = e.half_width();
-    bias.uncertainty <= e.estimate.abs().max(MOST_HALF_WIDTHS * half_width) || half_width == 0.0
+    let most = e.estimate.abs().max(MOST_HALF_WIDTHS * half_width);
+    let is_within = 0.0 < bias.uncertainty && bias.uncertainty <= most;
+    half_width == 0.0 || is_within && !half_width.is_nan()
 }
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
@@ -358,14 +362,14 @@ mod tests {
     /// An estimate of 2 to within 0.1, and one of 0.01 to within 0.1.
     #[test]
     fn a_bias_less_certain_than_the_estimate_is_not_stated() {
-        let of = |estimate: f64, uncertainty: f64| {
-            let (statistic, standard_error) = (Statistic::JumpMean, 0.05);
+        let with = |half_width: f64, estimate: f64, uncertainty: f64| {
+            let (statistic, standard_error) = (Statistic::JumpMean, half_width / 2.0);
             let e = Estimate {
                 statistic,
                 estimate,
                 standard_error,
-                low: estimate - 0.1,
-                high: estimate + 0.1,
+                low: estimate - half_width,
+                high: estimate + half_width,
                 bias: None,
             };
             is_informative(
@@ -377,6 +381,7 @@ mod tests {
                 &e,
             )
         };
+        let of = |estimate, uncertainty| with(0.1, estimate, uncertainty);
         assert_eq!(
             [
                 of(2.0, 78.0),
@@ -386,6 +391,15 @@ mod tests {
                 of(0.01, 0.9)
             ],
             [false, false, true, false, true]
+        );
+        // Paths that differ show no difference between steps; all paths agree; no interval.
+        assert_eq!(
+            [
+                with(0.1, 2.0, 0.0),
+                with(0.0, 2.0, 0.0),
+                with(f64::NAN, 2.0, 0.1)
+            ],
+            [false, true, false]
         );
     }
 }

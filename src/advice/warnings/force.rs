@@ -2,7 +2,8 @@
 
 use super::case::Case;
 use super::steepness::{expression, scales};
-use crate::model::{ForceWarning, beyond_hold, force_warnings};
+use crate::lanes::InstructionSet;
+use crate::model::{ForceWarning, Sides, Sign, beyond_hold, force_warnings};
 use crate::scheme::Kind;
 use stickslip_data::numbers::short;
 
@@ -44,6 +45,42 @@ pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
         model.friction.dynamic_force,
     )
 }
+
+/// In a slip that has just begun, friction exceeds the threshold from which it began, because the load
+/// jumps at x' = 0: the slip stops at once, and another begins.
+pub(super) fn friction_jumps(case: &Case) -> Option<String> {
+    let model = &case.scenario.model;
+    let (force, scales) = (model.force.as_ref()?, scales(case.scenario, &case.derived));
+    force.sides().and_then(Sides::load)?;
+    let shares = || (-4..=4).map(|i| f64::from(i) / 4.0);
+    let places = shares().flat_map(|x| shares().map(move |t| [x, 0.5 * (1.0 + t)]));
+    let jump = |[x, t]: [f64; 2]| {
+        let (x, t) = (x * scales.displacement, t * scales.end);
+        let excess = force.hold(InstructionSet::detect(), x, t).excess;
+        let at = |(direction, excess): (Sign, f64)| {
+            let velocity = direction.value() * BARELY_MOVING * scales.velocity;
+            let friction = model.sliding_friction(direction, t, x, velocity).abs();
+            let threshold = model.friction.static_force + excess;
+            (friction > threshold * (1.0 + JUMP)).then(|| [x, t, friction, threshold])
+        };
+        [Sign::Positive, Sign::Negative]
+            .into_iter()
+            .zip(excess)
+            .find_map(at)
+    };
+    let [x, t, friction, threshold] = places.into_iter().find_map(jump)?.map(short);
+    Some(format!(
+        "friction in a slip, {friction} at x = {x} and t = {t}, exceeds the threshold of {threshold} from which the slip \
+         begins, because `friction.load` jumps at xdot = 0: slips stop at once, in any number. \
+         Use `direction` in place of `sign(xdot)`"
+    ))
+}
+
+/// A velocity at which a slip has just begun, as a share of the velocities that are expected.
+const BARELY_MOVING: f64 = 1e-9;
+
+/// The share by which friction must exceed the threshold: more than a continuous load comes to.
+const JUMP: f64 = 1e-4;
 
 /// Slip steps of a path under noise that may be too many.
 const MANY_STEPS: f64 = 1e6;

@@ -121,6 +121,7 @@ const ALL: &[WarningRow] = &[
     ),
     row("creep", Class::Approximation, quasi_static::creep),
     rows("doubtful-force", Class::Other, force::force_warning),
+    row("friction-jumps", Class::Other, force::friction_jumps),
     row("stiff-damping", Class::Other, force::stiff_damping),
     row("never-slips", Class::Other, question::never_slips),
     row("identical-paths", Class::Other, question::identical_paths),

@@ -21,6 +21,8 @@ pub struct BySlips {
     pub slips: DetectedSlips,
     /// What the slips show beyond the estimates.
     pub statistics: SlipStatistics,
+    /// Whether the thermometer is slower than the steel.
+    pub is_thermometer_slow: bool,
 }
 
 /// Twice the logarithm of the likelihood that a change of friction over time has to gain. Neighbouring
@@ -80,6 +82,7 @@ impl BySlips {
         let mut found = BySlips {
             response,
             statistics: slips.statistics(&response, &zero),
+            is_thermometer_slow: steel.is_thermometer_slow,
             zero,
             replicates: Replicates::default(),
             deviations: [f64::NAN; Quantity::ALL.len()],

@@ -34,11 +34,11 @@ struct Parabola {
     rest: f64,
 }
 
-/// The fewest values from which a change is told.
+/// The fewest values that determine a change.
 const FEWEST: usize = 10;
 
 impl Parabola {
-    /// The parabola through values at times from -1 to 1; `None` if they do not tell it.
+    /// The parabola through values at times from -1 to 1; `None` if they do not determine it.
     fn of(values: &[(f64, f64)]) -> Option<Self> {
         let rest = |columns: usize| {
             let mut normal = Normal::of(columns);

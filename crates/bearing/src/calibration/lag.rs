@@ -45,7 +45,7 @@ pub struct LagProfile {
 }
 
 /// Minus twice the logarithm of the likelihood of other temperatures of a record, from bins of so
-/// many seconds of its sticks.
+/// many seconds of its sticks. The variance of the walk is that of the record.
 fn deviances(
     record: &MeasuredRecord,
     slips: &DetectedSlips,
@@ -60,9 +60,11 @@ fn deviances(
     }
 }
 
-/// Compute the profile of the lag, given the slips that were found.
-pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips) -> LagProfile {
-    let of = deviances(record, slips, slips.bin);
+/// Compute the profile of the lag, given the slips that were found with steel of the lag `found`: with
+/// another one, what the steel does would count as a walk of the sensor, which biases the lag.
+pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips, found: f64) -> LagProfile {
+    let steel = record.lagged(found);
+    let of = deviances(&steel, slips, slips.bin);
     let deviance = |lag: f64| of(&record.lagged(lag));
     let mut profile: Vec<(f64, f64)> = MINUTES
         .map(|minutes| 60.0 * minutes)
@@ -91,27 +93,49 @@ pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips) -> LagProfile
     LagProfile {
         likeliest,
         gain: without - lowest,
-        clock: clock(record, slips, likeliest),
+        clock: None,
         profile,
     }
 }
 
-/// The difference of the clocks, if it is likelier than this lag and than none. A lag smooths the
-/// temperature from sample to sample, and a clock does not, so each sample counts alone here.
-fn clock(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Option<f64> {
+/// The time constants of a thermometer that is slower than the steel, in minutes.
+const SLOW: [f64; 9] = [2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0];
+
+/// Why the temperature of another time explains the displacement better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Offset {
+    /// The clock of the sensor is behind that of the thermometer by so many seconds.
+    Clock(f64),
+    /// The thermometer is slower than the steel.
+    SlowThermometer,
+}
+
+/// The offset that is likelier than this lag and than none. A lag smooths the temperature from sample to
+/// sample, and a clock does not, so each sample counts alone here.
+pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Option<Offset> {
     let deviance = deviances(record, slips, 1.0);
-    let best_of = |clocks: &[f64]| {
-        let shifts = clocks
-            .iter()
-            .map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
-        shifts.min_by(|a, b| a.1.total_cmp(&b.1))
+    let best_of = |minutes: &[f64], other: fn(&MeasuredRecord, f64) -> MeasuredRecord| {
+        let all = minutes.iter().map(|minutes| {
+            let seconds = 60.0 * minutes;
+            (seconds, deviance(&other(record, seconds)))
+        });
+        all.min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let none = deviance(record);
     // Where no small step to either side is likelier, and no whole hour, nothing else is.
-    best_of(&FIRST).filter(|(_, deviance)| *deviance < none)?;
-    let (best, lowest) = best_of(&CLOCKS)?;
+    best_of(&FIRST, MeasuredRecord::shifted).filter(|(_, deviance)| *deviance < none)?;
+    let (seconds, lowest) = best_of(&CLOCKS, MeasuredRecord::shifted)?;
     let other = none.min(deviance(&record.lagged(lag)));
-    (other - lowest > CONVINCING).then_some(best)
+    if other - lowest <= CONVINCING {
+        return None;
+    }
+    // The temperature of later times resembles that of a thermometer that follows the steel.
+    let is_slow = seconds < 0.0
+        && best_of(&SLOW, MeasuredRecord::sharpened).is_some_and(|(_, slow)| slow < lowest);
+    Some(match is_slow {
+        true => Offset::SlowThermometer,
+        false => Offset::Clock(seconds),
+    })
 }
 
 /// Whether two clocks that differ by so many seconds may have gone apart; otherwise somebody set one
@@ -121,7 +145,7 @@ pub fn is_small(seconds: f64) -> bool {
 }
 
 impl LagProfile {
-    /// The most likely lag, if it is longer than none beyond doubt, and shorter than the longest that is
+    /// The most likely lag, if it is clearly longer than none, and shorter than the longest that is
     /// considered.
     pub fn found(&self) -> Option<f64> {
         (self.gain > CONVINCING && !self.is_beyond()).then_some(self.likeliest)

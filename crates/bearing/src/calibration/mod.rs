@@ -59,5 +59,5 @@ pub use question::{CalibrationError, CalibrationMethod, CalibrationQuestion, Lag
 pub use report::{Calibration, ParameterEstimate, Residuals, SeenSlip};
 pub use samples::MeasuredRecord;
 pub use starts::SearchStart;
-pub use twin::{Flaws, Twin, twin};
+pub use twin::{Imperfections, Twin, twin};
 pub use zero::Zero;

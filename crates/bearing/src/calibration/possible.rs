@@ -6,7 +6,7 @@ use super::quantity::{Quantity, values};
 /// What holds of every bearing.
 pub(super) const CONDITION: &str = "A > 0.05 K, 0 < G <= 2 A and 0 < K/K_BP < 1";
 
-/// The smallest A of a bearing, in kelvin. A bearing holds kelvins, and what thermometers tell is
+/// The smallest A of a bearing, in kelvin. A bearing holds kelvins, and what thermometers resolve is
 /// tenths.
 const LEAST: f64 = 0.05;
 

@@ -25,7 +25,7 @@ pub fn overlooked(roughness: f64, interval: f64) -> f64 {
 /// For a diffusion, the mean square of that distance grows with the time between the samples, g
 /// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
 /// What is smooth adds a part that grows at least as g^3. Of two mean squares only one such
-/// part can be told, so it is the one that leaves less roughness.
+/// part can be determined, so it is the one that leaves less roughness.
 pub fn shown_roughness(t: &[f64], x: &[f64]) -> f64 {
     let starts = starts(t);
     let mean_square = |step: usize| {
@@ -65,7 +65,7 @@ mod tests {
     }
 
     /// A process of 1.8 K and 8 hours gains 2 * 1.8^2/28800 = 2.25e-4 K^2 a second. Thirty thousand
-    /// samples tell that to 1.5 %. They tell it to 4 % with 0.2 K of noise of the thermometer, a
+    /// samples determine that to 1.5 %, and to 4 % with 0.2 K of noise of the thermometer, a
     /// little more than half of what the temperature gains in a step. The bounds are three and a
     /// half times as wide. A daily cycle and the steel of a bearing an hour behind are smooth: the
     /// cycle adds no roughness, and the steel has a twentieth of it at most.

@@ -197,6 +197,17 @@ impl MeasuredRecord {
         }
     }
 
+    /// The same record with the temperature that a thermometer follows with this time constant, in
+    /// seconds: T + lag dT/dt, with dT/dt from the neighbours of each sample.
+    pub fn sharpened(&self, lag: f64) -> MeasuredRecord {
+        let [times, shown] = self.thermometer();
+        let mut followed = shown.clone();
+        for i in 1..times.len().saturating_sub(1) {
+            followed[i] += lag * (shown[i + 1] - shown[i - 1]) / (times[i + 1] - times[i - 1]);
+        }
+        self.with_temperatures(&times, &followed)
+    }
+
     /// The same record with the temperature of so many seconds earlier, interpolated between its
     /// neighbours, as if the clock of the sensor were behind that of the thermometer.
     pub fn shifted(&self, seconds: f64) -> MeasuredRecord {

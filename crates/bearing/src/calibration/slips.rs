@@ -381,7 +381,7 @@ fn reversals(slips: &[Slip], still: f64, is_whole: impl Fn(usize, usize) -> bool
 }
 
 /// The values that are not far from the median. If a slip was not seen, the difference at the next
-/// reversal is too large by G, of which half tells them apart, within what makes sense for the scatter.
+/// reversal is too large by G, of which half distinguishes them, within what makes sense for the scatter.
 fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
     let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));

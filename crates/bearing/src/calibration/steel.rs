@@ -2,7 +2,7 @@
 
 use super::bearing::Response;
 use super::fit::SensorNoise;
-use super::lag::{LagProfile, is_small, lag_profile};
+use super::lag::{LagProfile, Offset, is_small, lag_profile, offset};
 use super::question::Lag;
 use super::roughness::{overlooked, shown_roughness};
 use super::samples::{MeasuredRecord, interval};
@@ -15,8 +15,8 @@ const FEWEST_SLIPS: usize = 6;
 
 /// Largest number of searches for a lag, each with the slips that the lag before it shows, and the
 /// relative difference of two of them that are the same.
-const LAG_ROUNDS: u32 = 4;
-const SAME_LAG: f64 = 0.02;
+const LAG_ROUNDS: u32 = 6;
+const SAME_LAG: f64 = 0.002;
 
 /// The longest step in which a mean over some time is followed, as a share of that time.
 const SHARE: f64 = 1.0 / 6.0;
@@ -110,6 +110,8 @@ pub struct Steel {
     pub is_estimated: bool,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub profile: Option<LagProfile>,
+    /// Whether the thermometer is slower than the steel.
+    pub is_thermometer_slow: bool,
     /// The slips; `None` if too few are seen.
     pub slips: Option<DetectedSlips>,
     air: MeasuredAir,
@@ -130,14 +132,24 @@ impl Steel {
         };
         let mut cleaned = clean(&air);
         let mut slips = air.slips(&cleaned, given);
-        let mut profile = slips.as_ref().map(|slips| lag_profile(&cleaned, slips));
-        let clock = profile.as_ref().and_then(|profile| profile.clock);
+        let mut profile = slips
+            .as_ref()
+            .map(|slips| lag_profile(&cleaned, slips, given));
+        let lagging = slips.as_ref().zip(profile.as_ref());
+        let offset =
+            lagging.and_then(|(slips, profile)| offset(&cleaned, slips, profile.likeliest));
+        let clock = match offset {
+            Some(Offset::Clock(seconds)) => Some(seconds),
+            Some(Offset::SlowThermometer) | None => None,
+        };
         let shift = clock.filter(|seconds| is_small(*seconds)).unwrap_or(0.0);
         if shift != 0.0 {
             air = MeasuredAir::new(record, shift);
             cleaned = clean(&air);
             slips = air.slips(&cleaned, given);
-            profile = slips.as_ref().map(|slips| lag_profile(&cleaned, slips));
+            profile = slips
+                .as_ref()
+                .map(|slips| lag_profile(&cleaned, slips, given));
         }
         let mut used = given;
         for _ in 0..if lag == Lag::Auto { LAG_ROUNDS } else { 0 } {
@@ -147,7 +159,7 @@ impl Steel {
             let Some(next) = air.slips(&cleaned, found) else {
                 break;
             };
-            let again = lag_profile(&cleaned, &next);
+            let again = lag_profile(&cleaned, &next, found);
             let is_same = (again.likeliest - found).abs() <= SAME_LAG * found;
             used = again.found().unwrap_or(0.0);
             slips = air.slips(&cleaned, used);
@@ -157,13 +169,14 @@ impl Steel {
             }
         }
         if let Some(profile) = &mut profile {
-            profile.clock = clock.or(profile.clock);
+            profile.clock = clock;
         }
         Steel {
             record: air.smoothed(record).shifted(shift).lagged(used),
             lag: used,
             is_estimated: lag == Lag::Auto && used > 0.0,
             profile,
+            is_thermometer_slow: offset == Some(Offset::SlowThermometer),
             slips,
             air,
         }
@@ -236,24 +249,27 @@ impl Steel {
         let cleaned = self
             .air
             .cleaned(self.air.smoothed(&record), |record| find(record, self.lag));
-        let here = find(&cleaned, self.lag)?;
+        let mut here = find(&cleaned, self.lag)?;
+        let mut lag = self.lag;
         if !self.is_estimated {
-            return Some((self.lag, here));
+            return Some((lag, here));
         }
-        let step = (0.2 * self.lag).max(60.0).min(self.lag);
-        let beside = |lag: f64| here.with_temperatures(&cleaned.lagged(lag));
-        let [less, more] = [beside(self.lag - step)?, beside(self.lag + step)?];
-        // The vertex of the parabola through the three deviances, limited to the range in which a
-        // parabola is a good approximation.
-        let [low, middle, high] = [&less, &here, &more].map(|slips| slips.sums.deviance());
-        let bend = low - 2.0 * middle + high;
-        let vertex = if bend > 0.0 {
-            (0.5 * (low - high) / bend).clamp(-3.0, 3.0)
-        } else {
-            0.0
-        };
-        let lag = (self.lag + vertex * step).max(0.0);
-        Some((lag, here.with_temperatures(&cleaned.lagged(lag))?))
+        // The vertex of the parabola through three deviances, limited to the range in which a parabola
+        // is a good approximation; the second one is narrow, because a wide one is not symmetric.
+        let wide = (0.2 * lag).max(60.0).min(lag);
+        for step in [wide, 0.1 * wide] {
+            let beside = |lag: f64| here.with_temperatures(&cleaned.lagged(lag.max(0.0)));
+            let [less, more] = [beside(lag - step)?, beside(lag + step)?];
+            let [low, middle, high] = [&less, &here, &more].map(|slips| slips.sums.deviance());
+            let bend = low - 2.0 * middle + high;
+            let vertex = match bend > 0.0 {
+                true => (0.5 * (low - high) / bend).clamp(-3.0, 3.0),
+                false => 0.0,
+            };
+            lag = (lag + vertex * step).max(0.0);
+            here = here.with_temperatures(&cleaned.lagged(lag))?;
+        }
+        Some((lag, here))
     }
 }
 

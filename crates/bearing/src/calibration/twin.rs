@@ -8,7 +8,7 @@ use stickslip::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flaws {
+pub struct Imperfections {
     /// Standard deviation of the white noise of the sensor, in the unit of displacement.
     pub white: f64,
     /// Stationary standard deviation of the red noise of the sensor, an Ornstein-Uhlenbeck process.
@@ -34,9 +34,9 @@ pub struct Flaws {
     pub thermometer_every: usize,
 }
 
-impl Flaws {
+impl Imperfections {
     /// A perfect measurement.
-    pub const NONE: Flaws = Flaws {
+    pub const NONE: Imperfections = Imperfections {
         white: 0.0,
         red: 0.0,
         memory: 86_400.0,
@@ -68,7 +68,7 @@ pub struct Twin {
 }
 
 /// A record of a bearing under this temperature, measured with these imperfections.
-pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
+pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed: u64) -> Twin {
     // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
     // others as they are.
     let [mut sensor, friction, mut spikes, mut gaps, between] =
@@ -80,8 +80,8 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     } = course(
         response,
         air,
-        flaws.lag,
-        flaws.scatter,
+        imperfections.lag,
+        imperfections.scatter,
         STEP,
         [friction, between],
     );
@@ -89,34 +89,41 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     let mut positions = positions;
     let zero = Zero::moving(
         times.first().copied().unwrap_or(0.0),
-        flaws.drift,
-        flaws.zero_set,
+        imperfections.drift,
+        imperfections.zero_set,
     );
-    let mut red = flaws.red * sensor.normal();
+    let mut red = imperfections.red * sensor.normal();
     let mut readings = Vec::with_capacity(times.len());
     for i in 0..times.len() {
         if i > 0 {
-            let diffusion = flaws.red * (2.0 / flaws.memory).sqrt();
-            red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1])
-                .next(red, sensor.normal());
+            let diffusion = imperfections.red * (2.0 / imperfections.memory).sqrt();
+            red = Transition::new(
+                1.0 / imperfections.memory,
+                diffusion,
+                times[i] - times[i - 1],
+            )
+            .next(red, sensor.normal());
         }
-        let mut reading =
-            response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        let mut reading = response.sensor.reading(positions[i], steel[i])
+            + red
+            + imperfections.white * sensor.normal();
         reading += zero.at(times[i]);
-        if spikes.uniform() < flaws.spikes {
-            reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
+        if spikes.uniform() < imperfections.spikes {
+            reading += 20.0
+                * imperfections.white.hypot(imperfections.red)
+                * (2.0 * spikes.uniform() - 1.0);
         }
         readings.push(reading);
     }
     let shown = |t: &f64| {
-        if flaws.resolution > 0.0 {
-            (t / flaws.resolution).round() * flaws.resolution
+        if imperfections.resolution > 0.0 {
+            (t / imperfections.resolution).round() * imperfections.resolution
         } else {
             *t
         }
     };
     let seen = |(i, t): (usize, &f64)| {
-        if i.is_multiple_of(flaws.thermometer_every) {
+        if i.is_multiple_of(imperfections.thermometer_every) {
             shown(t)
         } else {
             f64::NAN
@@ -124,7 +131,7 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     };
     let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
-    for _ in 0..flaws.gaps {
+    for _ in 0..imperfections.gaps {
         let from = times[0] + length * gaps.uniform();
         let to = from + 86_400.0 * (1.0 + 4.0 * gaps.uniform());
         let kept: Vec<bool> = times.iter().map(|t| !(from..to).contains(t)).collect();

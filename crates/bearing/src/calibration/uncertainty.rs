@@ -63,8 +63,8 @@ impl Replicates {
         workers: Workers,
     ) -> Self {
         let synthetic = steel.synthetic(slips, response, noise);
-        let make = |piece: u64| {
-            let number = numbers.start + piece;
+        let make = |offset: u64| {
+            let number = numbers.start + offset;
             let (lag, found) = steel.slips_of(slips, synthetic.draw(number))?;
             let (mut fit, zero) = found.fit()?;
             fit.motion.start -= synthetic.shift(number);

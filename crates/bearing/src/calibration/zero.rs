@@ -112,9 +112,9 @@ impl ZeroColumns {
             ..ZeroColumns::default()
         };
         let sides = |when: f64| middles.iter().filter(|middle| middle.time < when).count();
-        let is_told =
+        let is_inside =
             |when: &f64| (BESIDE..=middles.len().saturating_sub(BESIDE)).contains(&sides(*when));
-        let places: Vec<f64> = candidates.iter().copied().filter(is_told).collect();
+        let places: Vec<f64> = candidates.iter().copied().filter(is_inside).collect();
         // A step is a drift to many middles, and a drift is some steps. So the one with the larger
         // gain beyond what it has to gain is taken first, and what is no longer needed beside later
         // ones is taken out.

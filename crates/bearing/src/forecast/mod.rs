@@ -37,12 +37,12 @@ use stickslip::noise::Stream;
 use stickslip::scenario::BridgeScene;
 use year::{SteelOfAYear, YearAndRecord, year};
 
-/// Number of years in a piece of work.
-const PIECE: u64 = 10;
+/// Number of years of a task.
+const TASK: u64 = 10;
 
 /// A forecast, with the calibration and the weather that it is made from.
 #[derive(Clone, Debug)]
-pub struct Foreseen {
+pub struct BearingForecast {
     /// The calibration from the slips, because only that method gives errors of the parameters to
     /// draw from.
     pub calibration: Calibration,
@@ -52,7 +52,7 @@ pub struct Foreseen {
     pub forecast: Forecast,
 }
 
-impl Foreseen {
+impl BearingForecast {
     /// The forecast of a record, with at most so many processes in the weather. `None` if `stop` is
     /// raised before two draws are done. `begins` is called with what begins.
     ///
@@ -88,7 +88,7 @@ impl Foreseen {
         let years = (question.draws + LIKELIEST) * question.years;
         begins(&format!("simulating {years} years"));
         let forecast = forecast(&calibration, &weather, question, threads, stop)?;
-        Ok(forecast.map(|forecast| Foreseen {
+        Ok(forecast.map(|forecast| BearingForecast {
             calibration,
             weather,
             forecast,
@@ -146,15 +146,15 @@ pub fn forecast(
         return Err(ForecastError::Unknown);
     }
     let showed = Showed::of(calibration);
-    let pieces = question.years.div_ceil(PIECE);
-    let make = |piece: u64| {
+    let tasks = question.years.div_ceil(TASK);
+    let make = |task: u64| {
         let (draw, from) = (
-            (piece / pieces + 1).saturating_sub(LIKELIEST),
-            piece % pieces * PIECE,
+            (task / tasks + 1).saturating_sub(LIKELIEST),
+            task % tasks * TASK,
         );
         let (bearing, steel) = &models[draw as usize];
         let steel = SteelOfAYear::of(steel);
-        let first = piece / pieces * question.years;
+        let first = task / tasks * question.years;
         let one = |number: u64| {
             let mut random = Stream::new(question.seed, first + number);
             year(
@@ -166,7 +166,7 @@ pub fn forecast(
             )
         };
         let numbers =
-            (from..question.years.min(from + PIECE)).take_while(|_| !stop.load(Ordering::Relaxed));
+            (from..question.years.min(from + TASK)).take_while(|_| !stop.load(Ordering::Relaxed));
         (draw, numbers.map(one).collect::<Vec<YearAndRecord>>())
     };
     let mut draws: Vec<Vec<YearAndRecord>> = Vec::new();
@@ -176,7 +176,7 @@ pub fn forecast(
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
     let Ok(_) = in_order(
-        (LIKELIEST + question.draws) * pieces,
+        (LIKELIEST + question.draws) * tasks,
         threads,
         stop,
         make,

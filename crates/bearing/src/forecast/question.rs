@@ -1,7 +1,7 @@
 //! What is asked of a forecast, and why there may be none.
 
 use crate::calibration::CalibrationError;
-use crate::weather::{NotTold, WeatherError};
+use crate::weather::{HarmonicError, WeatherError};
 
 /// What is asked of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl ForecastError {
                 "measure for longer, until tens of slips are in the record"
             }
             ForecastError::Bearing(error) => error.remedy(),
-            ForecastError::Weather(WeatherError::NotTold(NotTold::Short(_))) => {
+            ForecastError::Weather(WeatherError::Harmonic(HarmonicError::Short(_))) => {
                 "measure for at least half a year: a forecast needs to know the seasons"
             }
             ForecastError::Weather(error) => error.remedy(),

@@ -1,6 +1,6 @@
 //! The most likely parameters of the weather, and their errors.
 
-use super::periods::{NotTold, told};
+use super::periods::{HarmonicError, check_harmonics};
 use super::result::WeatherFit;
 use super::search::{Peak, ProcessSearch};
 use crate::unsound::{SEE_SENSOR, Unsound};
@@ -11,9 +11,9 @@ pub enum WeatherError {
     /// The record has too few samples.
     #[error("need at least {LEAST} samples to fit the temperature model, got {0}")]
     TooShort(usize),
-    /// The samples cannot tell one of the harmonics.
+    /// The samples do not resolve one of the harmonics.
     #[error(transparent)]
-    NotTold(#[from] NotTold),
+    Harmonic(#[from] HarmonicError),
     /// The temperature cannot be used.
     #[error(transparent)]
     Unsound(#[from] Unsound),
@@ -27,7 +27,7 @@ impl WeatherError {
     pub fn remedy(&self) -> &'static str {
         match self {
             WeatherError::TooShort(_) => "measure for longer",
-            WeatherError::NotTold(error) => error.remedy(),
+            WeatherError::Harmonic(error) => error.remedy(),
             WeatherError::Unsound(error) => error.remedy(),
             WeatherError::NoProcess => SEE_SENSOR,
         }
@@ -37,10 +37,10 @@ impl WeatherError {
 /// Fewest samples of a record.
 const LEAST: usize = 100;
 
-/// A second process counts as told if it raises twice the logarithm of the likelihood by more than
+/// A second process is used if it raises twice the logarithm of the likelihood by more than
 /// this. By chance its two numbers gain as much in one of 20 records (chi^2 with two degrees of
 /// freedom).
-const TOLD: f64 = 6.0;
+const SECOND: f64 = 6.0;
 
 /// The thinned records that a fit is compared with: every so-many-th sample.
 const THINNED: [usize; 3] = [2, 4, 8];
@@ -48,7 +48,7 @@ const THINNED: [usize; 3] = [2, 4, 8];
 /// Fit harmonics of these periods and at most this many processes, one or two, to samples at
 /// ascending times, by the largest restricted likelihood. Each sample is a mean over `window`
 /// seconds around its time, or instantaneous if that is 0. A second process that the samples do not
-/// tell from the first is left out, and so is a time constant that smooths them. A process whose
+/// distinguish from the first is left out, and so is a time constant that smooths them. A process whose
 /// memory is not short against the record is held at the longest memory that the record can show.
 ///
 /// The same model is fitted to every 2nd, 4th and 8th sample as well: where it is right, all of
@@ -71,7 +71,7 @@ pub fn fit(
     }
     Unsound::absurd("temperature", times, temperatures)?;
     Unsound::constant("temperature", temperatures)?;
-    told(times, periods)?;
+    check_harmonics(times, periods)?;
     let samples = [times, temperatures];
     let search = |processes: usize, smooths: bool| {
         ProcessSearch::new(samples, periods, processes, smooths, window)
@@ -82,7 +82,7 @@ pub fn fit(
     let deviance = |smooths: bool| {
         let lowest = |n: usize| {
             search(n, smooths)
-                .rough(None)
+                .rough(None, 0.0)
                 .map_or(f64::INFINITY, |found| found.deviance)
         };
         (1..=processes).map(lowest).fold(f64::INFINITY, f64::min)
@@ -100,9 +100,9 @@ pub fn fit(
     let of = |every: usize| {
         let [times, temperatures] =
             samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
-        // Samples that are farther apart than the memory do not tell it.
+        // Samples that are farther apart than the memory do not determine it.
         let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
-        if times.len() < LEAST || told(&times, periods).is_err() || !is_dense {
+        if times.len() < LEAST || check_harmonics(&times, periods).is_err() || !is_dense {
             return None;
         }
         let thinned = search.of([&times, &temperatures]);
@@ -114,7 +114,7 @@ pub fn fit(
     })
 }
 
-/// One process or two, as far as the samples tell them.
+/// One process or two, as far as the samples determine them.
 fn most_likely<'a>(
     search: impl Fn(usize, bool) -> ProcessSearch<'a>,
     processes: usize,
@@ -125,10 +125,10 @@ fn most_likely<'a>(
     if processes > 1 {
         let two = search(2, smooths);
         if let Some(found) = two.best() {
-            let is_told = best_of_one
+            let is_used = best_of_one
                 .as_ref()
-                .is_none_or(|one| one.deviance - found.deviance > TOLD);
-            if is_told && let Some(fit) = two.weather(&found) {
+                .is_none_or(|one| one.deviance - found.deviance > SECOND);
+            if is_used && let Some(fit) = two.weather(&found) {
                 return Some((two, found, fit));
             }
         }
@@ -236,7 +236,7 @@ mod tests {
     /// There are four records of 140 days without a yearly harmonic; |z| exceeds 4 by chance once
     /// in 16 000 times.
     #[test]
-    fn a_coarse_thermometer_is_told_from_weather() {
+    fn a_coarse_thermometer_differs_from_weather() {
         let mut truth = truth();
         truth.harmonics.remove(1);
         for seed in 100..104 {
@@ -294,7 +294,7 @@ mod tests {
         );
     }
 
-    /// A month does not tell a memory of weeks, such as that of the season, which is part of these
+    /// A month does not determine a memory of weeks, such as that of the season, which is part of these
     /// thirty records of a month. No process gets a standard deviation of more than three times
     /// what the weather has, nor a memory of more than a tenth of the record, and what was held or
     /// left out is said.

@@ -22,10 +22,14 @@ pub struct HiddenTemperature {
     waves: [Vec<f64>; 2],
 }
 
-/// The most samples from which the shape is estimated, which takes a tenth of a second, and the
+/// The most samples from which the shape is estimated, which takes a third of a second, and the
 /// length of the segments in which they are taken.
-const MOST: usize = 4000;
+const MOST: usize = 12_000;
 const SEGMENT: usize = 400;
+
+/// White noise has to lower the deviance by this much: in one of 200 records without noise it does by
+/// chance (chi^2 with one degree of freedom, on one side).
+const CLEAR: f64 = 6.6;
 
 /// The longest step between nodes as a share of the shortest correlation time.
 const SHARE: f64 = 0.1;
@@ -50,7 +54,7 @@ fn shape([times, temperatures]: [&[f64]; 2], interval: f64, window: f64) -> Opti
     let (some, values) = (taken(times), taken(temperatures));
     let periods = usual(&some).0;
     let search = ProcessSearch::new([&some, &values], &periods, 2, false, window);
-    let mut shape = search.scaled(&search.rough(None)?)?;
+    let mut shape = search.scaled(&search.rough(None, CLEAR)?)?;
     shape.processes.retain(|(_, variance)| *variance > 1e-6);
     // A process that has forgotten itself from one sample to the next is noise.
     if window == 0.0 && shape.processes.len() > 1 {

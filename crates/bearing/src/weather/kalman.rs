@@ -15,7 +15,7 @@
 //! Thompson, Biometrika 58, 1971). The fitted mean and harmonics absorb a part of the slow weather,
 //! and the plain likelihood would underestimate its variance by that part.
 
-use super::system::{Passage, STATES, Square, States, System, add, carried, dot, times, told};
+use super::system::{Passage, STATES, Square, States, System, add, carried, dot, times, updated};
 use crate::linear::{Matrix, cholesky, inverse, solve};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -119,7 +119,7 @@ impl Filter {
         self.variance = dot(&seen, &self.system.seen) + self.white;
         self.log_variance = libm::log(self.variance);
         self.gain = seen.map(|seen| seen / self.variance);
-        self.covariance = told(&self.covariance, &self.gain, &seen);
+        self.covariance = updated(&self.covariance, &self.gain, &seen);
     }
 }
 

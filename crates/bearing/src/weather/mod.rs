@@ -37,6 +37,6 @@ pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{WeatherError, fit};
 pub(super) use hidden::HiddenTemperature;
-pub use periods::{NotTold, usual};
+pub use periods::{HarmonicError, usual};
 pub use result::{Cycle, Process, Weather, WeatherFit};
 pub(super) use system::{Passage, Square, States, System, dot, root, times};

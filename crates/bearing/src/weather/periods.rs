@@ -1,13 +1,13 @@
-//! Which harmonics the times of the samples can tell.
+//! Which harmonics the times of the samples resolve.
 
 use crate::linear::{Normal, cholesky};
 use std::f64::consts::TAU;
 use stickslip_data::median;
 use stickslip_data::numbers::short;
 
-/// Why samples cannot tell a harmonic. Times are in seconds.
+/// Why samples do not resolve a harmonic. Times are in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotTold {
+pub enum HarmonicError {
     /// The record is shorter than half of this period.
     #[error("the record is shorter than half a period of {}, too short to resolve that harmonic", words(*.0))]
     Short(f64),
@@ -24,13 +24,13 @@ pub enum NotTold {
     Twice(f64),
 }
 
-impl NotTold {
+impl HarmonicError {
     /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            NotTold::Short(_) => "measure for at least half of that period, or leave it out",
-            NotTold::Sparse { .. } => "leave that harmonic out, or sample more often",
-            NotTold::Twice(_) => "name it once",
+            HarmonicError::Short(_) => "measure for at least half of that period, or leave it out",
+            HarmonicError::Sparse { .. } => "leave that harmonic out, or sample more often",
+            HarmonicError::Twice(_) => "name it once",
         }
     }
 }
@@ -45,15 +45,15 @@ fn words(seconds: f64) -> String {
     }
 }
 
-/// A harmonic is told where at least this share of its variance is its own, so that neither the
+/// A harmonic is resolved if at least this share of its variance is its own, so that neither the
 /// mean nor another harmonic takes the same values at the samples. Half a period has 0.19; samples
 /// twice a period, each time ten minutes early or late at random, have 0.0006.
 const OWN_SHARE: f64 = 1e-3;
 
-/// An error if the samples cannot tell the harmonics of these periods. The record may be shorter
+/// An error if the samples do not resolve the harmonics of these periods. The record may be shorter
 /// than half a period, or samples may follow each other no faster than twice in a period. A
 /// harmonic may also have the same values at the samples as the mean and the others together.
-pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
+pub fn check_harmonics(times: &[f64], periods: &[f64]) -> Result<(), HarmonicError> {
     let duration = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
     let interval = median(
         &mut times
@@ -63,13 +63,13 @@ pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     );
     for (i, period) in periods.iter().enumerate() {
         if periods[..i].contains(period) {
-            return Err(NotTold::Twice(*period));
+            return Err(HarmonicError::Twice(*period));
         }
         if duration < 0.5 * period {
-            return Err(NotTold::Short(*period));
+            return Err(HarmonicError::Short(*period));
         }
         if 2.0 * interval >= *period || !is_own(times, &periods[..=i]) {
-            return Err(NotTold::Sparse {
+            return Err(HarmonicError::Sparse {
                 interval,
                 period: *period,
             });
@@ -78,13 +78,13 @@ pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     Ok(())
 }
 
-/// Those of the usual periods, a year and a day, that the samples can tell, and a sentence for each
+/// Those of the usual periods, a year and a day, that the samples resolve, and a sentence for each
 /// of the others.
 pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
     let (mut found, mut remarks): (Vec<f64>, Vec<String>) = Default::default();
     for period in super::PERIODS {
         let more = [&found[..], &[period]].concat();
-        match told(times, &more) {
+        match check_harmonics(times, &more) {
             Ok(()) => found = more,
             Err(error) => remarks.push(format!(
                 "no harmonic of {} is fitted: {error}",
@@ -95,7 +95,7 @@ pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
     (found, remarks)
 }
 
-/// Whether the last harmonic is told from the mean and the harmonics before it. Each diagonal
+/// Whether the last harmonic differs from the mean and the harmonics before it. Each diagonal
 /// number of the Cholesky factor of the columns' products is what a column has of its own.
 fn is_own(times: &[f64], periods: &[f64]) -> bool {
     let columns = 2 * periods.len() + 1;
@@ -162,7 +162,7 @@ mod tests {
             assert_eq!(usual(&times).0, expected, "{name}");
         }
         let error = |hours, period| {
-            told(&every(hours, 100.0), &[period])
+            check_harmonics(&every(hours, 100.0), &[period])
                 .unwrap_err()
                 .to_string()
         };
@@ -178,8 +178,8 @@ mod tests {
             error(1.0, 7200.0),
             "samples are 1 h apart, too far to resolve a harmonic of 2 h"
         );
-        // Two periods that a hundred days do not tell apart.
-        assert!(told(&every(1.0, 100.0), &[DAY, 1.00001 * DAY]).is_err());
-        assert!(told(&every(1.0, 100.0), &[DAY, 0.5 * DAY, 7.0 * DAY]).is_ok());
+        // Two periods that a hundred days do not distinguish.
+        assert!(check_harmonics(&every(1.0, 100.0), &[DAY, 1.00001 * DAY]).is_err());
+        assert!(check_harmonics(&every(1.0, 100.0), &[DAY, 0.5 * DAY, 7.0 * DAY]).is_ok());
     }
 }

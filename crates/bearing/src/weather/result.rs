@@ -42,10 +42,10 @@ pub struct WeatherFit {
     /// The standard deviation of the white noise that the thermometer adds to every sample; 0 if
     /// the data show none.
     pub white: f64,
-    /// Whether two processes were asked for, and the samples do not tell a second one.
+    /// Whether two processes were asked for, and the samples do not determine a second one.
     pub is_one_of_two: bool,
     /// The memory in seconds at which the slowest process is held, because the record is too short
-    /// to tell a longer one.
+    /// to determine a longer one.
     pub held_memory: Option<f64>,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,

@@ -26,7 +26,7 @@ const FROM_ANOTHER: f64 = 0.3;
 const LEAST_WHITE: f64 = 1e-10;
 
 /// The longest memory of a process as a share of the record. From fewer than ten memories neither
-/// it nor the standard deviation can be told.
+/// it nor the standard deviation can be determined.
 const LONGEST: f64 = 0.1;
 
 /// A standard deviation must be known to this factor, as the standard error of its logarithm.
@@ -195,14 +195,14 @@ impl<'a> ProcessSearch<'a> {
     /// of 2, the memory is held at the longest that the record can show, unless the record refuses
     /// that.
     pub fn best(&self) -> Option<Peak> {
-        let free = self.polished(&self.rough(None)?, FROM_ROUGH)?;
+        let free = self.polished(&self.rough(None, 0.0)?, FROM_ROUGH)?;
         let held = -libm::log(LONGEST * self.duration);
         let is_short = free.point[self.slowest()] >= held;
         if is_short && self.is_known(&free) {
             return Some(free);
         }
         let longest = self
-            .rough(Some(held))
+            .rough(Some(held), 0.0)
             .and_then(|rough| self.polished(&rough, FROM_ROUGH));
         let is_refused = |longest: &Peak| is_short && longest.deviance > free.deviance + REFUSED;
         match longest {
@@ -245,8 +245,8 @@ impl<'a> ProcessSearch<'a> {
     }
 
     /// The most likely point for what a regression leaves, with the rate of the slowest process held
-    /// if one is given.
-    pub fn rough(&self, held: Option<f64>) -> Option<Peak> {
+    /// if one is given. White noise is kept if it lowers the deviance by more than `least`.
+    pub fn rough(&self, held: Option<f64>, least: f64) -> Option<Peak> {
         let interval = self.interval();
         // The search starts from a correlation time of half a day, or from three hours and four
         // days.
@@ -272,8 +272,7 @@ impl<'a> ProcessSearch<'a> {
         let exact = self.lowest(&start, held.is_some(), &self.left, AFAR)?;
         // The search for white noise starts from a hundredth of the variance that the fastest
         // process gains per step and, because strong noise has taken the place of that process, from
-        // half of it where all searches start. It is kept wherever it raises the likelihood, however little,
-        // because its error then is part of the errors of all other numbers.
+        // half of it where all searches start.
         let with_noise = |point: &[f64], share: f64| {
             let white = 2.0 * share * libm::exp(point[0]) * interval;
             self.lowest(
@@ -288,10 +287,11 @@ impl<'a> ProcessSearch<'a> {
             .into_iter()
             .flatten()
             .min_by(|a, b| a.deviance.total_cmp(&b.deviance));
-        let is_told = |noisy: &Peak| {
-            noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE
+        let is_clear = |noisy: &Peak| {
+            noisy.deviance < exact.deviance - least
+                && noisy.point[noisy.point.len() - 1] > LEAST_WHITE
         };
-        Some(noisy.filter(is_told).unwrap_or(exact))
+        Some(noisy.filter(is_clear).unwrap_or(exact))
     }
 
     /// The lowest deviance for these columns, searched from this point.

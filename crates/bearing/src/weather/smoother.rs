@@ -6,7 +6,7 @@
 
 use super::kalman::Shape;
 use super::system::{
-    Passage, STATES, Square, States, System, add, carried, dot, root, times, told,
+    Passage, STATES, Square, States, System, add, carried, dot, root, times, updated,
 };
 use std::collections::HashMap;
 use stickslip::noise::Stream;
@@ -78,8 +78,8 @@ impl Smoother {
             }
             let known = times(&covariance, &system.seen);
             let variance = dot(&known, &system.seen) + shape.white;
-            let is_told = node.sample.is_some() && variance > 0.0;
-            let weight = if is_told { 1.0 / variance } else { 0.0 };
+            let is_shown = node.sample.is_some() && variance > 0.0;
+            let weight = if is_shown { 1.0 / variance } else { 0.0 };
             let gain = known.map(|known| weight * known);
             steps.push(Step {
                 carry: passage.carry,
@@ -88,7 +88,7 @@ impl Smoother {
                 gain,
                 weight,
             });
-            covariance = told(&covariance, &gain, &known);
+            covariance = updated(&covariance, &gain, &known);
         }
         let instant = System::new(&shape.processes, &followers, 0.0).seen;
         Smoother {

@@ -178,8 +178,8 @@ pub fn times(a: &Square, x: &States) -> States {
     std::array::from_fn(|i| dot(&a[i], x))
 }
 
-/// The covariance less what a sample with this gain tells, which shows the states so much.
-pub fn told(covariance: &Square, gain: &States, shown: &States) -> Square {
+/// The covariance after a sample with this gain, which shows the states so much.
+pub fn updated(covariance: &Square, gain: &States, shown: &States) -> Square {
     std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * shown[j]))
 }
 

@@ -19,18 +19,18 @@ const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 /// intervals together must hold. With intervals of half the width nearly every second set would
 /// fail.
 #[test]
-fn slips_tell_the_parameters_of_red_twins() {
-    slips_tell_the_parameters(Between::Weather);
+fn intervals_cover_with_red_noise() {
+    intervals_cover(Between::Weather);
 }
 
 /// The same for steel that is straight between samples.
 #[test]
 #[ignore = "half a minute; rmse 2.0, 1.4 and 1.4 % of K, f_s and f_d, 20 to 22 of 24 held"]
-fn slips_tell_the_parameters_of_straight_twins() {
-    slips_tell_the_parameters(Between::Lines);
+fn intervals_cover_where_temperature_is_straight() {
+    intervals_cover(Between::Lines);
 }
 
-fn slips_tell_the_parameters(between: Between) {
+fn intervals_cover(between: Between) {
     let all = by_slips(
         &Campaign {
             between,
@@ -140,14 +140,14 @@ fn starts_of_the_least_squares_agree() {
                 assert!(off.abs() < 0.01, "seed {seed}, {quantity:?}: {off}");
             }
         }
-        let misfit = FitObjective::new(&record(&twin), 0.0);
+        let objective = FitObjective::new(&record(&twin), 0.0);
         let motion = Motion {
             reach: truth[Quantity::Reach as usize],
             jump: truth[Quantity::Jump as usize],
             start: truth[Quantity::Displacement as usize] / BRIDGE.dilatation,
         };
         assert!(
-            best <= misfit.of(&motion).0 / misfit.duration() * 1.0001,
+            best <= objective.of(&motion).0 / objective.duration() * 1.0001,
             "seed {seed}"
         );
     }
@@ -164,13 +164,13 @@ fn cpu() -> f64 {
 #[ignore = "prints times"]
 fn times() {
     let (twin, truth) = twin_of(&BRIDGE, &RED_CAMPAIGN, 1);
-    let misfit = FitObjective::new(&record(&twin), 0.0);
+    let objective = FitObjective::new(&record(&twin), 0.0);
     let start = truth[Quantity::Displacement as usize] / BRIDGE.dilatation;
     let seconds = |reach: f64, jump: f64| {
         let begin = cpu();
         let sum: f64 = (0..300)
             .map(|i| {
-                misfit
+                objective
                     .of(&Motion {
                         reach,
                         jump,

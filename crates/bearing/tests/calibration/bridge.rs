@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 use stickslip::noise::{Stream, Transition};
 use stickslip_bearing::calibration::{
-    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion,
-    Quantity, Response, Sensor, Twin, Values, calibrate, twin, values,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
+    Motion, Quantity, Response, Sensor, Twin, Values, calibrate, twin, values,
 };
 use stickslip_data::{ColumnQuantity, Layout, arrays};
 
@@ -65,11 +65,11 @@ pub const BRIDGE: Bearing = Bearing {
 };
 
 /// 30 um of white noise, and 150 um of red noise with a correlation time of a day.
-pub const RED: Flaws = Flaws {
+pub const RED: Imperfections = Imperfections {
     white: 30e-6,
     red: 150e-6,
     memory: DAY,
-    ..Flaws::NONE
+    ..Imperfections::NONE
 };
 
 /// How a synthetic measurement is sampled.
@@ -80,7 +80,7 @@ pub struct Campaign {
     /// Seconds between samples.
     pub interval: f64,
     /// The errors of the measurement.
-    pub flaws: Flaws,
+    pub imperfections: Imperfections,
     /// How the temperature moves between samples.
     pub between: Between,
 }
@@ -99,7 +99,7 @@ pub enum Between {
 pub const RED_CAMPAIGN: Campaign = Campaign {
     days: 300.0,
     interval: 600.0,
-    flaws: RED,
+    imperfections: RED,
     between: Between::Weather,
 };
 
@@ -153,7 +153,7 @@ pub fn twin_under(
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
     response.motion.start = air.temperatures[0] + 0.9 * response.motion.reach * place;
-    let twin = twin(&response, &air, &campaign.flaws, seed);
+    let twin = twin(&response, &air, &campaign.imperfections, seed);
     (twin, values(&response, Some(bearing.shear_stiffness)))
 }
 
@@ -224,7 +224,7 @@ pub fn ask(record: &MeasuredRecord, question: &CalibrationQuestion) -> Calibrati
 pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
     let one = |seed| {
         let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
-        let record = if campaign.flaws.spikes > 0.0 {
+        let record = if campaign.imperfections.spikes > 0.0 {
             without_outliers(&twin)
         } else {
             record(&twin)

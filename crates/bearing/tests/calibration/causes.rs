@@ -8,7 +8,8 @@ use crate::bridge::{
 use std::f64::consts::TAU;
 use stickslip::noise::{Stream, Transition};
 use stickslip_bearing::calibration::{
-    Calibration, CalibrationError, CalibrationMethod, Flaws, MeasuredRecord, Quantity, calibrate,
+    Calibration, CalibrationError, CalibrationMethod, Imperfections, MeasuredRecord, Quantity,
+    calibrate,
 };
 
 /// A record of a sample every ten minutes with 30 um of white noise. The bearing is followed minute by
@@ -16,7 +17,7 @@ use stickslip_bearing::calibration::{
 fn kept(bearing: &Bearing, share: impl Fn(f64) -> f64) -> MeasuredRecord {
     let campaign = Campaign {
         interval: 60.0,
-        flaws: Flaws::NONE,
+        imperfections: Imperfections::NONE,
         ..RED_CAMPAIGN
     };
     let air = weather(31, &campaign, WEATHER);
@@ -60,18 +61,18 @@ fn named(fit: &Calibration) -> Vec<&'static str> {
 #[test]
 fn no_cause_is_named_in_sound_records() {
     assert_eq!(named(&fit(&kept(&BRIDGE, |_| 1.0))), [""; 0]);
-    for flaws in [
-        RED_CAMPAIGN.flaws,
-        Flaws {
+    for imperfections in [
+        RED_CAMPAIGN.imperfections,
+        Imperfections {
             scatter: 0.05,
             white: 30e-6,
-            ..Flaws::NONE
+            ..Imperfections::NONE
         },
     ] {
         let (twin, _) = twin_of(
             &BRIDGE,
             &Campaign {
-                flaws,
+                imperfections,
                 ..RED_CAMPAIGN
             },
             32,
@@ -79,7 +80,7 @@ fn no_cause_is_named_in_sound_records() {
         assert_eq!(
             named(&fit(&crate::bridge::record(&twin))),
             [""; 0],
-            "{flaws:?}"
+            "{imperfections:?}"
         );
     }
 }
@@ -158,10 +159,10 @@ fn two_bearings_as_one_are_not_taken_for_one() {
             2,
             &Default::default(),
         ) {
-            let told = ["poor_fit", "gap_not_identified"]
+            let warned = ["poor_fit", "gap_not_identified"]
                 .into_iter()
                 .filter(|name| warns(&found, name));
-            assert!(told.count() > 0, "{:?}", found.warnings);
+            assert!(warned.count() > 0, "{:?}", found.warnings);
         }
     }
 }
@@ -206,15 +207,15 @@ fn a_lag_of_six_hours_is_found() {
         f_d: 2.0e5,
         ..BRIDGE
     };
-    let flaws = Flaws {
+    let imperfections = Imperfections {
         lag: 21_600.0,
         white: 30e-6,
-        ..Flaws::NONE
+        ..Imperfections::NONE
     };
     let (twin, truth) = twin_of(
         &bearing,
         &Campaign {
-            flaws,
+            imperfections,
             ..RED_CAMPAIGN
         },
         34,

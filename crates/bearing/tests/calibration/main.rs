@@ -6,8 +6,8 @@
 mod accuracy;
 mod bridge;
 mod causes;
-mod flaws;
 mod forecast;
+mod imperfections;
 mod limits;
 mod loggers;
 mod table;

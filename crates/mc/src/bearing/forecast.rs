@@ -10,7 +10,7 @@ use crate::session::progress::waiting;
 use crate::{Failure, note, print, print_data, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use stickslip_bearing::forecast::{Forecast, ForecastQuestion, Foreseen};
+use stickslip_bearing::forecast::{BearingForecast, Forecast, ForecastQuestion};
 use stickslip_bearing::report;
 use stickslip_files::store;
 
@@ -76,23 +76,23 @@ impl Arguments {
             share: self.share,
         };
         let record = self.source.record(&scene)?;
-        let foreseen = waiting(|begins| {
+        let outcome = waiting(|begins| {
             let processes = usize::from(self.processes);
-            Foreseen::of(
+            BearingForecast::of(
                 &scene, &record, &question, processes, threads, &stop, begins,
             )
         })
         .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
         .ok_or(Failure::Interrupted)?;
-        let warnings = foreseen.warnings();
+        let warnings = outcome.warnings();
         warnings.iter().for_each(|(_, text)| warn(text));
         let years = Years {
             scene: &scene,
-            found: &foreseen,
+            found: &outcome,
         };
         let content = |output: &PathBuf| match is_page(output) {
             true => years.page(output),
-            false => Ok(csv(&foreseen.forecast)),
+            false => Ok(csv(&outcome.forecast)),
         };
         let contents = self.output.iter().map(content);
         let contents = contents.collect::<Result<Vec<String>, Failure>>()?;
@@ -107,7 +107,7 @@ impl Arguments {
             true => print_data(&years.json(Path::new(""))?)?,
             false => print(&text(&report::forecast(
                 &scene.title,
-                &foreseen.forecast,
+                &outcome.forecast,
                 false,
             )))?,
         }

@@ -7,7 +7,7 @@ use crate::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, input_files, shipped_at};
 use stickslip::scenario::{BridgeScene, Scenario};
-use stickslip_bearing::calibration::{Air, Flaws, Response, Twin, twin, values};
+use stickslip_bearing::calibration::{Air, Imperfections, Response, Twin, twin, values};
 use stickslip_bearing::report;
 use stickslip_data::{ColumnQuantity, Origin, Start};
 use stickslip_files::store;
@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Noise of the displacement sensor: the standard deviations of white and of red noise in
     /// metres, and the correlation time of the red noise
     #[arg(long, value_name = "WHITE[,RED[,TIME]]", default_value = "30e-6,150e-6,1d", value_parser = sensor_noise)]
-    sensor_noise: Flaws,
+    sensor_noise: Imperfections,
     /// Relative standard deviation of f_s from slip to slip; f_d does not vary
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
@@ -102,7 +102,7 @@ impl Arguments {
             (None, _) => (self.start, self.drawn(&set)?),
         };
         let response = Response::of(&scene, air.temperatures[0]);
-        let flaws = Flaws {
+        let imperfections = Imperfections {
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
             resolution: self.resolution,
@@ -113,7 +113,7 @@ impl Arguments {
             thermometer_every: self.thermometer_every as usize,
             ..self.sensor_noise
         };
-        let made = twin(&response, &air, &flaws, self.seed);
+        let made = twin(&response, &air, &imperfections, self.seed);
         store::write_whole(
             &self.output,
             csv(&made, start, &scene)?.as_bytes(),
@@ -208,17 +208,17 @@ fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String,
 }
 
 /// Reads the noise of the sensor, the only flaw that it returns.
-fn sensor_noise(text: &str) -> Result<Flaws, String> {
+fn sensor_noise(text: &str) -> Result<Imperfections, String> {
     let mut parts = text.split(',');
     let mut number = |default: f64| parts.next().map_or(Ok(default), not_negative);
     let (white, red) = (number(0.0)?, number(0.0)?);
     let memory = parts.next().map_or(Ok(86_400.0), parse_seconds)?;
     match parts.next() {
-        None => Ok(Flaws {
+        None => Ok(Imperfections {
             white,
             red,
             memory,
-            ..Flaws::NONE
+            ..Imperfections::NONE
         }),
         Some(_) => Err("write at most three, e.g. 30e-6,150e-6,1d".to_string()),
     }

@@ -8,13 +8,13 @@ use crate::report::Report;
 use std::path::Path;
 use stickslip::scenario::BridgeScene;
 use stickslip_bearing::dataset::{StoredCalibration, forecast};
-use stickslip_bearing::forecast::Foreseen;
+use stickslip_bearing::forecast::BearingForecast;
 use stickslip_bearing::report;
 
 /// A forecast, with the scenario that it is of.
 pub struct Years<'a> {
     pub scene: &'a BridgeScene,
-    pub found: &'a Foreseen,
+    pub found: &'a BearingForecast,
 }
 
 impl AnyResult for Years<'_> {

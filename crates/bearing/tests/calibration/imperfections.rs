@@ -10,19 +10,20 @@ use crate::bridge::{
     warns,
 };
 use stickslip_bearing::calibration::{
-    Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Quantity,
+    Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
+    Quantity,
 };
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
 /// The steel is 15 minutes behind the thermometer. If the fit is given this lag, it is as good as
 /// without a lag: K is within 5 %. If not, it finds the lag to three minutes and reports it, and K
-/// is within 5 % as well. If it is told that there is no lag, K is at least 4 % too small in the
+/// is within 5 % as well. With a lag of 0 given, K is at least 4 % too small in the
 /// mean, and the fit reports that another lag is more likely.
 #[test]
 fn a_lag_is_found_and_allowed_for() {
     let lagging = Campaign {
-        flaws: Flaws { lag: 900.0, ..RED },
+        imperfections: Imperfections { lag: 900.0, ..RED },
         ..RED_CAMPAIGN
     };
     let mut unaware = 0.0;
@@ -54,12 +55,12 @@ fn a_lag_is_found_and_allowed_for() {
 /// A lag that was found is uncertain, and so is every number that depends on it. Null hypothesis:
 /// intervals of 90 % hold the true lag of 15 minutes, and the true K, which the lag moves most.
 /// Sample size: 12 synthetic measurements (seeds 520 to 531). False-alarm rate: fewer than 8 of 12
-/// hold with a probability of 0.4 %. If the lag were taken for certain, none would hold it.
+/// hold with a probability of 0.4 %. If the error of the lag were left out, none would hold it.
 #[test]
 fn the_lag_that_was_found_has_an_interval() {
     let all = by_slips(
         &Campaign {
-            flaws: Flaws { lag: 900.0, ..RED },
+            imperfections: Imperfections { lag: 900.0, ..RED },
             ..RED_CAMPAIGN
         },
         520..532,
@@ -84,7 +85,7 @@ fn the_lag_that_was_found_has_an_interval() {
 fn no_lag_is_made_up() {
     for resolution in [0.0, 0.5, 1.0] {
         let campaign = Campaign {
-            flaws: Flaws { resolution, ..RED },
+            imperfections: Imperfections { resolution, ..RED },
             ..RED_CAMPAIGN
         };
         for (fit, _) in by_slips(&campaign, 600..602) {
@@ -98,7 +99,7 @@ fn no_lag_is_made_up() {
 /// four of five are left out where outliers are asked to be.
 #[test]
 fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
-    let flaws = Flaws {
+    let imperfections = Imperfections {
         gaps: 20,
         spikes: 0.01,
         resolution: 0.5,
@@ -106,7 +107,7 @@ fn gaps_spikes_and_a_coarse_thermometer_do_no_harm() {
     };
     let all = by_slips(
         &Campaign {
-            flaws,
+            imperfections,
             ..RED_CAMPAIGN
         },
         700..704,
@@ -144,14 +145,14 @@ fn other_sampling_and_other_noise_are_borne() {
             ..RED_CAMPAIGN
         },
         Campaign {
-            flaws: Flaws {
+            imperfections: Imperfections {
                 white: 60e-6,
                 ..RED
             },
             ..RED_CAMPAIGN
         },
         Campaign {
-            flaws: Flaws {
+            imperfections: Imperfections {
                 white: 90e-6,
                 ..RED
             },
@@ -176,7 +177,7 @@ fn other_sampling_and_other_noise_are_borne() {
 #[test]
 fn friction_that_scatters_is_noticed() {
     let scattering = Campaign {
-        flaws: Flaws {
+        imperfections: Imperfections {
             scatter: 0.05,
             ..RED
         },
@@ -197,20 +198,20 @@ fn friction_that_scatters_is_noticed() {
 
 /// A sensor whose zero was set in the middle of the record, by 1 mm and by 0.4 mm, a little less than
 /// a slip, and one that drifts by 0.5 and by 2 mm a year.
-pub const MOVING_ZEROS: [Flaws; 4] = [
-    Flaws {
+pub const MOVING_ZEROS: [Imperfections; 4] = [
+    Imperfections {
         zero_set: Some((150.0 * 86_400.0, 1e-3)),
         ..RED
     },
-    Flaws {
+    Imperfections {
         zero_set: Some((150.0 * 86_400.0, 0.4e-3)),
         ..RED
     },
-    Flaws {
+    Imperfections {
         drift: 0.5e-3,
         ..RED
     },
-    Flaws { drift: 2e-3, ..RED },
+    Imperfections { drift: 2e-3, ..RED },
 ];
 
 /// A zero that moves is fitted and named, and one that does not is not.
@@ -223,10 +224,10 @@ pub const MOVING_ZEROS: [Flaws; 4] = [
 #[test]
 fn a_zero_that_moves_is_found_and_does_no_harm() {
     let mut held = [0; 2];
-    for flaws in MOVING_ZEROS {
+    for imperfections in MOVING_ZEROS {
         let all = by_slips(
             &Campaign {
-                flaws,
+                imperfections,
                 ..RED_CAMPAIGN
             },
             1100..1104,
@@ -238,7 +239,7 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
             *sum += covered(&all, quantity);
         }
         for (fit, _) in &all {
-            match (flaws.zero_set, &fit.zero.steps[..]) {
+            match (imperfections.zero_set, &fit.zero.steps[..]) {
                 (Some((when, size)), [(seen, found)]) => {
                     let apart = (when - seen).abs() / 86_400.0;
                     assert!(apart < if size > 0.5e-3 { 2.0 } else { 15.0 }, "{seen}");
@@ -246,11 +247,11 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
                     assert!(warns(fit, "zero_set"));
                 }
                 (None, []) => assert!(!warns(fit, "zero_set")),
-                (_, found) => panic!("{flaws:?}: {found:?}"),
+                (_, found) => panic!("{imperfections:?}: {found:?}"),
             }
-            if flaws.drift > 1e-3 {
+            if imperfections.drift > 1e-3 {
                 assert!(
-                    (fit.zero.drift_per_year() - flaws.drift).abs() < 0.3e-3,
+                    (fit.zero.drift_per_year() - imperfections.drift).abs() < 0.3e-3,
                     "{:?}",
                     fit.zero
                 );
@@ -285,7 +286,7 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
             );
         }
         let lagging = Campaign {
-            flaws: Flaws { lag: 900.0, ..RED },
+            imperfections: Imperfections { lag: 900.0, ..RED },
             ..RED_CAMPAIGN
         };
         let fit = ask(
@@ -301,10 +302,10 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
 #[test]
 #[ignore = "a minute; prints a table"]
 fn zeros() {
-    for flaws in [RED].into_iter().chain(MOVING_ZEROS) {
+    for imperfections in [RED].into_iter().chain(MOVING_ZEROS) {
         let all = by_slips(
             &Campaign {
-                flaws,
+                imperfections,
                 ..RED_CAMPAIGN
             },
             2100..2124,
@@ -318,8 +319,8 @@ fn zeros() {
             .count();
         println!(
             "| {:?}, {} | {found} | {} |",
-            flaws.zero_set,
-            flaws.drift,
+            imperfections.zero_set,
+            imperfections.drift,
             cells.join(" | ")
         );
     }
