@@ -1042,23 +1042,6 @@ fn a_burn_in_is_zero_or_ends_before_the_run() {
 }
 
 #[test]
-fn every_key_is_documented() {
-    let page = include_str!("../../docs/scenario.md");
-    for (table, keys_of_table) in keys::TABLES.iter().skip(1) {
-        for name in keys::names(keys_of_table) {
-            let leaf = !keys::TABLES
-                .iter()
-                .any(|(other, _)| *other == format!("{table}.{name}"));
-            let table = table.replace("input", "input.NAME");
-            assert!(
-                !leaf || page.contains(&format!("`{table}.{name}`")),
-                "{table}.{name}"
-            );
-        }
-    }
-}
-
-#[test]
 fn every_scheme_is_chosen_by_name() {
     for name in [
         "discrete-vi",
