@@ -35,7 +35,7 @@ fn question(name: &str, set: &[&str], design: Design, seeds: Seeds) -> Sweep {
         let own: Vec<String> = design
             .settings(i)
             .iter()
-            .map(|s| format!("{}={:?}", s.key, s.value))
+            .map(|s| format!("{}={}", s.key, s.value))
             .collect();
         scenario(
             name,
