@@ -366,9 +366,8 @@ pub const SYMBOLS: &str = "z is the reading of the displacement sensor at the be
                            f_d, the dynamic friction, while the bearing slides. K is the stiffness of the structure \
                            against this movement and beta the movement of the joint per kelvin.";
 
-/// The report of a forecast; for a page in words for readers who did not make it.
-pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
-    let level = percent(found.question.level);
+/// The columns of a forecast.
+fn forecast_columns(level: &str, is_page: bool) -> Vec<Column> {
     let only_text = &[Format::Html];
     let [name, expected, low, high, least, most] = columns([
         ("in_a_year", "in a year"),
@@ -378,7 +377,7 @@ pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
         ("year_low", "year from"),
         ("year_high", "year to"),
     ]);
-    let columns = vec![
+    vec![
         name,
         expected,
         low.not_in(only_text),
@@ -388,7 +387,12 @@ pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
         Column::of("range", format!("{level} range of the mean")).not_in(NOT_IN_PAGE),
         Column::of("year_range", format!("{level} range of one year")).not_in(NOT_IN_PAGE),
         Column::unit("").not_in(only_text),
-    ];
+    ]
+}
+
+/// The report of a forecast; for a page in words for readers who did not make it.
+pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
+    let columns = forecast_columns(&percent(found.question.level), is_page);
     let row = |label: String, value: f64, ranges: [[f64; 2]; 2], unit: &str| {
         let (factor, unit) = if is_page {
             for_people(unit)

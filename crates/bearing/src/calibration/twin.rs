@@ -4,6 +4,7 @@ use super::air::Air;
 use super::bearing::Response;
 use super::course::{Course, STEP, course};
 use super::zero::Zero;
+use std::ops::Range;
 use stickslip::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
@@ -85,8 +86,7 @@ pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed:
         STEP,
         [friction, between],
     );
-    let [mut times, temperatures] = air.samples();
-    let mut positions = positions;
+    let [times, temperatures] = air.samples();
     let zero = Zero::moving(
         times.first().copied().unwrap_or(0.0),
         imperfections.drift,
@@ -129,26 +129,34 @@ pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed:
             f64::NAN
         }
     };
-    let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
+    let temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
-    for _ in 0..imperfections.gaps {
-        let from = times[0] + length * gaps.uniform();
-        let to = from + 86_400.0 * (1.0 + 4.0 * gaps.uniform());
-        let kept: Vec<bool> = times.iter().map(|t| !(from..to).contains(t)).collect();
-        let keep = |values: &mut Vec<f64>| {
-            let mut keeps = kept.iter();
-            values.retain(|_| *keeps.next().unwrap_or(&true));
-        };
-        keep(&mut times);
-        keep(&mut temperatures);
-        keep(&mut readings);
-        keep(&mut positions);
-    }
-    Twin {
+    let mut twin = Twin {
         times,
         temperatures,
         readings,
         positions,
         slips,
+    };
+    for _ in 0..imperfections.gaps {
+        let from = twin.times[0] + length * gaps.uniform();
+        twin.remove(from..from + 86_400.0 * (1.0 + 4.0 * gaps.uniform()));
+    }
+    twin
+}
+
+impl Twin {
+    /// Remove the samples between these times.
+    fn remove(&mut self, gap: Range<f64>) {
+        let kept: Vec<bool> = self.times.iter().map(|t| !gap.contains(t)).collect();
+        for values in [
+            &mut self.times,
+            &mut self.temperatures,
+            &mut self.readings,
+            &mut self.positions,
+        ] {
+            let mut keeps = kept.iter();
+            values.retain(|_| *keeps.next().unwrap_or(&true));
+        }
     }
 }
