@@ -105,7 +105,7 @@ pub fn page(
     let several = columns
         .iter()
         .flat_map(|column| &column.sheets)
-        .map(Sheet::len)
+        .map(Sheet::panel_count)
         .sum::<usize>()
         > 1;
     let full = columns
@@ -118,7 +118,7 @@ pub fn page(
         let mut end = top;
         for sheet in &column.sheets {
             let drawn = sheet.draw(style, several.then_some(letter), stretch.min(MOST_STRETCH));
-            letter += sheet.len();
+            letter += sheet.panel_count();
             left_out += drawn.left_out;
             let by = [EDGE + number as f64 * (style.points() + GAP), end];
             items.push(Item::Moved {

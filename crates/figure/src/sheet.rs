@@ -57,16 +57,16 @@ impl Sheet {
     }
 
     /// The number of panels.
-    pub fn len(&self) -> usize {
+    pub fn panel_count(&self) -> usize {
         self.panels.len()
     }
 
     /// The sheet with one of its panels alone, without a letter. If it has no such panel, the
     /// letters of those that it has are returned.
     pub fn only(mut self, asked: char) -> Result<Sheet, String> {
-        let number = (0..self.len()).find(|number| letter(*number) == Some(asked));
+        let number = (0..self.panel_count()).find(|number| letter(*number) == Some(asked));
         let Some(number) = number else {
-            let last = letter(self.len() - 1).unwrap_or('Z');
+            let last = letter(self.panel_count() - 1).unwrap_or('Z');
             return Err(if last == 'A' {
                 "A".to_string()
             } else {
@@ -86,13 +86,13 @@ impl Sheet {
 
     /// The sheet by itself. Its panels have letters if there are several.
     pub fn alone(&self, style: &Style) -> Drawing {
-        self.draw(style, (self.len() > 1).then_some(0), 1.0)
+        self.draw(style, (self.panel_count() > 1).then_some(0), 1.0)
     }
 
     /// The sheet with frames that are `stretch` times as high, and with letters from this number
     /// on. It counts the notes of the panels that found no space.
     pub fn draw(&self, style: &Style, letters: Option<usize>, stretch: f64) -> Drawing {
-        if self.is_row && self.len() > 1 {
+        if self.is_row && self.panel_count() > 1 {
             return self.draw_row(style, letters, stretch);
         }
         let palette = style.palette();
@@ -167,7 +167,7 @@ impl Sheet {
         let palette = style.palette();
         // As wide as a page.
         let width = 2.0 * style.points() + GAP;
-        let each = width / self.len() as f64;
+        let each = width / self.panel_count() as f64;
         let narrow = Style {
             width: style.width * each / style.points(),
             ..*style
@@ -217,7 +217,9 @@ mod tests {
         let panels = [84.0, 60.0].map(|height| Panel::new(axis(), axis(), height).above_another());
         let two = sheet("two", [], panels);
         let second = two.clone().only('B').expect("there is one");
-        assert!(second.len() == 1 && second.panels[0].is_labelled && second.frames() == 60.0);
+        assert!(
+            second.panel_count() == 1 && second.panels[0].is_labelled && second.frames() == 60.0
+        );
         assert_eq!(two.only('C').map(|_| ()), Err("A to B".to_string()));
     }
 }

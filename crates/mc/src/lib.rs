@@ -5,6 +5,7 @@
 macro_rules! verbs {
     ($($(#[$about:meta])* $Verb:ident($($module:ident)::+),)+) => {
         #[derive(Debug, clap::Subcommand)]
+        #[allow(clippy::large_enum_variant, reason = "there is one, for the whole run")]
         pub enum Verb {
             $($(#[$about])* $Verb($($module::)+Arguments),)+
         }

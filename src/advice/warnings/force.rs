@@ -61,7 +61,7 @@ pub(super) fn friction_jumps(case: &Case) -> Option<String> {
             let velocity = direction.value() * BARELY_MOVING * scales.velocity;
             let friction = model.sliding_friction(direction, t, x, velocity).abs();
             let threshold = model.friction.static_force + excess;
-            (friction > threshold * (1.0 + JUMP)).then(|| [x, t, friction, threshold])
+            (friction > threshold * (1.0 + JUMP)).then_some([x, t, friction, threshold])
         };
         [Sign::Positive, Sign::Negative]
             .into_iter()
