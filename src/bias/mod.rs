@@ -184,7 +184,7 @@ impl AuxiliaryRun {
                 .iter()
                 .find(|(of, _)| *of == e.statistic)
                 .map(|(_, bias)| *bias);
-            let bias = chosen(typical, referenced).filter(|bias| is_informative(bias, e))?;
+            let bias = chosen(typical, referenced).filter(|bias| is_informative(bias, e, paths))?;
             Some(Bias {
                 order: extrapolated.and_then(|found| found.bias.order),
                 ..bias
@@ -206,15 +206,16 @@ const UNCERTAINTY_RATIO: f64 = 0.7;
 /// ten if it comes from a hundredth of the paths.
 const MOST_HALF_WIDTHS: f64 = 10.0;
 
-/// Whether a bias says anything of an estimate: its uncertainty does not exceed both the estimate
-/// and what the estimate leaves open. Where all paths agree, it always does. Where they do not, and no
-/// step makes a difference, the paths that measure the bias are too few to show one; and where the
-/// paths of the run are too few for an interval, so are those.
-fn is_informative(bias: &Bias, e: &Estimate) -> bool {
+/// Whether a bias says anything of an estimate from this number of paths: its uncertainty does not
+/// exceed both the estimate and what the estimate leaves open. Where all paths agree, it always does.
+/// Where they do not, and no step makes a difference, the paths that measure the bias are too few to
+/// show one; and where the paths of the run are too few for an interval, so are those. A single path
+/// has no interval, but nothing in it is random.
+fn is_informative(bias: &Bias, e: &Estimate, paths: u64) -> bool {
     let half_width = e.half_width();
-    let most = e.estimate.abs().max(MOST_HALF_WIDTHS * half_width);
-    let is_within = 0.0 < bias.uncertainty && bias.uncertainty <= most;
-    half_width == 0.0 || is_within && !half_width.is_nan()
+    let is_within = bias.uncertainty <= e.estimate.abs().max(MOST_HALF_WIDTHS * half_width);
+    let shows_change = bias.uncertainty > 0.0 && !half_width.is_nan();
+    half_width == 0.0 || is_within && (shows_change || paths == 1)
 }
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
@@ -362,7 +363,7 @@ mod tests {
     /// An estimate of 2 to within 0.1, and one of 0.01 to within 0.1.
     #[test]
     fn a_bias_less_certain_than_the_estimate_is_not_stated() {
-        let with = |half_width: f64, estimate: f64, uncertainty: f64| {
+        let with = |paths: u64, half_width: f64, estimate: f64, uncertainty: f64| {
             let (statistic, standard_error) = (Statistic::JumpMean, half_width / 2.0);
             let e = Estimate {
                 statistic,
@@ -379,9 +380,10 @@ mod tests {
                     order: None,
                 },
                 &e,
+                paths,
             )
         };
-        let of = |estimate, uncertainty| with(0.1, estimate, uncertainty);
+        let of = |estimate, uncertainty| with(800, 0.1, estimate, uncertainty);
         assert_eq!(
             [
                 of(2.0, 78.0),
@@ -392,14 +394,15 @@ mod tests {
             ],
             [false, false, true, false, true]
         );
-        // Paths that differ show no difference between steps; all paths agree; no interval.
+        // Paths that differ show no difference between steps; all paths agree; no interval; one path.
         assert_eq!(
             [
-                with(0.1, 2.0, 0.0),
-                with(0.0, 2.0, 0.0),
-                with(f64::NAN, 2.0, 0.1)
+                with(800, 0.1, 2.0, 0.0),
+                with(800, 0.0, 2.0, 0.0),
+                with(800, f64::NAN, 2.0, 0.1),
+                with(1, f64::NAN, 2.0, 0.0)
             ],
-            [false, true, false]
+            [false, true, false, true]
         );
     }
 }
