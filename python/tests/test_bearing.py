@@ -52,7 +52,7 @@ def test_calibrate_refuses_in_the_words_of_the_command(mc, tmp_path):
         assert f"{raised.value.problem}" in said and raised.value.remedy.split(": ")[-1] in said, said
     for arguments, word in [
         ({"fit": ["friction.static"]}, "initial.displacement"),
-        ({"method": "magic"}, "slips, err or both"),
+        ({"method": "magic"}, "slips, criterion or both"),
         ({"interval": 2}, "0.5 and 0.999"),
         ({"starts": 0}, "1 and 1000"),
         ({"lag": -1}, "positive duration"),
