@@ -79,7 +79,7 @@ fn located(path: &Path) -> PathBuf {
 }
 
 /// Check a file before the HDF5 library opens it, and return whether it has a checksum. The
-/// library gives the same error for a missing, an unreadable and a foreign_file, and it follows
+/// library gives the same error for a missing, an unreadable and a foreign file, and it follows
 /// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     check_is_hdf5(path)?;

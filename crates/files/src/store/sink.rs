@@ -1,11 +1,9 @@
 //! The sink that writes a run to a file.
 
 use super::kinds::check_finished;
-
 use super::log::{self, Log, read_state};
-use super::staging::{self, INTERVAL, Partial, ROWS, STATE, Staging, lock, partial_path};
+use super::staging::{self, Partial, ROWS, STATE, Staging, lock, next_save, partial_path};
 use super::system::parent;
-
 use super::{StoreError, Writer, check_space};
 use crate::saved::{RunQuestion, State, to_bytes};
 use std::path::{Path, PathBuf};
@@ -215,12 +213,13 @@ fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> Store
 impl Open {
     /// Write everything to the disk: first the rows, then the state, which refers to them.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
+        let start = Instant::now();
         self.staging.check(Some((ROWS, self.log.file())))?;
         let rows = self.log.sync();
         let rows = rows.map_err(|error| self.staging.failed(&error))?;
         let state = to_bytes(&self.question, &moment.state(), moment.spent, rows);
         self.staging.save(&state, moment.paths)?;
-        self.due = Instant::now() + INTERVAL;
+        self.due = next_save(start);
         Ok(())
     }
 

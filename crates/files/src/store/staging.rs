@@ -9,7 +9,8 @@
 //! NAME.partial/made-by-mc   the mark of the folder: what has these names in it is ours
 //! ```
 //!
-//! A folder without the mark is not touched, unless it is empty. What is saved is replaced at fixed intervals, in one step.
+//! A folder without the mark is not touched, unless it is empty. What is saved is
+//! replaced at intervals, in one step.
 //!
 //! The file gets its final name by a hard link, because a link cannot replace another file. If
 //! the process is interrupted after that, the two names of one file show that only the folder is
@@ -23,10 +24,18 @@ use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time between two saves of a run or of a sweep: what a kill may lose.
-pub(super) const INTERVAL: Duration = Duration::from_secs(2);
+const INTERVAL: Duration = Duration::from_secs(2);
+
+/// Saving takes at most one part in this many of the time; where a save takes long, the next one waits.
+const ONE_PART_IN: u32 = 20;
+
+/// When the next save is due, after one that began at `start` and has just ended.
+pub(super) fn next_save(start: Instant) -> Instant {
+    Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN)
+}
 
 /// The folder for writing one file, with the lock.
 #[derive(Debug)]

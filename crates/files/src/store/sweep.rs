@@ -9,7 +9,7 @@
 
 use super::StoreError;
 use super::kinds::{check_file, read_kind};
-use super::staging::{self, INTERVAL, POINTS, Partial, RESULTS, Staging, lock, partial_path};
+use super::staging::{self, POINTS, Partial, RESULTS, Staging, lock, next_save, partial_path};
 use super::system::{check_space, parent};
 use super::writer::write_results;
 use crate::dataset::header::read_program;
@@ -92,9 +92,10 @@ impl SweepFile {
 
     /// Save the points now.
     pub fn save_now(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
+        let start = Instant::now();
         write_results(&self.staging, Dataset::of_sweep(sweep))?;
         self.staging.replace(RESULTS, POINTS)?;
-        self.due = Instant::now() + INTERVAL;
+        self.due = next_save(start);
         Ok(())
     }
 
