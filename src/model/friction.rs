@@ -12,6 +12,12 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// The limits of b and of -b in a stick, where they exceed f_s by this.
+    #[inline(always)]
+    pub fn limits(&self, excess: [f64; 2]) -> [f64; 2] {
+        excess.map(|excess| self.static_force + excess)
+    }
+
     /// The threshold that stands for an infinite one: out of reach, and its fourth power is finite.
     pub const NEVER: f64 = 1e70;
 

@@ -98,10 +98,7 @@ impl Model {
             .as_ref()
             .map(|force| force.hold(InstructionSet::detect(), displacement, time));
         let Hold { pull, excess } = hold.unwrap_or_default();
-        let_go(
-            linear + pull,
-            excess.map(|excess| self.friction.static_force + excess),
-        )
+        let_go(linear + pull, self.friction.limits(excess))
     }
 
     /// The force of friction in a slip in this direction.

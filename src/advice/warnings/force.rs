@@ -52,23 +52,24 @@ pub(super) fn friction_jumps(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let (force, scales) = (model.force.as_ref()?, scales(case.scenario, &case.derived));
     force.sides().and_then(Sides::load)?;
-    let shares = || (-4..=4).map(|i| f64::from(i) / 4.0);
-    let places = shares().flat_map(|x| shares().map(move |t| [x, 0.5 * (1.0 + t)]));
+    let times = || (0..=8).map(|i| f64::from(i) / 8.0);
+    // From the middle outward, so that the place in the sentence is one where the body is.
+    let places = times().flat_map(|x| [x, -x].map(|x| times().map(move |t| [x, t])));
     let jump = |[x, t]: [f64; 2]| {
         let (x, t) = (x * scales.displacement, t * scales.end);
-        let excess = force.hold(InstructionSet::detect(), x, t).excess;
-        let at = |(direction, excess): (Sign, f64)| {
+        let hold = force.hold(InstructionSet::detect(), x, t);
+        let thresholds = model.friction.limits(hold.excess);
+        let at = |(direction, threshold): (Sign, f64)| {
             let velocity = direction.value() * BARELY_MOVING * scales.velocity;
             let friction = model.sliding_friction(direction, t, x, velocity).abs();
-            let threshold = model.friction.static_force + excess;
             (friction > threshold * (1.0 + JUMP)).then_some([x, t, friction, threshold])
         };
         [Sign::Positive, Sign::Negative]
             .into_iter()
-            .zip(excess)
+            .zip(thresholds)
             .find_map(at)
     };
-    let [x, t, friction, threshold] = places.into_iter().find_map(jump)?.map(short);
+    let [x, t, friction, threshold] = places.flatten().find_map(jump)?.map(short);
     Some(format!(
         "friction in a slip, {friction} at x = {x} and t = {t}, exceeds the threshold of {threshold} from which the slip \
          begins, because `friction.load` jumps at xdot = 0: slips stop at once, in any number. \

@@ -145,7 +145,7 @@ impl GeneralNoiseless {
     ) -> Resolved<Held> {
         work.spend()?;
         let (b, excess) = self.forces.held(at, displacement, 0.0);
-        let limits = excess.map(|excess| self.model.friction.static_force + excess);
+        let limits = self.model.friction.limits(excess);
         let is_known = [b, limits[0], limits[1]]
             .iter()
             .all(|force| force.is_finite());
@@ -265,7 +265,7 @@ impl GeneralNoiseless {
                         ..
                     } = stop;
                     let (held, excess) = self.forces.held(&temperature, displacement, after);
-                    let limits = excess.map(|excess| self.model.friction.static_force + excess);
+                    let limits = self.model.friction.limits(excess);
                     let kind = let_go(held, limits)
                         .map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
                     let force = self
