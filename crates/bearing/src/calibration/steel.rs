@@ -162,11 +162,13 @@ impl Steel {
             let again = lag_profile(&cleaned, &next, found);
             let is_same = (again.likeliest - found).abs() <= SAME_LAG * found;
             used = again.found().unwrap_or(0.0);
-            slips = air.slips(&cleaned, used);
             profile = Some(again);
             if is_same {
                 break;
             }
+        }
+        if used != given {
+            slips = air.slips(&cleaned, used);
         }
         if let Some(profile) = &mut profile {
             profile.clock = clock;
