@@ -170,7 +170,7 @@ impl Sources<'_> {
         place.is_some_and(|place| self.override_at(place).is_some())
     }
 
-    /// A error at a place, or of the file as a whole.
+    /// An error at a place, or of the file as a whole.
     pub fn diagnostic(
         &self,
         place: Option<Place>,

@@ -1,7 +1,6 @@
 //! One axis of a sweep: a key of the scenario, and the values that it takes.
 
 use crate::scenario::{INPUT, TEMPERATURE_SERIES};
-
 use std::fmt;
 use std::ops::Range;
 use stickslip_data::excerpt::underlined;
