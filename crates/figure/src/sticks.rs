@@ -26,17 +26,14 @@ struct DrawnBin {
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let sticks = &summary.stick_durations;
+    let range = range(sticks).ok_or(Absent::Nothing(
+        "no stick after the first of a path has ended",
+    ))?;
     let all = bins(sticks);
     let (bins, shorter) = drawn(&all);
-    let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
-        return Err(Absent::Nothing(
-            "no stick after the first of a path has ended",
-        ));
-    };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
-    let end = longest(sticks).map_or(last.edges[1], |edge| edge.max(last.edges[1]));
-    let range = [first.edges[0], end];
+    let titles = [TITLES[0], TITLES[1], &unit];
 
     let (axis, floor) = Axis::of_shares(
         bins.iter().map(|bin| bin.density),
@@ -44,7 +41,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         "",
         style.log,
     );
-    let mut density = Panel::new(Axis::log(range, "", ""), axis, 84.0);
+    let mut density = Panel::new(Axis::log(range, titles[0], &unit), axis, 84.0);
     let steps: Vec<DensityBin> = bins
         .iter()
         .map(|bin| (bin.edges, bin.density, [bin.density; 2]))
@@ -61,7 +58,6 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend.push(LegendEntry::words(words));
     }
     legend.extend(caveats(scenario, true));
-    let titles = [TITLES[0], TITLES[1], &unit];
     let key = entries(is_narrow(sticks), palette);
     let mut panels = vec![beyond(sticks, range, titles, 84.0, style).keyed(key)];
     if !is_narrow(sticks) {
