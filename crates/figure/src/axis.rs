@@ -534,7 +534,7 @@ mod tests {
 
     #[test]
     fn marks_of_nearly_equal_numbers_differ() {
-        for difference in [0.0, 1e-12, 1e-6, 1e-3, 0.5] {
+        for difference in [0.0, 1e-14, 1e-6, 1e-3, 0.5] {
             let range = [5.2e-8, 5.2e-8 * (1.0 + difference)];
             let marks = labels(&Axis::log_around(range, "S", ""), 100.0);
             let mut distinct = marks.clone();
