@@ -27,9 +27,8 @@ fn the_error_of_the_normals() {
     );
     says(
         "docs/performance.md",
-        &format!("The greatest error is {error} from the median"),
+        &format!("an error of at most {error}"),
     );
-    says("docs/performance.md", &format!("normals to {error}"));
     says("CHANGELOG.md", &format!("(error {error} at most"));
 }
 
