@@ -27,7 +27,7 @@ fn the_error_of_the_normals() {
     );
     says(
         "docs/performance.md",
-        &format!("an error of at most {error}"),
+        &format!("with an error of at most {error} up to 9.1 sigma"),
     );
     says("CHANGELOG.md", &format!("(error {error} at most"));
 }
