@@ -221,7 +221,6 @@ type Repaired<'py> = (
 /// Times and values of a measurement in memory, repaired as those of a file are, and what was
 /// repaired. `quantity` is temperature or displacement.
 #[pyfunction]
-#[pyo3(signature = (argument, quantity, times, values, outliers))]
 pub fn repaired<'py>(
     py: Python<'py>,
     argument: &str,
@@ -293,11 +292,6 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and
 /// displacement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, threads, progress))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn calibrate<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -351,11 +345,6 @@ pub fn calibrate<'py>(
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
 /// same measurement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, threads, progress))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn forecast<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -481,7 +470,6 @@ fn weather<'py>(
 /// Fits harmonics with these periods, in seconds, or with those of a year and a day that the samples
 /// tell, and one or two Ornstein-Uhlenbeck processes.
 #[pyfunction]
-#[pyo3(signature = (measured, *, processes, periods, progress))]
 pub fn fit_temperature<'py>(
     py: Python<'py>,
     measured: Measured<'py>,
@@ -583,11 +571,6 @@ fn air_in_file(
 /// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
 /// remarks.
 #[pyfunction]
-#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every, start, duration, every, progress))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn twin<'py>(
     py: Python<'py>,
     scenario: Given,

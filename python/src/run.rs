@@ -37,11 +37,6 @@ type Ran<'py> = (
 
 /// Simulates a scenario. With goals, the number of paths is limited only if `is_bounded`.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, goals, is_bounded, max_time, part, bias, threads, progress, own))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn run<'py>(
     py: Python<'py>,
     scenario: &Scenario,
@@ -103,7 +98,6 @@ pub fn run<'py>(
 /// Joins the parts of a run, given the name, the data set and the state of each, with the checks of
 /// `mc merge`. The bias of the step is estimated here.
 #[pyfunction]
-#[pyo3(signature = (parts, *, bias, threads, progress))]
 pub fn merge<'py>(
     py: Python<'py>,
     parts: Vec<(String, Handed<'py>, Vec<u8>)>,

@@ -83,7 +83,6 @@ pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
 /// choice as text.
 #[pyfunction]
-#[pyo3(signature = (scenario, accuracy, statistic, max_time, threads, progress))]
 pub fn choose(
     py: Python<'_>,
     scenario: &Scenario,
@@ -134,11 +133,6 @@ pub fn choose(
 /// elasticities of keys. Returns the data set, the statistics of the caller's own at each point, and
 /// whether it was interrupted.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, own, threads, progress))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn sweep<'py>(
     py: Python<'py>,
     scenario: &Scenario,

@@ -48,12 +48,9 @@ class Check:
 
     def _derived(self) -> list[tuple[str, str]]:
         """The derived quantities that exist, as text."""
-        numbers = {n: v if isinstance(v, list) else [v] for n, v in self.derived.items()}
-        return [
-            (name, ", ".join(f"{n:.6g}" if isinstance(n, float) else str(n) for n in all_of_them))
-            for name, all_of_them in numbers.items()
-            if all_of_them != [None]
-        ]
+        known = [(name, value) for name, value in self.derived.items() if value is not None]
+        lists = [(name, value if isinstance(value, list) else [value]) for name, value in known]
+        return [(name, ", ".join(f"{x:.10g}" for x in numbers)) for name, numbers in lists]
 
 
 @public

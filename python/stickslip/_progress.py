@@ -53,21 +53,20 @@ class _Line:
         if seconds < SILENT_UNTIL or int(seconds) == self.second:
             return
         self.second = int(seconds)
-        paths = f": {done:,} of {expected:,} paths" if expected else ""
-        is_known = 0 < done < expected
-        left = f", about {_clock(seconds * (expected - done) / done)} left" if is_known else ""
-        self.write(f"{stage}{paths}, {_clock(seconds)}{left}")
+        text = stage + (f": {done:,} of {expected:,} paths" if expected else "")
+        text += f", {_clock(seconds)}"
+        if 0 < done < expected:
+            text += f", about {_clock(seconds * (expected / done - 1))} left"
+        self.write(text)
 
     def write(self, text: str) -> None:
         """Replace the line by this text."""
         if text or self.width:
             text = text[: shutil.get_terminal_size().columns - 1]
-            end = "" if text else "\r"
-            print("\r" + text.ljust(self.width), end=end, file=sys.stderr, flush=True)
+            sys.stderr.write("\r" + text.ljust(self.width) + ("" if text else "\r"))
+            sys.stderr.flush()
             self.width = len(text)
 
 
 def _clock(seconds: float) -> str:
-    minutes, rest = divmod(int(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+    return f"{seconds // 3600:.0f}:{seconds // 60 % 60:02.0f}:{int(seconds % 60):02}"

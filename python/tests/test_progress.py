@@ -25,7 +25,7 @@ LONG = {
     "pilot run: ": lambda **told: ss.run("rho025", accuracy=0.01, **told),
     "measuring for about 60": lambda **told: ss.trade("rho025", budget=60, **told),
     "calibrating the bearing": lambda **told: ss.calibrate(
-        BRIDGE, TWIN, method="both", starts=1000, **told
+        BRIDGE, TWIN, method="both", starts=100, **told
     ),
     "fitting the temperature model": lambda **told: ss.fit_temperature(TWIN, **told),
     "simulating the temperature": lambda **told: ss.twin(
@@ -95,7 +95,7 @@ def test_a_terminal_shows_a_line_that_is_gone_at_the_end():
     os.close(master)
     assert done.wait() == 0
     lines = shown.decode().split("\r")
-    told = [line for line in lines if "of 1,000,000,000 paths, 0:0" in line]
+    told = [line for line in lines if "of 1,000,000,000 paths, 0:00:0" in line]
     assert told and all(line.startswith("simulating: ") for line in told), lines
     assert "left" in told[-1] and lines[-2].strip() == "" == lines[-1], lines
 
@@ -106,6 +106,6 @@ def test_a_notebook_shows_the_line_and_nothing_else_does():
     notebook = nbformat.v4.new_notebook(cells=cells)
     nbclient.NotebookClient(notebook, timeout=60, kernel_name="python3").execute()
     shown = "".join(output.get("text", "") for output in notebook.cells[0].outputs)
-    assert "\rsimulating: " in shown and "of 1,000,000,000 paths, 0:02" in shown
+    assert "\rsimulating: " in shown and "of 1,000,000,000 paths, 0:00:02" in shown
     code = [sys.executable, "-W", "ignore", "-c", RUN]
     assert subprocess.run(code, capture_output=True, check=True).stderr == b""

@@ -126,7 +126,7 @@ def test_a_check_prints_as_the_command_prints_it():
     shown = repr(ss.check("rho025", set={"friction.static": 1.3}))
     assert "[friction]\nstatic = 1.3" in shown and "# natural_frequency = " in shown
     assert "# warning: " in shown and "\\n" not in shown
-    assert "None" not in shown and "# friction_ratio = 0.769231\n" in shown
+    assert "None" not in shown and "# friction_ratio = 0.7692307692\n" in shown
 
 
 def test_a_notebook_shows_a_check_as_a_table():
