@@ -240,6 +240,14 @@ pub fn waiting<T>(work: impl FnOnce(Begins<'_>) -> T) -> T {
     working("{spinner} {elapsed}  {msg}", false, work)
 }
 
+/// Does some work with this name, and shows meanwhile on a terminal the name and for how long.
+pub fn during<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    waiting(|begins| {
+        begins(what);
+        work()
+    })
+}
+
 /// Is called with what begins.
 type Begins<'a> = &'a (dyn Fn(&str) + Sync);
 
