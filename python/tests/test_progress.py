@@ -22,15 +22,15 @@ TWIN = ROOT / "examples/bridge/twin.csv"
 
 #: What is being done, and work that does it for seconds.
 LONG = {
-    "simulating": lambda **told: ss.sweep("rho025", {"friction.static": [1.2]}, paths=10**7, **told),
-    "pilot run: ": lambda **told: ss.run("rho025", accuracy=0.01, **told),
-    "measuring for about 60": lambda **told: ss.trade("rho025", budget=60, **told),
-    "calibrating the bearing": lambda **told: ss.calibrate(
-        BRIDGE, TWIN, method="both", starts=100, **told
+    "simulating": lambda **more: ss.sweep("rho025", {"friction.static": [1.2]}, paths=10**7, **more),
+    "pilot run: ": lambda **more: ss.run("rho025", accuracy=0.01, **more),
+    "measuring for about 60": lambda **more: ss.trade("rho025", budget=60, **more),
+    "calibrating the bearing": lambda **more: ss.calibrate(
+        BRIDGE, TWIN, method="both", starts=100, **more
     ),
-    "fitting the temperature model": lambda **told: ss.fit_temperature(TWIN, **told),
-    "simulating the temperature": lambda **told: ss.twin(
-        BEARING, duration="60000d", **told
+    "fitting the temperature model": lambda **more: ss.fit_temperature(TWIN, **more),
+    "simulating the temperature": lambda **more: ss.twin(
+        BEARING, duration="60000d", **more
     ),
 }
 
@@ -62,20 +62,20 @@ def test_short_work_reports_its_stages():
     """The last stage is reported however short it is."""
     stages = []
 
-    def told(done, expected, what):
+    def callback(done, expected, what):
         stages.append((done, expected, what))
 
-    parts = [ss.run("rho025", paths=2560, part=f"{i}/2", progress=told) for i in (1, 2)]
+    parts = [ss.run("rho025", paths=2560, part=f"{i}/2", progress=callback) for i in (1, 2)]
     assert stages[-1] == (1280, 1280, "simulating")
-    run = ss.merge(parts, progress=told)
+    run = ss.merge(parts, progress=callback)
     assert stages[-1] == (2560, 2560, "estimating the bias of the step")
-    ss.verify(run, progress=told)
+    ss.verify(run, progress=callback)
     assert stages[-1] == (2560, 2560, "estimating the bias of the step")
-    ss.replay(run, 7, progress=told)
+    ss.replay(run, 7, progress=callback)
     assert stages[-1] == (0, 0, "simulating the path")
-    ss.twin("bridge", progress=told)
+    ss.twin("bridge", progress=callback)
     assert stages[-1] == (0, 0, "making the record")
-    ss.forecast(BRIDGE, TWIN, draws=2, years=2, progress=told)
+    ss.forecast(BRIDGE, TWIN, draws=2, years=2, progress=callback)
     # Two for each draw, and ten times as many for the most likely parameters.
     assert stages[-1] == (0, 0, "simulating 24 years")
 
@@ -101,9 +101,9 @@ def shown_in_terminal(command, **where):
 
 def test_a_terminal_shows_a_line_that_is_gone_at_the_end():
     lines = shown_in_terminal([sys.executable, "-W", "ignore", "-c", RUN]).split("\r")
-    told = [line for line in lines if "of 1,000,000,000 paths, 0:00:0" in line]
-    assert told and all(line.startswith("simulating: ") for line in told), lines
-    assert "left" in told[-1] and lines[-2].strip() == "" == lines[-1], lines
+    shown = [line for line in lines if "of 1,000,000,000 paths, 0:00:0" in line]
+    assert shown and all(line.startswith("simulating: ") for line in shown), lines
+    assert "left" in shown[-1] and lines[-2].strip() == "" == lines[-1], lines
 
 
 @pytest.mark.parametrize(
