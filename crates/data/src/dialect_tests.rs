@@ -359,7 +359,7 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
             "time,temp\n2023-03-04 05:00,12 \u{b0}C\n2023-03-04 06:00,56 \u{b0}F\n",
             PLAIN,
             Some(3),
-            "another unit than its column",
+            "a different unit from its column",
             "the same unit",
         ),
         (
