@@ -415,7 +415,7 @@ fn a_long_run_is_announced() {
         &["check", RHO025, "--step", "1e-4", "--paths", "1000000000"],
     );
     assert!(
-        text(&check.stdout).contains("time of the run here, on "),
+        text(&check.stdout).contains("run time here, on "),
         "{}",
         text(&check.stdout)
     );
