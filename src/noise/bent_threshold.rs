@@ -1,4 +1,4 @@
-//! The first time at which a Brownian bridge meets a threshold that is slightly bent.
+//! The first time at which a Brownian bridge meets a slightly curved threshold.
 //!
 //! In the notation of [`super::first_passage`], the threshold deviates by e(u) = b u (1 - u)/2 from
 //! a straight line, at a fraction u of the duration S. Both laws below are exact to first order in

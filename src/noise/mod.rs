@@ -26,6 +26,6 @@ pub use ornstein_uhlenbeck::{
 pub use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 
-/// The description of the random numbers that is written to files.
+/// The description of the random numbers in files.
 pub const GENERATOR: &str = "schemes with a step: xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); \
     others: SplitMix64 with two keys from (seed, path), at addresses (cell, place); normals by inversion";

@@ -45,7 +45,7 @@ macro_rules! schemes {
                 match self { $(Kind::$Scheme => $Scheme::PARAMETER,)+ }
             }
 
-            /// How pictures distinguish the scheme from the others.
+            /// The appearance of the scheme in pictures.
             pub fn look(self) -> Look {
                 match self { $(Kind::$Scheme => $Scheme::LOOK,)+ }
             }
@@ -75,7 +75,7 @@ macro_rules! schemes {
                 }
             }
 
-            /// How the error that its discretisation leaves in the statistics is known.
+            /// How its discretisation error can be measured.
             pub fn discretisation(self) -> Discretisation {
                 match self { $(Scheme::$Scheme(scheme) => scheme.discretisation(),)+ }
             }

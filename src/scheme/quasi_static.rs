@@ -1,9 +1,9 @@
 //! The quasi-static scheme: the paper's approximation for slow forcing (its section on the bridge),
 //! with damping.
 //!
-//! During a slip the temperature is taken to be constant. At the exit |b| = f_s, so the body starts
-//! from rest towards an equilibrium at a distance of (f_s - f_d)/K, and swings beyond it until it
-//! is at rest again ([`StepResponse`]). The cascade is then a recursion:
+//! During a slip the temperature is assumed to be constant. At the exit |b| = f_s, so the body
+//! starts from rest towards an equilibrium at a distance of (f_s - f_d)/K, and swings beyond it
+//! until it is at rest again ([`StepResponse`]). The cascade is then a recursion:
 //!
 //! ```text
 //! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},      tau_{j+1} = tau_{j+1/2} + pi/w_d,
@@ -16,19 +16,19 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
-//! **A body that starts outside the stick band**, |b| > f_s at t = 0, swings from the b that it has.
-//! Its x(0) or a noise that starts stationary may put it there. The equilibrium is (|b| - f_d)/K
-//! away, and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the
-//! body swings back at once, in a further sub-phase. With f_s for |b| it would come to rest on
+//! **A body that starts outside the stick band**, |b| > f_s at t = 0, swings from its actual b.
+//! This may be due to x(0) or a stationary initial noise. The equilibrium is (|b| - f_d)/K away,
+//! and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing also ends outside, the body
+//! swings back immediately, in a further sub-phase. With f_s for |b| it would come to rest on
 //! another lattice, and stay on it. Later b reaches f_s continuously.
 //!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
-//! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
-//! cover the whole distance. A slip must end, or the recursion would stop at the first one. Any end
-//! at which nearly all of the distance is covered gives the same sticks and jumps where the forcing
-//! is slow, and the recursion is only meant for slow forcing. The settling time is also about how
-//! long such a slip lasts in the model, where noise ends it as soon as the noise moves x' more than
-//! the rest of the swing does (docs/event-driven.md).
+//! The slip is defined to last the settling time, until a thousandth of the distance is left, and
+//! to cover the whole distance. A slip must end, or the recursion would stop at the first one. Any
+//! end at which nearly all of the distance is covered gives the same sticks and jumps where the
+//! forcing is slow, and the recursion is only meant for slow forcing. The settling time is also
+//! about how long such a slip lasts in the model, where noise ends it as soon as the noise moves x'
+//! more than the rest of the swing does (docs/event-driven.md).
 //!
 //! **Limits of the approximation.** If the forcing moves the equilibrium faster than the body would
 //! swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], x' has no zero: the
@@ -37,8 +37,8 @@
 //! slightly below 1.
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
-//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
-//! is false because the temperature moved on, the stick that begins there is empty.
+//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; if this is
+//! false because the temperature has changed, the stick that begins there is empty.
 
 use super::columns::Seen;
 use super::event_driven::{
@@ -91,7 +91,7 @@ impl Method for QuasiStatic {
         Discretisation::Approximation
     }
 
-    /// The recursion takes a slip for one swing of the spring, which ends at rest.
+    /// The recursion treats a slip as one swing of the spring, which ends at rest.
     fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         let Oscillator {
             stiffness, damping, ..
@@ -175,8 +175,8 @@ struct Swing {
 }
 
 impl Swing {
-    /// By how much |b| exceeds f_s as a slip begins with this event: 0 except in the slip of a body
-    /// that starts outside the band, and in its further sub-phases.
+    /// The excess of |b| over f_s when a slip begins with this event: 0 except in the slip of a
+    /// body that starts outside the band, and in its further sub-phases.
     fn excess(&self, event: &Event) -> f64 {
         let is_from_outside = match event.kind {
             EventKind::SlipStarted(_) => event.time == 0.0,
@@ -210,7 +210,7 @@ impl Swing {
     ) {
         let response = &self.response;
         let reach = self.way(direction, excess) / (1.0 + response.overshoot);
-        // The pull of the spring and of the temperature, which is held, less the damping.
+        // The force of the spring and of the constant temperature, minus the damping.
         let Oscillator {
             mass,
             stiffness,
@@ -221,7 +221,7 @@ impl Swing {
             let (x, v) = self.at(0.0, direction, excess, since);
             [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
         };
-        // With |b| at the start, the temperature that is held.
+        // The constant temperature follows from |b| at the start.
         let pull = direction.value() * (self.threshold + excess) + stiffness * x0;
         let temperature =
             Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
@@ -234,7 +234,7 @@ impl Swing {
             let (start, end) = (at(i), at(i + 1.0));
             let mut there = state(end);
             if end >= response.duration {
-                // A slip at critical damping and above is taken to cover the rest at once.
+                // A slip at critical damping and above covers the rest immediately.
                 let all = self.way(direction, excess);
                 there = [all, 0.0, stiffness * (reach - all) / mass];
             }
@@ -253,8 +253,8 @@ impl Swing {
         }
     }
 
-    /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick,
-    /// or the swing back of a body that swung out of the band.
+    /// The event at the end of a swing that began with this excess, where b is `force`: a stick, or
+    /// the swing back of a body that swung out of the band.
     fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
         let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
         if is_back {
@@ -421,7 +421,7 @@ impl PathSegments for NoiselessRecursion {
         })
     }
 
-    /// The whole slip, so that its pieces do not depend on the end of the run.
+    /// The whole slip, so that its segments do not depend on the end of the run.
     fn segments(&self, part: &Part, _: f64, tell: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let whole = [0.0, self.slip.response.duration];
@@ -596,8 +596,7 @@ impl Simulate for QuasiStaticSimulation {
         &self.timeline
     }
 
-    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
-    /// number.
+    /// A path is given up if it exceeds its number of evaluations, or if a value is NaN.
     fn simulate_counting(
         &self,
         seed: u64,

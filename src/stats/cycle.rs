@@ -6,10 +6,10 @@ const STATES: usize = 64;
 /// What the path of a scene without noise does in the end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitCycle {
-    /// x less its drift since t = 0, at the times n P, the last of them, where something periodic
+    /// x minus its drift since t = 0, at the times n P, the last of them, where something periodic
     /// forces the body, and at the beginnings of the last slips elsewhere. A length.
     pub section: Vec<f64>,
-    /// Half the range of x less its drift: of the motion in the last cycle if there is one, in the
+    /// Half the range of x minus its drift: of the motion in the last cycle if there is one, in the
     /// last half of the counted time if no slip begins there and nothing periodic forces the body,
     /// and in all the counted time otherwise. 0 where the body rests or slides steadily. A length.
     pub amplitude: f64,

@@ -315,7 +315,7 @@ pub struct Summary {
     pub spectrum: Option<Spectrum>,
     /// How far and how fast the body gets, where levels were asked for.
     pub extremes: Option<Extremes>,
-    /// What the path does in the end, where nothing is random. It takes a path of its own.
+    /// The long-term motion, if nothing is random. It takes a path of its own.
     pub cycle: Option<LimitCycle>,
     /// The statistics that were asked for, in the order of tables and files. The estimates of the
     /// others are NaN.

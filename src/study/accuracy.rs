@@ -108,7 +108,7 @@ pub enum AccuracyError {
     },
     /// No statistic of this scenario has a relative error.
     #[error(
-        "no statistic of this scenario has an error to choose a run by: each is zero, absent or without a limit"
+        "no statistic of this scenario can determine the run: each is zero, absent or without a limit"
     )]
     NothingToChoose,
     /// No setting has a bias that is small enough.

@@ -1,7 +1,7 @@
-//! The discrete variational inequality as the paper has it.
+//! The discrete variational inequality of the paper.
 //!
-//! Its error is of order 1 in h where nothing is random. Under noise it is of order 1/2 in every
-//! statistic of sticks, because a stick exit is looked for only once per step h.
+//! Its error is of order 1 in h without randomness. Under noise it is of order 1/2 in every
+//! statistic of sticks, because stick exits are checked only once per step h.
 
 use super::limits;
 use super::simulation::DiscreteSimulation;

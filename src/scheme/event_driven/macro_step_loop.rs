@@ -1,8 +1,8 @@
-//! The loop over macro steps, for the schemes that follow noisy paths from event to event:
+//! The loop over macro steps, for the schemes that simulate noisy paths event by event:
 //! event-driven and quasi-static.
 //!
-//! All paths that are simulated together cross the same macro steps, one macro step or a run of up
-//! to 64, before any of them goes on. They do so [scalar](super::scalar), one after the other, or
+//! All paths that are simulated together cross the same macro steps, one or a run of up to 64,
+//! before any of them continues. They do so [scalar](super::scalar), one after the other, or
 //! [vectorised](super::vectorised). Within a macro step, a path is taken phase by phase:
 //!
 //! ```text
@@ -30,10 +30,10 @@ const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 /// The largest number of macro steps that one path crosses before the next path.
 const MOST_QUIET: usize = 64;
 
-/// The observer, which the paths ask between their events whether they are still wanted.
+/// The observer, which is asked between events whether the paths are still wanted.
 pub type Watching<'o> = RefCell<&'o mut dyn Observer>;
 
-/// Paths at the border of two macro steps, and how the loop takes them across macro steps.
+/// Paths at the border of two macro steps, and how the loop advances them across macro steps.
 pub trait PathSet {
     /// The scheme.
     type Cascade: Cascade;

@@ -80,7 +80,7 @@ impl Noisy {
         } else {
             longest
         };
-        // Whatever oscillates at rest is looked at often enough to be seen.
+        // Any oscillation at rest is sampled often enough to be resolved.
         let longest_macro_step =
             longest_macro_step.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
@@ -117,7 +117,7 @@ impl Noisy {
     }
 
     /// Whether the paths can be simulated vectorised: all macro steps have one length, there is
-    /// only one noise, and no force of the user's own.
+    /// only one noise, and no user-defined force.
     pub fn has_equal_macro_steps(&self) -> bool {
         !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.grid.is_even()
     }

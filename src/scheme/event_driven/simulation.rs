@@ -74,8 +74,7 @@ impl Simulate for EventDrivenSimulation {
         &self.timeline
     }
 
-    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
-    /// number.
+    /// A path is given up if it exceeds its number of evaluations, or if a value is NaN.
     fn simulate_counting(
         &self,
         seed: u64,

@@ -1,16 +1,15 @@
-//! A limit on the computing time of one path, and the place where every path looks whether it is
-//! still wanted.
+//! A limit on the computing time of one path, and the check whether it is still wanted.
 //!
-//! The number of steps of these schemes follows from the scene and cannot be read off a scenario.
-//! For example, an oscillator of 1e9 Hz that never comes to rest needs 1e15 steps for a million
+//! The number of steps of these schemes follows from the dynamics and is not known in advance. For
+//! example, an oscillator of 1e9 Hz that never comes to rest needs 1e15 steps for a million
 //! seconds. Every evaluation in a loop whose length depends on the scene (steps, intervals of a
 //! bisection, points of a root search, events) is counted here, so that the simulation of every
-//! path ends, and at once if the observer stops it.
+//! path ends, and immediately if the observer stops it.
 
 /// The number of evaluations that a path may still make.
 #[derive(Clone, Copy)]
 pub struct WorkLeft<'w> {
-    /// Until the next look whether the path is still wanted.
+    /// Evaluations until the next check whether the path is still wanted.
     left: u64,
     /// After it.
     later: u64,
@@ -32,8 +31,8 @@ pub struct Simulated {
 /// Why a path is given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unresolved {
-    /// It made all evaluations that it may.
-    #[error("it needs more force evaluations than a path is allowed (some seconds)")]
+    /// It exceeded its number of evaluations.
+    #[error("it needs more force evaluations than a path is allowed (a few seconds)")]
     TooLong,
     /// A value was not a finite number.
     #[error("the force is not finite, or the friction load is negative")]
@@ -46,7 +45,7 @@ pub enum Unresolved {
     Stopped,
 }
 
-/// What is computed of a path, unless it is given up.
+/// The result for a path, unless it is given up.
 pub type Resolved<T> = Result<T, Unresolved>;
 
 /// The number of evaluations that a path with noise may make. They take about ten seconds; the
@@ -85,7 +84,7 @@ impl<'w> WorkLeft<'w> {
         }
     }
 
-    /// The number of evaluations that are left.
+    /// The number of remaining evaluations.
     pub fn left(self) -> u64 {
         self.left + self.later
     }
@@ -102,7 +101,7 @@ impl<'w> WorkLeft<'w> {
         }
     }
 
-    /// Counts an evaluation where none is left until the next look.
+    /// Counts an evaluation when the next check is due.
     #[cold]
     #[inline(never)]
     fn look(&mut self) -> Resolved<()> {

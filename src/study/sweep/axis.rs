@@ -149,7 +149,7 @@ impl fmt::Display for AxisError {
 
 /// The forms that values may have.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
-const FILES: &str = "write the names of files with commas between them, such as a.at2,b.at2";
+const FILES: &str = "write file names separated by commas, such as a.at2,b.at2";
 
 impl SweepAxis {
     /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),

@@ -138,7 +138,7 @@ impl SweepQuestion {
 /// A sweep with the results so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What was asked.
+    /// The question.
     pub question: SweepQuestion,
     /// The results in the order of the design; `None` for a point that is not done.
     pub points: Vec<Option<Point>>,

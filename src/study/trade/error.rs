@@ -13,7 +13,7 @@ pub enum TradeError {
     NothingHappens,
     /// Not even the reference fits into the budget.
     #[error(
-        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
+        "an event-driven path takes about {path_seconds:.3} s of CPU time, so {least} paths do not fit into the budget"
     )]
     BudgetTooSmall {
         /// CPU seconds of a path.

@@ -1,6 +1,6 @@
-//! The steps under a force g of the user's own.
+//! The steps under a user-defined force g.
 //!
-//! g is computed for many paths at once, so that the choice of each of its operations costs little.
+//! g is computed for many paths at once, so that dispatching each of its operations costs little.
 //! So all paths make a step before any of them makes the next one, in groups whose states stay in
 //! the nearest cache, and the normals of several steps are drawn in advance.
 //!
@@ -18,7 +18,7 @@ const TOGETHER: usize = 256;
 /// Steps whose increments of the noise are drawn at once.
 const DRAWN: usize = 8;
 
-/// What the paths of a group need beside their states.
+/// Buffers for the paths of a group, in addition to their states.
 struct Room<L: Lanes> {
     /// How each register of paths moves.
     regimes: [Regime<L>; TOGETHER],
@@ -163,8 +163,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
                     next_v = c.settle(s, c.beyond(s, state.v));
                 }
             }
-            // Not a number where the force is none: otherwise the body would be taken to be at
-            // rest.
+            // NaN if the force is NaN: otherwise the body would be considered at rest.
             next_v = s.mul_add(zero, next_v);
             let next = c.next::<NOISE, CORRECTED>(&state, next_v, L::load(chi));
             if turned != 0 {

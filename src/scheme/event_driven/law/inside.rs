@@ -22,12 +22,12 @@ use crate::noise::{
 /// An instant at which the state is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glance {
-    /// Its time. An instant and an event at the same time are in the order in which an observer is
-    /// told of them, so the times that are compared are those that an observer sees.
+    /// Its time. An instant and an event at the same time are in the order in which they are
+    /// reported, so the compared times are those reported to observers.
     pub at: f64,
     /// The time after the start of the macro step.
     pub time: f64,
-    /// Whether it is a row between those of the run.
+    /// Whether it is an additional row between those of the run.
     pub is_closer: bool,
     /// B at that time, which is the same for all paths.
     pub forcing: f64,
@@ -37,7 +37,7 @@ pub struct Glance {
 
 /// The motion of a slip step without noise, at a time: the distance since the start of the step,
 /// the motion along the direction, and n. The drawn motion is computed as a deviation from it, so
-/// that it keeps its digits where the noise is feeble.
+/// that it keeps its precision if the noise is weak.
 #[derive(Clone, Copy, Debug)]
 pub struct Way<L = f64> {
     pub travel: L,
@@ -45,8 +45,8 @@ pub struct Way<L = f64> {
     pub noise: L,
 }
 
-/// A piece of a slip, in any number of paths. It is known by how it deviates from the motion of its
-/// step without noise, so that a deviation keeps its digits where the noise is feeble.
+/// A segment of a slip, in any number of paths. It is represented by its deviation from the motion
+/// of its step without noise, so that a deviation keeps its precision if the noise is weak.
 #[derive(Clone, Copy, Debug)]
 pub struct SlipPiece<L = f64> {
     /// The direction, and x at the start of the step.
@@ -234,7 +234,7 @@ pub struct StickPiece<L = f64> {
     pub displacement: L,
 }
 
-/// What is known of a piece of a stick.
+/// What is known about a segment of a stick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StickEnd {
     /// Neither threshold can be met.
@@ -340,7 +340,7 @@ impl<L: Lanes> StickPiece<L> {
         );
         let misses_this = one - meeting_probability(this, first.duration);
         let misses_both = no_meeting_probability(this, other, first.duration);
-        // Where rounding leaves nothing of both, the other threshold is far away.
+        // If both round to zero, the other threshold is far away.
         let is_lost = misses_this.lt(L::splat(1e-9));
         let before = L::select(is_lost, one, misses_both / misses_this);
         let width = (here[0] + here[1] + (end[0] + end[1])) * 0.5;

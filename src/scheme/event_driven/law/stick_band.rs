@@ -38,7 +38,7 @@ pub struct StickBand {
     most_bend: f64,
 }
 
-/// What is known of a stick at one time.
+/// The state of a stick at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<L = f64> {
     /// Time after the start of the macro step.

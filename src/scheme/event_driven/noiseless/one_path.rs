@@ -78,7 +78,7 @@ impl Noiseless {
             .iter()
             .map(|t| t.rate.abs())
             .fold(model.oscillator.natural_frequency(), f64::max);
-        // A body without a spring under a constant force has no time scale but that of the run.
+        // A body without a spring under a constant force has no time scale except that of the run.
         let longest = if timeline.end > 0.0 {
             timeline.end
         } else {

@@ -1,4 +1,4 @@
-//! Scalar paths: the order of work for paths that cross a macro step one after the other.
+//! Scalar paths: paths that cross a macro step one after the other.
 //!
 //! ```text
 //! path           the state of a path, and how it crosses a macro step: stick, slip, stick, ..
@@ -6,7 +6,7 @@
 //!   slip           steps, each of which is searched for a stop
 //!     user_force      a step under a user-defined force
 //!     stop_search    bisects a step from left to right
-//!     step_flow      the motion of the step without noise, for feeble noise and for observers
+//!     step_flow      the motion of the step without noise, for weak noise and for observers
 //! watch          draws the state at instants inside a macro step, without changing the path
 //! paths     all paths, one after the other
 //! ```

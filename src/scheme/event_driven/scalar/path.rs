@@ -1,4 +1,4 @@
-//! One path, and how it crosses a macro step: phase by phase.
+//! One path, crossing a macro step phase by phase.
 
 use super::super::law::{
     EVENT_PLACE, MacroStep, NOISE_PLACE, Scene, StepGrid, StepRules, StickBand, macro_step_length,
@@ -26,7 +26,7 @@ pub struct Path<'w, M> {
     /// at a stop), not a difference of larger forces.
     pub force: f64,
     pub phase: Phase,
-    /// What else the scheme needs to know of the motion.
+    /// Further data of the motion that the scheme needs.
     pub motion: M,
     pub draws: AddressedDraws,
     pub work: WorkLeft<'w>,
@@ -34,7 +34,7 @@ pub struct Path<'w, M> {
     pub lost: Option<Unresolved>,
 }
 
-/// How the paths of a scheme go from macro step to macro step.
+/// The propagation of the paths of a scheme from macro step to macro step.
 #[derive(Clone, Debug)]
 pub struct Route {
     pub timeline: Timeline,
@@ -44,13 +44,13 @@ pub struct Route {
     pub band: StickBand,
     /// The number of evaluations that a path may make.
     pub work_limit: u64,
-    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
-    /// for a closer look at a path.
+    /// Every `closeness`-th row of the output grid belongs to the run; the rows in between are
+    /// additional observation times.
     pub closeness: usize,
 }
 
 impl Route {
-    /// The route through macro steps that are at most this long, where an evaluation takes `cost`
+    /// The propagation through macro steps of at most this length, where an evaluation takes `cost`
     /// times as long as usual.
     pub fn new(
         scene: &Scene,
@@ -72,7 +72,7 @@ impl Route {
     }
 }
 
-/// What the loop needs from a scheme.
+/// The interface of a scheme to the loop.
 pub trait Cascade {
     /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
     type Memory: Default;

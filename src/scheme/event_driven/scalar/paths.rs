@@ -26,7 +26,7 @@ pub struct ScalarPaths<'a, C: Cascade> {
 
 impl<'a, C: Cascade> ScalarPaths<'a, C> {
     /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`. Their motion is
-    /// told as well if an observer follows it.
+    /// also reported if an observer follows it.
     pub fn new(
         cascade: &'a C,
         seed: u64,

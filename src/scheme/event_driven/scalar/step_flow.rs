@@ -1,5 +1,5 @@
-//! The motion of a slip step of one path without noise. From it a stop is corrected where the noise
-//! is feeble, and the states inside the step are drawn for an observer.
+//! The motion of a slip step of one path without noise. From it a stop is corrected if the noise is
+//! weak, and the states inside the step are drawn for an observer.
 
 use super::super::law::{
     FEEBLE, Glance, Known, KnownStep, Scene, SlipPiece, SlipPoint, SlipStep, SlipStop,
@@ -141,7 +141,7 @@ impl<'a> StepFlow<'a> {
         Ok(stop)
     }
 
-    /// Moves a stop from the quintic of the search to the exact motion without noise; for feeble
+    /// Moves a stop from the quintic of the search to the exact motion without noise; for weak
     /// noise.
     ///
     /// The search replaces the motion without noise by the quintic between the ends of the step.
@@ -216,8 +216,8 @@ impl<'a> StepFlow<'a> {
         moved
     }
 
-    /// Shows an observer the intervals that were passed. The last of them ends at the stop, if
-    /// there is one. n is known at its end; at a stop it is what the balance of forces requires.
+    /// Passes the completed intervals to an observer. The last of them ends at the stop, if there
+    /// is one. n is known at its end; at a stop it is what the balance of forces requires.
     #[inline(always)]
     pub fn show(
         &self,

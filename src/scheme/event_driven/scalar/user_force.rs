@@ -1,4 +1,4 @@
-//! A slip step under a force g(x, x', t) of the user's own.
+//! A slip step under a user-defined force g(x, x', t).
 //!
 //! All other forces are linear, and their step is exact ([`SlipStep`]). g stands in it as a
 //! constant, where eps f_d stands, and the end of the step is corrected for what g does in the

@@ -1,12 +1,11 @@
 //! The state of a path at instants inside a macro step.
 //!
-//! Events are drawn without regard to the instants at which the state is observed. The state at an
-//! instant is drawn given what is known of the path on the piece around it
+//! Events are drawn independently of the instants at which the state is observed. The state at an
+//! instant is drawn given the known path on the segment around it
 //! ([`crate::scheme::event_driven::law::inside`]), from random numbers that no event depends on.
 //!
-//! The output rows of a run are drawn first. Rows between them, for a closer look at a path, are
-//! drawn given those, from other random numbers. So a closer look agrees with everything that the
-//! run has recorded.
+//! The output rows of a run are drawn first. Additional rows between them are drawn given those,
+//! from other random numbers. So they agree with everything that the run has recorded.
 
 use super::super::law::{Bridge, Glance, Scene, StickEnd, StickPiece, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
@@ -15,24 +14,24 @@ use crate::scheme::columns::{Seen, StateColumns};
 
 /// An observer of one path inside a macro step.
 pub trait Watch {
-    /// Whether the pieces of the path inside this macro step are observed.
+    /// Whether the path is observed inside this macro step.
     fn is_looking(&self) -> bool;
     /// Whether there are instants to observe before this time after the start of the macro step.
     fn is_ahead(&self, end: f64) -> bool;
-    /// Observes a piece of the path: draws the state at all instants before the end of the piece.
-    /// One at its end belongs to the next piece.
+    /// Observes a segment of the path: draws the state at all instants before its end. An instant
+    /// at its end belongs to the next segment.
     fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
-    /// Whether the motion is followed, piece by piece.
+    /// Whether the motion is followed, segment by segment.
     #[inline(always)]
     fn follows(&self) -> bool {
         false
     }
-    /// Takes a piece of the motion.
+    /// Takes a segment of the motion.
     #[inline(always)]
     fn segment(&mut self, _: Segment) {}
 }
 
-/// Observes one path as `watch` does, and follows its motion where there is a place for it.
+/// Observes one path like `watch`, and also records its motion if there is a place for it.
 pub struct Follower<'a, W> {
     pub watch: W,
     pub lane: usize,
@@ -151,12 +150,12 @@ impl<'a> Glances<'a> {
     }
 }
 
-/// A piece of a path without an event, except perhaps at its end.
+/// A segment of a path without an event, except perhaps at its end.
 pub trait WatchedPiece: Sized {
     /// The time at which it ends, after the start of the macro step.
     fn end(&self) -> f64;
-    /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
-    /// piece before and after the instant.
+    /// Draws the state at an instant inside the segment. Returns the state and the two parts of the
+    /// segment before and after the instant.
     fn parted(
         &self,
         scene: &Scene,
@@ -263,8 +262,8 @@ fn stuck(
                 }
                 tries += 1;
                 if tries == TRIES {
-                    // All attempts fail only where both ends are very close to the threshold.
-                    // There, b on the straight line between them is used.
+                    // All attempts fail only if both ends are very close to the threshold. Then b
+                    // is interpolated linearly between them.
                     let part = before / (before + behind);
                     let force = piece.force.0 + part * (piece.force.1 - piece.force.0);
                     break Stuck {

@@ -7,8 +7,8 @@ use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
-/// Where more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are
-/// simulated in scalar form.
+/// If more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are simulated
+/// in scalar form.
 const MOST_ODD: usize = 2;
 
 /// The number of lanes after which the decision for `MOST_ODD` is made.
@@ -25,8 +25,8 @@ pub struct Crossing<'p, 'a, L: Lanes> {
     lanes: PhantomData<L>,
 }
 
-/// A stage of a crossing. Each stage is compiled as a function of its own, so that the registers of
-/// the processor need not hold what other stages use.
+/// A stage of a crossing. Each stage is compiled as a separate function, so that the registers of
+/// the processor need not hold data of other stages.
 trait Stage {
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>);
 }
@@ -59,8 +59,8 @@ impl Stage for CrossingStage {
     }
 }
 
-/// Makes the tasks, and a stage of each, which works on all lanes that were taken out of the queue
-/// of the task.
+/// Defines the tasks, and a stage for each, which works on all lanes taken out of the queue of the
+/// task.
 macro_rules! tasks {
     ($($(#[$about:meta])* $Task:ident: $work:ident,)*) => {
         /// What remains to be done for a flagged lane.
@@ -209,8 +209,9 @@ impl Vectorised<'_> {
         self.jobs.clear();
     }
 
-    /// Whether all paths cross the macro step in scalar form: where most of them would have to cross it
-    /// again in scalar form, for a closer look, which is for few paths, and where they move at t = 0.
+    /// Whether all paths cross the macro step in scalar form: if most of them would have to cross
+    /// it again in scalar form, if there are additional observation times (only for few paths), or
+    /// if they move at t = 0.
     fn go_scalar(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
         let have_initial_velocity =

@@ -455,8 +455,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             origin,
             key,
         };
-        // Under weak noise the motion inside a step is known better than its division by the
-        // quintic would say, so a clear step stays whole.
+        // Under weak noise the motion inside a step is known better than from the quintic, so a
+        // clear step is not divided.
         let is_clear = search.is_clear(first, &interval);
         let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
