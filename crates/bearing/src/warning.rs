@@ -24,8 +24,8 @@ impl fmt::Display for CalibrationWarning {
     }
 }
 
-/// A kind of warning: its name, when it appears, what to do, and its number of false alarms in the
-/// sound records of the table.
+/// A kind of warning: its name, when it appears, what to do, and its false alarms in the 419 sound records
+/// of the page.
 pub struct WarningKind(
     pub &'static str,
     pub &'static str,
@@ -34,37 +34,35 @@ pub struct WarningKind(
 );
 
 /// The false alarms of warnings that follow directly from the record or the options.
-const EXACT: &str = "none possible";
+const EXACT: &str = "–";
 
 /// All kinds: those of a calibration, of a model of the temperature, and of a forecast.
 #[rustfmt::skip]
 pub const WARNINGS: &[WarningKind] = &[
-    WarningKind("no_shear_stiffness", "K_BP is not given, so no force is estimated", "give `bearing.stiffness`", EXACT),
-    WarningKind("no_slips", "no slips are visible; the least-squares estimates are given, without intervals", "measure for longer", EXACT),
-    WarningKind("poor_fit", "model and measurement differ by more than the jump of a slip", "measure each bearing and its temperature separately", "0 of 419"),
-    WarningKind("large_dilatation", "beta corresponds to more than two kilometres of steel", "check the unit of the displacement", EXACT),
-    WarningKind("gap_not_identified", "the standard error of f_s - f_d exceeds a quarter of it, or slips explain less than 90 % of the motion", "measure for longer, or use a sensor with less noise", "4 of 419"),
-    WarningKind("few_slips", "fewer than 18 slips", "measure for longer", EXACT),
-    WarningKind("sparse_samples", "the temperature changes by more than three quarters of G from one sample to the next", "sample more often: f_s may be 1 % off, beyond its interval", EXACT),
-    WarningKind("scatter", "the sizes of slips differ by 20 % more than noise explains", "use the estimates as means; the interval of f_s - f_d is too narrow", "0 of 419"),
-    WarningKind("friction_changes", "A changes by more than 5 % over the record; a forecast draws friction from this range", "measure for years", "0 of 419"),
-    WarningKind("temperature_elsewhere", "the temperatures of slips scatter more than those of synthetic records", "put the thermometer on the steel", "0 of 419"),
-    WarningKind("saturated", "readings stay at the largest or the smallest value", "remove these readings, and move the sensor", "0 of 419"),
-    WarningKind("lag", "a lag of the steel was estimated and used", "give `--lag` if it is known", "0 of 419"),
-    WarningKind("lag_beyond", "a lag of two days or more fits best, and was not used", "measure the temperature of the steel", "0 of 419"),
-    WarningKind("other_lag", "a lag was given, but another one fits better", "use `--lag auto`", "0 of 20"),
-    WarningKind("clocks", "the temperature some minutes or hours earlier or later fits better than any lag; up to 55 minutes are corrected", "correct the clock", "0 of 419"),
-    WarningKind("zero_set", "the sensor reading jumps without a slip; the step was fitted", "check the log of the sensor", "0 of 419"),
-    WarningKind("zero_drift", "the sensor drifts; the drift was fitted", "check the sensor", "0 of 419"),
-    WarningKind("mirrored", "the displacement falls as the temperature rises, so its sign was changed", "reverse the sign of z0", EXACT),
-    WarningKind("one_process", "the samples do not determine a second noise process", "measure for longer", EXACT),
-    WarningKind("held_memory", "the correlation time of the slow noise is kept near a tenth of \
-                                the record", "measure for longer", EXACT),
-    WarningKind("smooth_temperature", "the temperature is smoother than that of air; it is modelled as air temperature with a lag", "nothing, if the thermometer is on steel", "0 of 20"),
-    WarningKind("memory_varies", "the fast noise has a different correlation time in a subset of \
-                                  the samples", "use the forecast with care", "0 of 20"),
+    WarningKind("no_shear_stiffness", "without K_BP no force is estimated", "give `bearing.stiffness`", EXACT),
+    WarningKind("no_slips", "no slip is visible; least squares, without intervals", "measure longer", EXACT),
+    WarningKind("poor_fit", "model and measurement differ by more than a slip", "measure each bearing and its own temperature", "0"),
+    WarningKind("large_dilatation", "beta exceeds that of two kilometres of steel", "check the unit of the displacement", EXACT),
+    WarningKind("gap_not_identified", "the standard error of f_s - f_d exceeds a quarter of it, or slips explain under 90 % of the motion", "measure longer, or with less noise", "4"),
+    WarningKind("few_slips", "fewer than 18 slips", "measure longer", EXACT),
+    WarningKind("sparse_samples", "T moves by more than 0.75 G between samples", "sample more often: f_s may be 1 % off, beyond its interval", EXACT),
+    WarningKind("scatter", "slip sizes differ by 20 % more than noise explains", "use the estimates as means; the interval of f_s - f_d is too narrow", "0"),
+    WarningKind("friction_changes", "A changes by more than 5 %", "measure for years", "0"),
+    WarningKind("temperature_elsewhere", "T at slips scatters more than in synthetic records", "put the thermometer on the steel", "0"),
+    WarningKind("saturated", "readings stay at the largest or smallest value", "remove them, and move the sensor", "0"),
+    WarningKind("lag", "a lag was estimated and used", "give `--lag` if it is known", "0"),
+    WarningKind("lag_beyond", "a lag of two days or more fits best; none was used", "measure the temperature of the steel", "0"),
+    WarningKind("other_lag", "another lag fits better than the given one", "use `--lag auto`", "0 of 20"),
+    WarningKind("clocks", "T of other minutes or hours fits better than any lag", "correct the clock", "0"),
+    WarningKind("zero_set", "the sensor jumps where no slip does; the step was fitted", "check the sensor's log", "0"),
+    WarningKind("zero_drift", "the sensor drifts; the drift was fitted", "check the sensor", "0"),
+    WarningKind("mirrored", "z falls as T rises, so its sign was changed", "reverse the sign of z0", EXACT),
+    WarningKind("one_process", "the samples do not determine a second noise process", "measure longer", EXACT),
+    WarningKind("held_memory", "the correlation time of the slow noise is held at a tenth of the record", "measure longer", EXACT),
+    WarningKind("smooth_temperature", "T is smoother than air, and modelled as lagged air", "nothing, if the thermometer is on steel", "0 of 20"),
+    WarningKind("memory_varies", "the fast noise has another correlation time in fewer samples", "use the forecast with care", "0 of 20"),
     WarningKind("record_unlike_forecast", "the record has more or fewer slips than 99.8 % of simulated records", "do not use the intervals", "0.2 %"),
-    WarningKind("draws_redrawn", "some sampled parameter sets were unphysical and were drawn again", "measure for longer", EXACT),
+    WarningKind("draws_redrawn", "unphysical parameters were drawn again", "measure longer", EXACT),
 ];
 
 /// A named warning of a kind in the table.

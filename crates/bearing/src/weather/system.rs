@@ -192,8 +192,17 @@ fn transposed(a: &Square) -> Square {
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
+/// Written as loops, because sums of iterators took two fifths of the time of a calibration.
 pub fn product(a: &Square, b: &Square) -> Square {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..STATES).map(|k| a[i][k] * b[k][j]).sum()))
+    let mut product = [[0.0; STATES]; STATES];
+    for (row, factors) in product.iter_mut().zip(a) {
+        for (factor, other) in factors.iter().zip(b) {
+            for (sum, x) in row.iter_mut().zip(other) {
+                *sum += factor * x;
+            }
+        }
+    }
+    product
 }
 
 /// The covariance of the carried states.

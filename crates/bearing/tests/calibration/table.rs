@@ -166,7 +166,7 @@ const KNOWN: [Situation; 21] = [
     ),
     kept("every hour", HOURLY),
     kept(
-        "every hour, weather of 2 h",
+        "every hour, fast weather of 2 h",
         Logger {
             memory: 2.0,
             ..HOURLY
@@ -256,10 +256,10 @@ const UNKNOWN: [Situation; 9] = [
         share: |time| 1.0 - 0.3 * time / (300.0 * DAY),
         ..SOUND
     },
-    wrong("temperature differs by 1 K of 3 h", |record, seed| {
+    wrong("temperature off by 1 K for 3 h", |record, seed| {
         elsewhere(record, seed, 1.0, 3.0)
     }),
-    wrong("temperature differs by 2 K of 12 h", |record, seed| {
+    wrong("temperature off by 2 K for 12 h", |record, seed| {
         elsewhere(record, seed, 2.0, 12.0)
     }),
     wrong(
@@ -269,9 +269,17 @@ const UNKNOWN: [Situation; 9] = [
     wrong("thermometer an hour slower than the steel", |record, _| {
         slow(record, 60.0)
     }),
-    wrong("two bearings as one", two_bearings),
-    wrong("two bearings as one, K in the ratio 2", stiff_and_soft),
+    wrong("mean of two bearings", two_bearings),
+    wrong("mean of two bearings, one twice as stiff", stiff_and_soft),
     wrong("sensor at the end of its range", saturated),
+];
+
+/// The quantities whose intervals are compared with the truth.
+const COVERED: [Quantity; 4] = [
+    Quantity::Static,
+    Quantity::Reach,
+    Quantity::Stiffness,
+    Quantity::Dilatation,
 ];
 
 /// What the records of a situation came to.
@@ -301,9 +309,7 @@ impl Situation {
         let errors = |quantity| {
             let [off, rms] = [bias(&row.fits, quantity), rmse(&row.fits, quantity)];
             let error = ((rms * rms - off * off) / n as f64).sqrt();
-            let [off, error, rms] = [off, error, rms].map(|x| 100.0 * x);
-            let covered = covered(&row.fits, quantity);
-            format!("{off:+.2} +- {error:.2} % | {rms:.2} % | {covered}")
+            format!("{:+.2}±{:.2}", 100.0 * off, 100.0 * error)
         };
         let warnings = row.fits.iter().flat_map(|(fit, _)| &fit.warnings);
         let mut names: Vec<&str> = warnings.map(|warning| warning.name()).collect();
@@ -315,15 +321,16 @@ impl Situation {
         if row.refused > 0 {
             named.push(format!("{} refused", row.refused));
         }
-        let [k, beta] = [Quantity::Stiffness, Quantity::Dilatation]
-            .map(|quantity| covered(&row.fits, quantity));
+        let covered = COVERED.map(|quantity| covered(&row.fits, quantity).to_string());
         format!(
-            "| {} | {n} | {} | {} | {k} | {beta} | {} |\n",
+            "| {} | {} | {} | {} | {} |\n",
             self.name,
             errors(Quantity::Static),
             errors(Quantity::Reach),
+            covered.join("/"),
             named.join(", ")
         )
+        .replace("|  |", "| |")
     }
 }
 
@@ -344,11 +351,15 @@ fn table() {
                 situation.add(row, place, number);
             }
         }
-        let shown = all
-            .iter()
-            .zip(&rows)
-            .filter(|(_, row)| !row.fits.is_empty());
-        text = shown.map(|(situation, row)| situation.shown(row)).collect();
+        text = "| record | error of f_s, % | error of A, % | covered: f_s/A/K/beta | warnings |\n|---|---|---|---|---|\n".to_string();
+        for (place, (situation, row)) in all.iter().zip(&rows).enumerate() {
+            if place == KNOWN.len() {
+                text += "| **not in the model** | | | | |\n";
+            }
+            if !row.fits.is_empty() {
+                text += &situation.shown(row);
+            }
+        }
         text += &pooled(&rows[..KNOWN.len()]);
         if let Ok(file) = std::env::var("TABLE") {
             std::fs::write(file, &text).expect("a file that can be written");
@@ -364,13 +375,7 @@ fn pooled(rows: &[Row]) -> String {
         let covered: usize = rows.iter().map(|row| covered(&row.fits, quantity)).sum();
         format!("{} {covered}", quantity.symbol())
     };
-    let quantities = [
-        Quantity::Static,
-        Quantity::Reach,
-        Quantity::Stiffness,
-        Quantity::Dilatation,
-    ];
-    format!("of {n} sound records: {}\n", quantities.map(all).join(", "))
+    format!("of {n} sound records: {}\n", COVERED.map(all).join(", "))
 }
 
 /// The false alarms of what the table does not show: in how many sound records another lag than the

