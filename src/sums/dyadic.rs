@@ -20,7 +20,7 @@ const INDEX_BITS: i32 = 50;
 /// The largest index, in either direction.
 pub(crate) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
 
-/// The finest level there is. From here on neither a width nor its inverse is subnormal.
+/// The finest level. From here on neither a width nor its inverse is subnormal.
 const LOWEST: i32 = -1000;
 
 /// The finest level for values no further than `distance` from the centre. Bins of this level are a

@@ -1,4 +1,4 @@
-//! What accuracy costs: the CPU time of the cheapest run that reaches a target, and the bias
+//! The cost of accuracy: the CPU time of the cheapest run that reaches a target, and the bias
 //! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};

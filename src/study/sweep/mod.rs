@@ -34,7 +34,7 @@ use crate::stats::Statistic;
 /// Whether all points use the same noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seeds {
-    /// Path n sees the same noise at every point, from the seed of the scenario.
+    /// Path n has the same noise at every point, from the seed of the scenario.
     Common,
     /// Point i uses the seed of the scenario plus i.
     Independent,
@@ -50,7 +50,7 @@ impl Seeds {
     }
 }
 
-/// A sweep as it was asked for.
+/// The definition of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepQuestion {
     /// The scenario that is varied.

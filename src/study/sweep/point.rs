@@ -1,4 +1,4 @@
-//! What is kept of a point of a sweep.
+//! The stored results of a point of a sweep.
 
 use crate::stats::{Estimate, GroupValues, LimitCycle, Statistic};
 

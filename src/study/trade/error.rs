@@ -5,7 +5,7 @@ use crate::scheme::CheckError;
 /// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
-    /// A scheme does not go with the scenario.
+    /// A scheme is inconsistent with the scenario.
     #[error(transparent)]
     CheckError(#[from] CheckError),
     /// The duration of the scenario, `time.end`, is 0.
