@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 /// so that threads can share the work.
 const PIECES: u64 = 8;
 
-/// How event-driven paths are simulated beside a run.
+/// How event-driven paths are simulated for a reference run.
 struct Pricing {
     /// The largest number of paths in a piece of work lies between these two. A path takes less
     /// time in a large piece, so pieces grow with the number of paths.
@@ -64,7 +64,7 @@ const FIRST: u64 = 16;
 /// The smallest number of paths. With fewer paths, many intervals are not bounded.
 const FEWEST: u64 = 32;
 
-/// A reference run of event-driven paths beside a run.
+/// A reference run of event-driven paths.
 #[derive(Clone, Debug)]
 pub struct ReferenceRun {
     model: Model,
@@ -81,8 +81,8 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// A reference run beside a run of this many paths with this step and seed. It may cost one
-    /// part in `one_part_in` of the run.
+    /// A reference run for a run of this many paths with this step and seed. It may cost one part
+    /// in `one_part_in` of the run.
     pub fn new(
         model: &Model,
         timeline: &Timeline,

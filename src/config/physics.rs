@@ -20,7 +20,7 @@ pub(super) struct Physics {
     pub is_balanced: bool,
     /// White noise, not yet in the model.
     pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as it is written.
+    /// The user-defined force as written.
     pub written_force: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,

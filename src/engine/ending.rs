@@ -16,7 +16,7 @@ use std::time::Duration;
 /// standard error is a few per cent, so a run does not end too early by chance.
 const FIRST_LOOK: u64 = 4;
 
-/// Number of blocks after which a run gives up a goal, if its statistic does not exist or is zero
+/// Number of blocks after which a run abandons a goal, if its statistic does not exist or is zero
 /// within its error.
 const PATIENCE: u64 = 64;
 

@@ -443,7 +443,7 @@ pub struct Stops<'a> {
     pub halt: &'a AtomicBool,
 }
 
-/// A block that was simulated, as it is delivered.
+/// A simulated block, as delivered.
 #[derive(Clone, Debug)]
 pub struct Delivered<S> {
     /// The number of the block.

@@ -88,7 +88,8 @@ impl<L: Lanes> BentThreshold<L> {
             .or_at_least(L::splat(1.0 / MOST_MOVED))
             .or_at_most(L::splat(MOST_MOVED));
         let place = meeting_place((d0, d1 * moved.sqrt()), duration, normal, uniform);
-        // ln of the ratio of the densities on both thresholds, less its value at the typical place.
+        // ln of the ratio of the densities on both thresholds, minus its value at the typical
+        // place.
         let rest = (one - place).or_at_least(L::splat(1e-15));
         let tilt = (place - typical) * (d1.abs() * across * (one - moved) / rest + slope);
         let ratio =

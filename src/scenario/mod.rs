@@ -4,7 +4,7 @@
 //! ```text
 //! Scenario   title, Model, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
-//! check      whether all values go together
+//! check      whether all values are consistent
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
 //! written    a force as the user wrote it
 //! measured   measured temperatures and inputs with where they come from, and how a sensor sees the body
@@ -59,8 +59,8 @@ pub struct Scenario {
     pub is_balanced: bool,
     /// White noise, if the scenario has it; the model contains a fast noise instead.
     pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as it is written, if there is one. A linear one is in the
-    /// stiffness and the damping of the model.
+    /// The user-defined force as written, if there is one. A linear one is in the stiffness and the
+    /// damping of the model.
     pub written_force: Option<WrittenForce>,
     /// The sensor at the bearing, if there is one.
     pub bearing: Option<SensorBearing>,

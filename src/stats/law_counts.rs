@@ -22,8 +22,8 @@ use std::borrow::Cow;
 /// The level of the bins of the public histogram: 8 bins per octave.
 const PUBLIC: i32 = -3;
 
-/// The level of the bins of survival curves: 256 bins per octave. If a batch has so many durations
-/// that its own bins are wider, theirs is used.
+/// The level of the bins of survival curves: 256 bins per octave. If the bins of a batch are wider,
+/// because it has many durations, its width is used.
 const FINE: i32 = -8;
 
 /// Below this share of the scale of a law, values are binned evenly instead of logarithmically. They

@@ -158,7 +158,7 @@ pub struct DensityCurve {
 pub struct Densities {
     /// Of x, at all times.
     pub displacement: DensityCurve,
-    /// Of x' in motion. Its integral is one less the share of the time at rest.
+    /// Of x' in motion. Its integral is one minus the share of the time at rest.
     pub velocity: DensityCurve,
     /// The edges of the cells of `joint`: those of x, and those of x'.
     pub joint_edges: [Vec<f64>; 2],

@@ -273,8 +273,8 @@ struct Cluster {
     count: u64,
 }
 
-/// The bins with the most values between gaps of so many empty ones that they take no more than
-/// `most` slots.
+/// The bins with the most values between gaps, chosen such that they take no more than `most`
+/// slots.
 fn fullest(list: &[(i64, u64)], most: i64) -> Cluster {
     let mut gap = most;
     loop {

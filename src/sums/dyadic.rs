@@ -110,7 +110,7 @@ pub(crate) fn excess(bins: &[(i64, u64)], limit: usize) -> u32 {
         return 0;
     }
     // The bins that are left some levels up are one more than the pairs of neighbours that are
-    // farther apart than so many levels.
+    // farther apart than this many levels.
     let apart = bins
         .windows(2)
         .map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));

@@ -120,7 +120,8 @@ impl ErrorLaw {
         // The factor is that of the unbiased skewness of numbers about their mean.
         let unbiased = (most / units as f64).sqrt() * units as f64 / (most - 1.0);
         let skewness = unbiased * cubes / squares / squares.sqrt();
-        // The scatter of the sum of squares is that of a chi square with so many degrees of freedom.
+        // The scatter of the sum of squares is that of a chi square with this many degrees of
+        // freedom.
         let freedom = if scatter * most > 1.0 && scatter.is_finite() {
             1.0 / scatter
         } else {

@@ -83,7 +83,7 @@ impl Ordered {
                     ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
                 below + (above - below) * 0.5
             }
-            // There are so many values that the median is taken as the place where the distribution
+            // With this many values, the median is taken as the place where the distribution
             // function of the others, which is linear within bins, is one half.
             _ => {
                 let (mut low, mut high) = (self.of_rank(0), self.of_rank(self.count() - 1));

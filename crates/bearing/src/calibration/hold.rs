@@ -30,7 +30,7 @@ pub fn conditioned(
     estimates
 }
 
-/// A held quantity as a linear equation for (z0, moving, still), for a given motion: the
+/// A fixed quantity as a linear equation for (z0, moving, still), for a given motion: the
 /// coefficients, and the value of the combination, both in the unit of displacement.
 pub fn row((quantity, value): &Held, motion: &Motion, shear_stiffness: f64) -> ([f64; 3], f64) {
     /// The factor of slopes, in kelvin. It is about the range of temperatures, which gives the

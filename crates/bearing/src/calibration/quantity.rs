@@ -54,7 +54,7 @@ impl Quantity {
     /// Number of parameters.
     pub const PARAMETERS: usize = 7;
 
-    /// The parameters that can be fitted or held; f_s - f_d follows from them.
+    /// The parameters that can be fitted or fixed; f_s - f_d follows from them.
     pub const FITTED: [Quantity; 6] =
         [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
 

@@ -134,7 +134,7 @@ pub enum NotHeld {
     #[error("{} is neither fitted nor given as a number in the scenario", .0.key())]
     NoNumber(Quantity),
     /// It can be known only together with K_BP.
-    #[error("{} cannot be held or bounded without K_BP", .0.key())]
+    #[error("{} cannot be fixed or bounded without K_BP", .0.key())]
     TakesShearStiffness(Quantity),
     /// It applies to least squares, which were not requested.
     #[error("bounds apply to the least-squares search, which method = slips does not use")]

@@ -47,11 +47,12 @@ impl ParameterEstimate {
     }
 }
 
-/// Factors of the standard deviations of the estimates by slips, with which intervals around those of
-/// the paper's least squares contain the truth in 90 % of 150 synthetic records of the paper's bridge.
+/// Factors of the standard deviations of the estimates by slips, with which intervals around the
+/// paper's least-squares estimates contain the true values in 90 % of 150 synthetic records of the
+/// paper's bridge.
 ///
-/// Least squares determines A and G far better if friction is always the same. It determines K, f_s
-/// and f_d far worse, because it takes red noise for independent.
+/// Least squares determines A and G far better if friction is constant. It determines K, f_s and
+/// f_d far worse, because it treats red noise as independent.
 const WIDENING_ERR: Values = [
     2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85,
 ];

@@ -1,9 +1,8 @@
-//! The zero of the displacement sensor, which jumps where somebody sets it and drifts as it ages.
+//! The zero of the displacement sensor, which jumps when it is reset and drifts with age.
 //!
-//! The middles of the jumps of z, less still T, lie on a line over the temperature (`fit.rs`). A
-//! sensor whose zero moves leaves that line: by a step at the time at which it was set, or in
-//! proportion to the time. Steps and a drift are columns of the same regression, where they are
-//! needed.
+//! The middles of the jumps of z, minus still T, lie on a line over the temperature (`fit.rs`). If
+//! the zero moves, they deviate from that line: by a step at the time of the reset, or in
+//! proportion to time. Steps and a drift are additional columns of the same regression, if needed.
 
 use crate::linear::Normal;
 

@@ -24,7 +24,7 @@ use stickslip::study::sweep::{
 /// Name and version of the format.
 pub const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 
-/// A sweep as it is read back from a data set.
+/// A sweep read from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSweep {
     /// The sweep, with the points that are done.

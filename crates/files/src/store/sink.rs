@@ -55,7 +55,7 @@ pub struct Unfinished {
     pub question: RunQuestion,
     /// The sums of the paths that are done, and the time spent on them.
     pub so_far: SoFar,
-    /// The sink that goes on saving the run.
+    /// The sink that continues to save the run.
     pub sink: FileSink,
 }
 

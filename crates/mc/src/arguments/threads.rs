@@ -14,7 +14,7 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// The number that was asked for, or one for each core.
+    /// The requested number, or one for each core.
     pub fn number(&self) -> usize {
         self.threads
             .map_or_else(crate::cores, usize::from)

@@ -49,7 +49,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
             if raised.swap(true, Ordering::Relaxed) {
                 std::process::exit(i32::from(exit_code()));
             }
-            note("\nstopping; press Ctrl-C again to stop at once");
+            note("\nstopping; press Ctrl-C again to stop immediately");
         }
     });
     let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";

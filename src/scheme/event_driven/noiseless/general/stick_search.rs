@@ -1,6 +1,6 @@
 //! The first time at which a force exceeds a limit in a stick, where both are any function of time.
 //!
-//! Let the excess of b be b less its limit, upwards, and -b less its limit, downwards. On an
+//! Let the excess of b be b minus its limit, upwards, and -b minus its limit, downwards. On an
 //! interval at whose ends and in whose middle an excess is known, it is taken to be the parabola
 //! through these values. How much it differs from the parabola at one more time, which is not at a
 //! simple fraction of the interval, bounds the error. An interval on which an excess neither stays
