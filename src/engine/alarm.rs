@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// `LOOK` is the time between two checks of the clock and the caller's flag. `GRACE` is the time
+/// `CHECK_INTERVAL` is the time between two checks of the clock and the caller's flag. `GRACE` is the time
 /// that unfinished blocks may still take when the run is to end.
-const LOOK: Duration = Duration::from_millis(50);
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 const GRACE: Duration = Duration::from_millis(150);
 
 /// The flags, and the conditions for setting them.
@@ -78,7 +78,7 @@ impl<'a> Alarm<'a> {
                 .fetch_or(is_stopped || is_past(self.limits[1]), Ordering::Relaxed);
             is_over = self
                 .over
-                .wait_timeout(is_over, LOOK)
+                .wait_timeout(is_over, CHECK_INTERVAL)
                 .unwrap_or_else(PoisonError::into_inner)
                 .0;
         }

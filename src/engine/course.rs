@@ -54,7 +54,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     pub fn left(&mut self) -> Range<u64> {
         let Range { start, end } = self.asked.blocks();
         let first = self.done();
-        match self.look(first) {
+        match self.judge(first) {
             Judgement::Stop(reason) if first > start => {
                 self.ended_by = Some(reason);
                 first..first
@@ -73,8 +73,8 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     }
 
     /// Whether the run ends after this many blocks.
-    fn look(&self, blocks: u64) -> Judgement {
-        match self.endings.look(blocks, &self.totals, self.clock.spent()) {
+    fn judge(&self, blocks: u64) -> Judgement {
+        match self.endings.judge(blocks, &self.totals, self.clock.spent()) {
             // A run whose blocks are all done needs no more time.
             Judgement::Stop(EndedBy::TimeLimit { blocks }) if blocks == self.asked.blocks().end => {
                 Judgement::GoOn(None)
@@ -120,7 +120,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         if let Some(statistic) = self.progress.watches() {
             self.progress.estimate(&self.totals.estimate(statistic));
         }
-        Ok(match self.look(end) {
+        Ok(match self.judge(end) {
             Judgement::GoOn(needed) => {
                 let all = self.asked.own_paths();
                 self.progress

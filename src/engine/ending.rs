@@ -14,7 +14,7 @@ use std::time::Duration;
 
 /// Number of blocks before goals are first judged. From 1024 paths on, the relative error of a
 /// standard error is a few per cent, so a run does not end too early by chance.
-const FIRST_LOOK: u64 = 4;
+const FIRST_JUDGED: u64 = 4;
 
 /// Number of blocks after which a run abandons a goal, if its statistic does not exist or is zero
 /// within its error.
@@ -135,7 +135,7 @@ pub(super) enum Judgement {
 impl Endings {
     /// Judge the goals and the time limit after the first `blocks` blocks, with their totals and
     /// the time spent on them.
-    pub fn look<X: Merge + Clone>(
+    pub fn judge<X: Merge + Clone>(
         &self,
         blocks: u64,
         totals: &RunTotals<X>,
@@ -150,7 +150,7 @@ impl Endings {
     }
 
     fn judge<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
-        if self.goals.is_empty() || blocks < FIRST_LOOK {
+        if self.goals.is_empty() || blocks < FIRST_JUDGED {
             return Judgement::GoOn(None);
         }
         let paths = blocks * BLOCK_SIZE;
@@ -275,7 +275,7 @@ mod tests {
                     .push(blocks - 1, plan.block(blocks - 1).totals)
                     .expect("once");
                 matches!(
-                    endings.look(blocks, &totals, Duration::ZERO),
+                    endings.judge(blocks, &totals, Duration::ZERO),
                     Judgement::Stop(EndedBy::Goals { .. })
                 )
             });

@@ -108,7 +108,7 @@ impl ReplayRows {
         };
         match self {
             ReplayRows::Steps { .. } => plan,
-            ReplayRows::Finer(refinement) => plan.looked_at_closer(refinement),
+            ReplayRows::Finer(refinement) => plan.with_additional_rows(refinement),
         }
     }
 }

@@ -149,12 +149,12 @@ impl Plan {
         self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
-    /// The same ensemble with a finer output grid, of which every `closeness`-th row is one of the
+    /// The same ensemble with a finer output grid, of which every `row_stride`-th row is one of the
     /// run and the others are only intermediate observation times
-    /// ([`crate::scheme::Simulate::looked_at_closer`]).
-    pub fn looked_at_closer(self, closeness: usize) -> Self {
+    /// ([`crate::scheme::Simulate::with_additional_rows`]).
+    pub fn with_additional_rows(self, row_stride: usize) -> Self {
         Plan {
-            simulation: self.simulation.looked_at_closer(closeness),
+            simulation: self.simulation.with_additional_rows(row_stride),
             ..self
         }
     }

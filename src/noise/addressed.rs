@@ -30,22 +30,22 @@ pub struct AddressedDraws {
 }
 
 /// The first place of a macro step whose numbers are only used for observing a path.
-const LOOKING: u64 = 1 << 31;
+const OBSERVING: u64 = 1 << 31;
 
 /// The number of places that belong to one instant at which paths are observed. The most that are
 /// needed are two for each of the 1000 attempts to draw a bridge inside the band.
-const PER_LOOK: u64 = 1 << 11;
+const PER_OBSERVATION: u64 = 1 << 11;
 
 /// The first place of the numbers for observing a path at an instant inside a macro step. No event
 /// depends on them. `ordinal` is the number of the instant among those of the run in the macro
 /// step, or among the additional ones. If there are more instants than places, numbers are reused.
-pub fn looking_place(ordinal: u64, is_closer: bool) -> u64 {
-    let half = LOOKING / 2;
-    LOOKING + u64::from(is_closer) * half + ordinal * PER_LOOK % half
+pub fn observation_place(ordinal: u64, is_additional: bool) -> u64 {
+    let half = OBSERVING / 2;
+    OBSERVING + u64::from(is_additional) * half + ordinal * PER_OBSERVATION % half
 }
 
 /// The place, in macro step 0, of the numbers for the initial state of a path.
-const START: u64 = LOOKING - 1;
+const START: u64 = OBSERVING - 1;
 
 impl AddressedDraws {
     /// The numbers of path `path` of the ensemble with this seed, from the first place of macro

@@ -11,7 +11,7 @@ mod rng;
 mod stream;
 
 pub use addressed::AddressedDraws;
-pub use addressed::{LaneDraws, looking_place};
+pub use addressed::{LaneDraws, observation_place};
 pub use bent_threshold::BentThreshold;
 pub use first_passage::{
     Distances, first_meeting_probability, meeting_probability, misses_other, no_meeting_probability,

@@ -14,7 +14,7 @@ pub trait Method: Copy {
     /// Which parameter the scheme has.
     const PARAMETER: Parameter;
     /// The appearance of the scheme in pictures.
-    const LOOK: Look;
+    const APPEARANCE: Appearance;
     /// The scheme on one model and one timeline.
     type Simulation: Simulate;
 
@@ -107,11 +107,11 @@ pub trait Simulate: Sized {
         self
     }
 
-    /// The same simulation of the same paths, where every `closeness`-th row of the output grid
-    /// belongs to the run (`closeness` >= 1), and the rows in between are additional. The states in
+    /// The same simulation of the same paths, where every `row_stride`-th row of the output grid
+    /// belongs to the run (`row_stride` >= 1), and the rows in between are additional. The states in
     /// the rows of the run are the same with and without them. A scheme with a step is not changed,
     /// nor is a simulation without noise, because the states are known at every time there.
-    fn looked_at_closer(self, _closeness: usize) -> Self {
+    fn with_additional_rows(self, _row_stride: usize) -> Self {
         self
     }
 
@@ -163,7 +163,7 @@ pub enum Discretisation {
 
 /// The appearance of a scheme in pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
+pub struct Appearance {
     /// A colour as SVG writes it. The colours can be distinguished by colour-blind readers (Okabe
     /// and Ito).
     pub colour: &'static str,

@@ -42,12 +42,12 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, PathSegment,
-    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, Watch, WatchedPiece,
-    Watching, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, ObservationTime, Known, MacroStep, Noiseless, Path, PathSegment,
+    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, PathObserver, ObservedSegment,
+    SharedObserver, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Look, Method, Observer, Parameter,
+    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Appearance, Method, Observer, Parameter,
     Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
@@ -69,7 +69,7 @@ impl Method for QuasiStatic {
     const PARAMETER: Parameter = Parameter::Tolerance {
         grid: &[DEFAULT_TOLERANCE],
     };
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#CC79A7",
         dash: "2 3",
     };
@@ -472,13 +472,13 @@ impl Cascade for NoisyRecursion {
         direction: Sign,
         end_noise: f64,
         _: &mut (),
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>> {
         path.work.spend()?;
         let x0 = path.displacement;
         let (began, excess) = (path.motion.0 - macro_step.start, path.motion.1);
         let end = began + self.slip.response.duration;
-        let mut piece = SwingPiece {
+        let mut piece = SwingSegment {
             slip: &self.slip,
             began,
             displacement: x0,
@@ -492,9 +492,9 @@ impl Cascade for NoisyRecursion {
                 noise_between(&self.scene, piece.ends, end, &mut path.draws),
             );
         }
-        watch.look(&self.scene, || piece);
+        observer.observe(&self.scene, || piece);
         let began_at = path.motion.0;
-        if watch.follows() {
+        if observer.follows() {
             let from = macro_step.start + path.after - began_at;
             let until = if end < macro_step.length {
                 self.slip.response.duration
@@ -503,7 +503,7 @@ impl Cascade for NoisyRecursion {
             };
             self.slip
                 .segments(began_at, x0, direction, excess, [from, until], |segment| {
-                    watch.segment(segment)
+                    observer.segment(segment)
                 });
         }
         (path.after, path.noise) = piece.ends[1];
@@ -525,7 +525,7 @@ impl Cascade for NoisyRecursion {
         (event.time, self.slip.excess(event))
     }
 
-    fn look(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
+    fn end_state(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => self.slip.at(
@@ -540,7 +540,7 @@ impl Cascade for NoisyRecursion {
 
 /// A piece of a slip. The body moves as without noise, and n is a bridge.
 #[derive(Clone, Copy)]
-struct SwingPiece<'a> {
+struct SwingSegment<'a> {
     slip: &'a Swing,
     /// The time at which the slip began, after the start of the macro step, and x and the excess of
     /// |b| at that time.
@@ -552,7 +552,7 @@ struct SwingPiece<'a> {
     ends: [Known; 2],
 }
 
-impl WatchedPiece for SwingPiece<'_> {
+impl ObservedSegment for SwingSegment<'_> {
     fn end(&self) -> f64 {
         self.ends[1].0
     }
@@ -560,10 +560,10 @@ impl WatchedPiece for SwingPiece<'_> {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
-        let time = glance.time;
+        let time = instant.time;
         let noise = noise_between(scene, self.ends, time, draws);
         let (x, v) = self.slip.at(
             self.displacement,
@@ -571,15 +571,15 @@ impl WatchedPiece for SwingPiece<'_> {
             self.excess,
             time - self.began,
         );
-        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
+        let seen = (x, v, scene.temperature(instant.forcing, noise), false);
         let ([first, last], here) = (self.ends, (time, noise));
         (
             seen,
-            SwingPiece {
+            SwingSegment {
                 ends: [first, here],
                 ..*self
             },
-            SwingPiece {
+            SwingSegment {
                 ends: [here, last],
                 ..*self
             },
@@ -605,7 +605,7 @@ impl Simulate for QuasiStaticSimulation {
     ) -> Simulated {
         match &self.exits {
             Exits::Noisy(cascade) => {
-                let observer = Watching::new(observer);
+                let observer = SharedObserver::new(observer);
                 let (is_stopped, follows) = (
                     || observer.borrow().is_stopped(),
                     observer.borrow().follows(),
@@ -628,9 +628,9 @@ impl Simulate for QuasiStaticSimulation {
         self
     }
 
-    fn looked_at_closer(mut self, closeness: usize) -> Self {
+    fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.route.closeness = closeness;
+            cascade.route.row_stride = row_stride;
         }
         self
     }

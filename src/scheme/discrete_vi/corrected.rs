@@ -8,7 +8,7 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Drive, Friction, Model};
-use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
+use crate::scheme::{CheckError, Discretisation, Appearance, Method, Parameter, Stability, Timeline};
 use stickslip_data::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while
@@ -23,7 +23,7 @@ impl Method for CorrectedVi {
     const NAME: &'static str = "corrected-vi";
     const MEANING: &'static str = "the discrete variational inequality with corrected stick exits";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#0072B2",
         dash: "8 3 2 3",
     };

@@ -6,7 +6,7 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Model, Oscillator};
-use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
+use crate::scheme::{CheckError, Discretisation, Appearance, Method, Parameter, Stability, Timeline};
 use std::f64::consts::PI;
 
 /// The discrete variational inequality with this step.
@@ -20,7 +20,7 @@ impl Method for DiscreteVi {
     const NAME: &'static str = "discrete-vi";
     const MEANING: &'static str = "the discrete variational inequality";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#D55E00",
         dash: "8 4",
     };

@@ -123,9 +123,9 @@ impl Simulate for EventDrivenSimulation {
         self
     }
 
-    fn looked_at_closer(mut self, closeness: usize) -> Self {
+    fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Chosen::Noisy(cascade) = &mut self.chosen {
-            cascade.route.closeness = closeness;
+            cascade.route.row_stride = row_stride;
         }
         self
     }

@@ -63,7 +63,7 @@ pub const fn work_limit(cost: u64) -> u64 {
 }
 
 /// After this number of evaluations, a path checks whether it is still wanted. They take 0.1 to 10 ms.
-const LOOK: u64 = 1 << 10;
+const CHECK_EVERY: u64 = 1 << 10;
 
 impl WorkLeft<'static> {
     /// A limit of `limit` evaluations.
@@ -76,7 +76,7 @@ impl WorkLeft<'static> {
 impl<'w> WorkLeft<'w> {
     /// A limit of `limit` evaluations, and of those made until `is_stopped`.
     pub fn watched(limit: u64, is_stopped: &'w dyn Fn() -> bool) -> Self {
-        let left = limit.min(LOOK);
+        let left = limit.min(CHECK_EVERY);
         WorkLeft {
             left,
             later: limit - left,
@@ -97,14 +97,14 @@ impl<'w> WorkLeft<'w> {
                 self.left = left;
                 Ok(())
             }
-            None => self.look(),
+            None => self.check_wanted(),
         }
     }
 
     /// Counts an evaluation when the next check is due.
     #[cold]
     #[inline(never)]
-    fn look(&mut self) -> Resolved<()> {
+    fn check_wanted(&mut self) -> Resolved<()> {
         let Some(later) = self.later.checked_sub(1) else {
             return Err(Unresolved::TooLong);
         };
@@ -137,9 +137,9 @@ mod tests {
         for (limit, spent, why) in [
             (0, 0, Unresolved::TooLong),
             (1, 1, Unresolved::TooLong),
-            (2 * LOOK, 2 * LOOK, Unresolved::TooLong),
+            (2 * CHECK_EVERY, 2 * CHECK_EVERY, Unresolved::TooLong),
             // The evaluation at which it looks counts as well.
-            (10 * LOOK, 3 * LOOK + 2, Unresolved::Stopped),
+            (10 * CHECK_EVERY, 3 * CHECK_EVERY + 2, Unresolved::Stopped),
         ] {
             looks.set(0);
             let mut work = WorkLeft::watched(limit, &look);

@@ -7,7 +7,7 @@
 //!     user_force      a step under a user-defined force
 //!     stop_search    bisects a step from left to right
 //!     step_flow      the motion of the step without noise, for weak noise and for observers
-//! watch          draws the state at instants inside a macro step, without changing the path
+//! observation        draws the state at instants inside a macro step, without changing the path
 //! paths     all paths, one after the other
 //! ```
 
@@ -18,10 +18,10 @@ mod step_flow;
 mod stick;
 mod stop_search;
 mod user_force;
-mod watch;
+mod observation;
 
 pub use path::{Cascade, Path, Route, cross, start};
 pub use paths::ScalarPaths;
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
-pub use watch::{Follower, Glances, NullObserver, Watch, WatchedPiece};
+pub use observation::{MotionObserver, ObservedTimes, NullObserver, PathObserver, ObservedSegment};

@@ -5,7 +5,7 @@ use super::super::law::{
 };
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
-use super::watch::Watch;
+use super::observation::PathObserver;
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;
@@ -44,9 +44,9 @@ pub struct Route {
     pub band: StickBand,
     /// The number of evaluations that a path may make.
     pub work_limit: u64,
-    /// Every `closeness`-th row of the output grid belongs to the run; the rows in between are
+    /// Every `row_stride`-th row of the output grid belongs to the run; the rows in between are
     /// additional observation times.
-    pub closeness: usize,
+    pub row_stride: usize,
 }
 
 impl Route {
@@ -67,7 +67,7 @@ impl Route {
             ),
             band: StickBand::new(scene, rules.chord_error),
             work_limit: work_limit(cost),
-            closeness: 1,
+            row_stride: 1,
         }
     }
 }
@@ -93,14 +93,14 @@ pub trait Cascade {
         direction: Sign,
         end_noise: f64,
         scratch: &mut Self::Scratch,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>>;
 
     /// The motion at the start of the phase that follows an event.
     fn motion_after(&self, event: &Event) -> Self::Memory;
 
     /// x and x' at the end of the macro step to which the path has been taken.
-    fn look(&self, path: &Path<Self::Memory>, macro_step: &MacroStep) -> (f64, f64);
+    fn end_state(&self, path: &Path<Self::Memory>, macro_step: &MacroStep) -> (f64, f64);
 }
 
 /// A path at t = 0.
@@ -149,7 +149,7 @@ pub fn cross<C: Cascade>(
     macro_step: &MacroStep,
     path: &mut Path<C::Memory>,
     (scratch, pending): &mut (C::Scratch, PendingNodes),
-    watch: &mut impl Watch,
+    observer: &mut impl PathObserver,
     mut emit: impl FnMut(Event),
 ) -> Resolved<()> {
     let end_noise = noise_at_the_end(macro_step, path);
@@ -162,9 +162,9 @@ pub fn cross<C: Cascade>(
     }
     loop {
         let event = match path.phase {
-            Phase::Static => stick(cascade, macro_step, path, end_noise, pending, watch)?,
+            Phase::Static => stick(cascade, macro_step, path, end_noise, pending, observer)?,
             Phase::Slip(direction) => {
-                cascade.slip(macro_step, path, direction, end_noise, scratch, watch)?
+                cascade.slip(macro_step, path, direction, end_noise, scratch, observer)?
             }
         };
         let Some(event) = event else { break };

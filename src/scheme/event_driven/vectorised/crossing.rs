@@ -1,7 +1,7 @@
 //! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
 //! output times, and the lanes that cross the macro step in scalar form.
 
-use super::super::law::{Glance, MacroStep};
+use super::super::law::{ObservationTime, MacroStep};
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
@@ -16,7 +16,7 @@ const SWEPT: usize = 4096;
 
 /// After this number of tasks in one macro step, the scheme asks whether the paths are still
 /// wanted.
-const LOOK: u32 = 64;
+const CHECK_EVERY: u32 = 64;
 
 /// A crossing of one macro step by all paths, in lanes of one kind.
 pub struct Crossing<'p, 'a, L: Lanes> {
@@ -117,12 +117,12 @@ tasks! {
 }
 
 /// Draws the states at the stops inside the macro step.
-struct LookInside<'i>(&'i mut Inside);
+struct ObserveInside<'i>(&'i mut Inside);
 
-impl Stage for LookInside<'_> {
+impl Stage for ObserveInside<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
-        crossing.look(self.0);
+        crossing.observe(self.0);
     }
 }
 
@@ -155,9 +155,9 @@ impl Vectorised<'_> {
         macro_step: &MacroStep,
         mut inside: Option<&mut Inside>,
     ) {
-        let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
-        self.begin_macro_step(macro_step, glances);
-        if self.go_scalar(macro_step, glances) {
+        let instants = inside.as_ref().map_or(&[][..], |inside| &inside.instants);
+        self.begin_macro_step(macro_step, instants);
+        if self.go_scalar(macro_step, instants) {
             self.mark_all_odd();
         } else {
             self.run(macro_step, CrossingStage);
@@ -166,13 +166,13 @@ impl Vectorised<'_> {
                     break;
                 };
                 self.work_on(task, macro_step);
-                if turn.is_multiple_of(LOOK) && (self.is_stopped)() {
+                if turn.is_multiple_of(CHECK_EVERY) && (self.is_stopped)() {
                     return;
                 }
             }
             self.count_work();
             if let Some(inside) = &mut inside {
-                self.run(macro_step, LookInside(inside));
+                self.run(macro_step, ObserveInside(inside));
             }
             self.drop_events_of_odd();
         }
@@ -203,8 +203,8 @@ impl Vectorised<'_> {
     }
 
     /// Starts a new macro step, in which the paths are observed at these instants.
-    fn begin_macro_step(&mut self, macro_step: &MacroStep, glances: &[Glance]) {
-        self.records.begin(macro_step.start, glances);
+    fn begin_macro_step(&mut self, macro_step: &MacroStep, instants: &[ObservationTime]) {
+        self.records.begin(macro_step.start, instants);
         self.spent_before.copy_from_slice(&self.spent);
         self.jobs.clear();
     }
@@ -212,11 +212,11 @@ impl Vectorised<'_> {
     /// Whether all paths cross the macro step in scalar form: if most of them would have to cross
     /// it again in scalar form, if there are additional observation times (only for few paths), or
     /// if they move at t = 0.
-    fn go_scalar(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
+    fn go_scalar(&self, macro_step: &MacroStep, instants: &[ObservationTime]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
             macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
-        are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
+        are_odd || have_initial_velocity || instants.iter().any(|instant| instant.is_additional)
     }
 
     /// Marks all lanes to cross the macro step in scalar form.

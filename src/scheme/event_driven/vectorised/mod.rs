@@ -3,7 +3,7 @@
 //! ```text
 //! sweep    draws n at the end of the macro step, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
-//! look     draws the states at output times inside the macro step, in the pieces that hold them
+//! observe  draws the states at output times inside the macro step, in the pieces that hold them
 //! scalar   the few lanes that meet a rare case cross the macro step again, path by path
 //! ```
 //!
@@ -18,7 +18,7 @@
 
 mod crossing;
 mod jobs;
-mod look;
+mod observe;
 mod records;
 mod shared_step;
 mod slip;
@@ -29,7 +29,7 @@ mod sweep;
 mod tests;
 
 use super::law::MacroStep;
-use super::macro_step_loop::{Inside, PathSet, Watching};
+use super::macro_step_loop::{Inside, PathSet, SharedObserver};
 use super::noisy::Noisy;
 use super::scalar::{self, Cascade, NullObserver, Path, PendingNodes, SlipBuffers};
 use super::work::{Simulated, Unresolved, WorkLeft};
@@ -220,13 +220,13 @@ impl<'a> Vectorised<'a> {
 }
 
 /// Writes the state of every path at the end of a macro step.
-struct LookAtEnd<'p, 'a> {
+struct WriteStates<'p, 'a> {
     paths: &'p Vectorised<'a>,
     passed: &'p MacroStep,
     columns: &'p mut StateColumns,
 }
 
-impl LaneProgram for LookAtEnd<'_, '_> {
+impl LaneProgram for WriteStates<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let scene = &self.paths.noisy.scene;
@@ -247,7 +247,7 @@ impl PathSet for Vectorised<'_> {
         self.noisy
     }
 
-    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>) {
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &SharedObserver<'_>) {
         for macro_step in macro_steps {
             if (self.is_stopped)() {
                 return;
@@ -260,12 +260,12 @@ impl PathSet for Vectorised<'_> {
         }
     }
 
-    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
+    fn cross_observed(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
         self.cross_macro_step(macro_step, Some(inside));
     }
 
-    fn look(&self, passed: &MacroStep, columns: &mut StateColumns) {
-        self.instructions.run(&mut LookAtEnd {
+    fn write_states(&self, passed: &MacroStep, columns: &mut StateColumns) {
+        self.instructions.run(&mut WriteStates {
             paths: self,
             passed,
             columns,

@@ -497,7 +497,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Notes n and b at the start of a step, for observing it.
     #[inline(always)]
     fn began(&mut self, rows: &RowNumbers, lanes: u32, noise: L, force: L) {
-        if self.paths.records.is_watched() {
+        if self.paths.records.is_observed() {
             let (mut noises, mut forces) = ([0.0; ROW], [0.0; ROW]);
             noise.store(&mut noises);
             force.store(&mut forces);

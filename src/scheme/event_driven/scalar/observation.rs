@@ -7,20 +7,20 @@
 //! The output rows of a run are drawn first. Additional rows between them are drawn given those,
 //! from other random numbers. So they agree with everything that the run has recorded.
 
-use super::super::law::{Bridge, Glance, Scene, StickEnd, StickPiece, Stuck, TRIES};
+use super::super::law::{Bridge, ObservationTime, Scene, StickEnd, StickPiece, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Segment;
 use crate::scheme::columns::{Seen, StateColumns};
 
 /// An observer of one path inside a macro step.
-pub trait Watch {
+pub trait PathObserver {
     /// Whether the path is observed inside this macro step.
-    fn is_looking(&self) -> bool;
+    fn is_observing(&self) -> bool;
     /// Whether there are instants to observe before this time after the start of the macro step.
     fn is_ahead(&self, end: f64) -> bool;
     /// Observes a segment of the path: draws the state at all instants before its end. An instant
     /// at its end belongs to the next segment.
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
     /// Whether the motion is followed, segment by segment.
     #[inline(always)]
     fn follows(&self) -> bool {
@@ -31,27 +31,27 @@ pub trait Watch {
     fn segment(&mut self, _: Segment) {}
 }
 
-/// Observes one path like `watch`, and also records its motion if there is a place for it.
-pub struct Follower<'a, W> {
-    pub watch: W,
+/// Observes one path like `observer`, and also records its motion if there is a place for it.
+pub struct MotionObserver<'a, W> {
+    pub observer: W,
     pub lane: usize,
     pub segments: Option<&'a mut Vec<(usize, Segment)>>,
 }
 
-impl<W: Watch> Watch for Follower<'_, W> {
+impl<W: PathObserver> PathObserver for MotionObserver<'_, W> {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
-        self.watch.is_looking() || self.follows()
+    fn is_observing(&self) -> bool {
+        self.observer.is_observing() || self.follows()
     }
 
     #[inline(always)]
     fn is_ahead(&self, end: f64) -> bool {
-        self.watch.is_ahead(end)
+        self.observer.is_ahead(end)
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
-        self.watch.look(scene, piece);
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+        self.observer.observe(scene, piece);
     }
 
     #[inline(always)]
@@ -70,9 +70,9 @@ impl<W: Watch> Watch for Follower<'_, W> {
 /// There are no instants to observe inside this macro step.
 pub struct NullObserver;
 
-impl Watch for NullObserver {
+impl PathObserver for NullObserver {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
+    fn is_observing(&self) -> bool {
         false
     }
 
@@ -82,12 +82,12 @@ impl Watch for NullObserver {
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
+    fn observe<P: ObservedSegment>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
 }
 
 /// Observes one path at these times, in order.
-pub struct Glances<'a> {
-    pub glances: &'a [Glance],
+pub struct ObservedTimes<'a> {
+    pub instants: &'a [ObservationTime],
     /// When the macro step begins.
     pub macro_step_start: f64,
     /// The random numbers of the path in this macro step.
@@ -99,9 +99,9 @@ pub struct Glances<'a> {
     pub passed: usize,
 }
 
-impl Watch for Glances<'_> {
+impl PathObserver for ObservedTimes<'_> {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
+    fn is_observing(&self) -> bool {
         true
     }
 
@@ -111,32 +111,32 @@ impl Watch for Glances<'_> {
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         let end = self.macro_step_start + rest.end();
-        while let Some(row) = self.ahead(end).find(|glance| !glance.is_closer) {
+        while let Some(row) = self.ahead(end).find(|instant| !instant.is_closer) {
             let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
-            self.look_closer(scene, before, row.at);
+            self.observe_additional(scene, before, row.at);
             self.put(seen);
             rest = behind;
         }
-        self.look_closer(scene, rest, end);
+        self.observe_additional(scene, rest, end);
     }
 }
 
-impl<'a> Glances<'a> {
+impl<'a> ObservedTimes<'a> {
     /// The instants that remain before the time `end`.
-    fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
-        self.glances[self.passed..]
+    fn ahead(&self, end: f64) -> impl Iterator<Item = ObservationTime> + use<'a> {
+        self.instants[self.passed..]
             .iter()
             .copied()
-            .take_while(move |glance| glance.at < end)
+            .take_while(move |instant| instant.at < end)
     }
 
     /// Draws the states at the rows between those of the run, before the time `end`.
     #[inline(always)]
-    fn look_closer<P: WatchedPiece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
-        while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
+    fn observe_additional<P: ObservedSegment>(&mut self, scene: &Scene, mut piece: P, end: f64) {
+        while let Some(row) = self.ahead(end).next().filter(|instant| instant.is_closer) {
             let (seen, _, behind) = piece.parted(scene, row, &mut self.draws.from(row.place));
             self.put(seen);
             piece = behind;
@@ -151,7 +151,7 @@ impl<'a> Glances<'a> {
 }
 
 /// A segment of a path without an event, except perhaps at its end.
-pub trait WatchedPiece: Sized {
+pub trait ObservedSegment: Sized {
     /// The time at which it ends, after the start of the macro step.
     fn end(&self) -> f64;
     /// Draws the state at an instant inside the segment. Returns the state and the two parts of the
@@ -159,12 +159,12 @@ pub trait WatchedPiece: Sized {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self);
 }
 
-impl WatchedPiece for (StickPiece, StickEnd) {
+impl ObservedSegment for (StickPiece, StickEnd) {
     fn end(&self) -> f64 {
         self.0.after.1
     }
@@ -173,19 +173,19 @@ impl WatchedPiece for (StickPiece, StickEnd) {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
         let (piece, kind) = *self;
-        let there = stuck(&piece, kind, scene, glance, draws);
+        let there = stuck(&piece, kind, scene, instant, draws);
         let seen = (
             piece.displacement,
             0.0,
-            scene.temperature(glance.forcing, there.noise),
+            scene.temperature(instant.forcing, there.noise),
             true,
         );
         let before = StickPiece {
-            after: (piece.after.0, glance.time),
+            after: (piece.after.0, instant.time),
             noise: (piece.noise.0, there.noise),
             force: (piece.force.0, there.force),
             ..piece
@@ -198,7 +198,7 @@ impl WatchedPiece for (StickPiece, StickEnd) {
         (
             seen,
             (before, kind_before),
-            (piece.behind(glance, there), kind),
+            (piece.behind(instant, there), kind),
         )
     }
 }
@@ -209,11 +209,11 @@ fn stuck(
     piece: &StickPiece,
     kind: StickEnd,
     scene: &Scene,
-    glance: Glance,
+    instant: ObservationTime,
     draws: &mut AddressedDraws,
 ) -> Stuck {
-    let (before, behind) = (glance.time - piece.after.0, piece.after.1 - glance.time);
-    let rest = glance.forcing - scene.spring(piece.displacement, glance.at);
+    let (before, behind) = (instant.time - piece.after.0, piece.after.1 - instant.time);
+    let rest = instant.forcing - scene.spring(piece.displacement, instant.at);
     let (mean, sd) = bridge_at(
         scene.relaxation_rate,
         scene.diffusion,
@@ -236,8 +236,8 @@ fn stuck(
                 TimeChange::new(theta, sigma, before),
                 TimeChange::new(theta, sigma, behind),
             ];
-            let macro_step_start = glance.at - glance.time;
-            let limits = [piece.after.0, glance.time, piece.after.1]
+            let macro_step_start = instant.at - instant.time;
+            let limits = [piece.after.0, instant.time, piece.after.1]
                 .map(|after| scene.limits(piece.displacement, macro_step_start + after));
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
@@ -274,7 +274,7 @@ fn stuck(
             }
         }
     };
-    piece.inside(glance, drawn)
+    piece.inside(instant, drawn)
 }
 
 #[cfg(test)]
@@ -329,7 +329,7 @@ mod tests {
                 force: (from, to),
                 displacement: 0.0,
             };
-            let glance = Glance {
+            let instant = ObservationTime {
                 at: time,
                 time,
                 is_closer: false,
@@ -338,7 +338,7 @@ mod tests {
             };
             let mut draws = AddressedDraws::new(51, 0);
             let drawn: Vec<f64> = (0..200_000)
-                .map(|_| stuck(&piece, kind, &scene, glance, &mut draws).force)
+                .map(|_| stuck(&piece, kind, &scene, instant, &mut draws).force)
                 .collect();
             let (mean, error) = mean_and_error(&drawn);
             println!("{from} to {to}: {mean} +- {error}, exact {}", moment / mass);
