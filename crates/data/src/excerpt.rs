@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_line_is_cut_around_the_carets_and_they_stay_under_their_place() {
+    fn long_lines_are_cut_around_the_carets() {
         let text = |line: &str, start: usize, length: usize| underlined(line, start, length);
         assert_eq!(text("a = 1", 4, 1), ["a = 1", "    ^"]);
         assert_eq!(text("\ta\0b = 1", 3, 1), ["\ta\u{fffd}b = 1", "\t  ^"]);

@@ -393,7 +393,7 @@ mod tests {
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,
     /// whether the intervals have 50 %, 90 % or 99.9 %.
     #[test]
-    fn the_gap_is_identified_at_every_level_of_the_intervals_or_at_none() {
+    fn identification_of_the_gap_is_independent_of_the_level() {
         let motion = Motion {
             reach: 4.0,
             jump: 1.0,

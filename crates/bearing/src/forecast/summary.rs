@@ -417,7 +417,7 @@ mod tests {
     /// wide; without the skewness, what the few years of a draw leave uncertain would make it up to
     /// 14 % too wide.
     #[test]
-    fn a_return_level_is_as_uncertain_as_the_location_and_the_scale_make_it() {
+    fn return_levels_have_the_error_of_location_and_scale() {
         let question = ForecastQuestion {
             draws: 4000,
             years: 400,

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
+    fn results_go_to_the_current_directory_by_scenario_name() {
         let named = |scenario: &str| default_output(Path::new(scenario), ".h5");
         assert_eq!(named("scenarios/rho025.toml"), Path::new("rho025.h5"));
         assert_eq!(named("my.study.toml"), Path::new("my.study.h5"));

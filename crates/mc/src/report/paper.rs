@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_for_a_paper_has_numbers_as_mathematics_and_text_escaped() {
+    fn latex_tables_typeset_numbers_and_escape_text() {
         let report = || {
             let columns = vec![
                 Column::of("", "a_b"),

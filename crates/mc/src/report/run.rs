@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_agree_by_chance_have_no_interval_and_the_table_says_why() {
+    fn chance_agreement_has_no_interval_but_a_reason() {
         let mut summary = summary();
         for e in summary
             .estimates
