@@ -36,7 +36,7 @@ pub use event_driven::{
 };
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use method::{Discretisation, Appearance, Method, Parameter, Simulate};
+pub use method::{Appearance, Discretisation, Method, Parameter, Simulate};
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
 pub use segment::{Along, Course, Segment};
 pub use stability::Stability;

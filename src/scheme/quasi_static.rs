@@ -42,12 +42,12 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, End, ExactTime, ObservationTime, Known, MacroStep, Noiseless, Path, PathSegment,
-    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, PathObserver, ObservedSegment,
-    SharedObserver, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, Known, MacroStep, Noiseless, ObservationTime, ObservedSegment,
+    Path, PathObserver, PathSegment, PathSegments, Resolved, Route, ScalarPaths, Scene,
+    SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Appearance, Method, Observer, Parameter,
+    Along, Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
     Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};

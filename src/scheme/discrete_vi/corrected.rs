@@ -8,7 +8,9 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Drive, Friction, Model};
-use crate::scheme::{CheckError, Discretisation, Appearance, Method, Parameter, Stability, Timeline};
+use crate::scheme::{
+    Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
+};
 use stickslip_data::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while

@@ -6,7 +6,9 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Model, Oscillator};
-use crate::scheme::{CheckError, Discretisation, Appearance, Method, Parameter, Stability, Timeline};
+use crate::scheme::{
+    Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
+};
 use std::f64::consts::PI;
 
 /// The discrete variational inequality with this step.

@@ -13,7 +13,7 @@
 //!
 //! The state at an instant inside a macro step is drawn separately and does not change the path.
 
-use super::law::{ObservationTime, MacroStep};
+use super::law::{MacroStep, ObservationTime};
 use super::scalar::{Cascade, MotionObserver, ObservedTimes, Path, PendingNodes, cross};
 use super::work::Simulated;
 use crate::model::Event;
@@ -51,7 +51,11 @@ pub trait PathSet {
 }
 
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
-pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &SharedObserver<'_>) -> Simulated {
+pub fn simulate(
+    paths: &mut impl PathSet,
+    count: usize,
+    observer: &SharedObserver<'_>,
+) -> Simulated {
     let route = paths.cascade().route();
     let mut macro_step = MacroStep::new(paths.cascade().scene(), &route.grid, 0);
     let (row_stride, timeline) = (route.row_stride, route.timeline);
@@ -210,7 +214,10 @@ impl Inside {
         };
         let emit = |event| events.push((lane, event));
         path.lost = cross(cascade, macro_step, path, scratch, &mut path_observer, emit).err();
-        let (passed, seen) = (path_observer.path_observer.passed, path_observer.path_observer.seen);
+        let (passed, seen) = (
+            path_observer.path_observer.passed,
+            path_observer.path_observer.seen,
+        );
         if passed < instants.len() {
             seen[passed..instants.len()]
                 .iter_mut()

@@ -31,13 +31,13 @@ pub use law::{
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use law::{ObservationTime, Known, MacroStep, Scene, StepRules, noise_between};
+pub(super) use law::{Known, MacroStep, ObservationTime, Scene, StepRules, noise_between};
 pub(super) use macro_step_loop::{SharedObserver, simulate};
 pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments, WithUnfeltNoise};
-pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, PathObserver, ObservedSegment};
+pub(super) use scalar::{Cascade, ObservedSegment, Path, PathObserver, Route, ScalarPaths};
 pub(super) use work::{Resolved, WorkLeft};
 
-use super::{CheckError, Discretisation, Appearance, Method, Parameter, Timeline};
+use super::{Appearance, CheckError, Discretisation, Method, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};
 
 /// The event-driven scheme with this tolerance.

@@ -151,7 +151,13 @@ impl<L: Lanes> SlipSegment<L> {
     /// can be computed from their balance. Rounding of x acts like a force of m/h^2 times x. This
     /// does not hold for undefined values.
     #[inline(always)]
-    pub fn is_felt(&self, scene: &Scene, instant: ObservationTime, here: &Way<L>, length: L) -> L::Mask {
+    pub fn is_felt(
+        &self,
+        scene: &Scene,
+        instant: ObservationTime,
+        here: &Way<L>,
+        length: L,
+    ) -> L::Mask {
         let body = &scene.oscillator;
         let forces = here.motion.acceleration.abs() * body.mass
             + scene.friction.dynamic_force

@@ -11,6 +11,7 @@
 //! paths     all paths, one after the other
 //! ```
 
+mod observation;
 mod path;
 mod paths;
 mod slip;
@@ -18,10 +19,9 @@ mod step_flow;
 mod stick;
 mod stop_search;
 mod user_force;
-mod observation;
 
+pub use observation::{MotionObserver, NullObserver, ObservedSegment, ObservedTimes, PathObserver};
 pub use path::{Cascade, Path, Route, cross, start};
 pub use paths::ScalarPaths;
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
-pub use observation::{MotionObserver, ObservedTimes, NullObserver, PathObserver, ObservedSegment};

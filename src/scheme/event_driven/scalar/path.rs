@@ -4,8 +4,8 @@ use super::super::law::{
     EVENT_PLACE, MacroStep, NOISE_PLACE, Scene, StepGrid, StepRules, StickBand, macro_step_length,
 };
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
-use super::stick::{PendingNodes, stick};
 use super::observation::PathObserver;
+use super::stick::{PendingNodes, stick};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;

@@ -3,9 +3,9 @@
 use super::super::law::MacroStep;
 use super::super::macro_step_loop::{Inside, PathSet, SharedObserver};
 use super::super::work::Simulated;
+use super::observation::{MotionObserver, NullObserver};
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
-use super::observation::{MotionObserver, NullObserver};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::Segment;
@@ -86,7 +86,15 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                         lane,
                         segments: segments.as_mut(),
                     };
-                    path.lost = cross(*cascade, macro_step, path, scratch, &mut path_observer, emit).err();
+                    path.lost = cross(
+                        *cascade,
+                        macro_step,
+                        path,
+                        scratch,
+                        &mut path_observer,
+                        emit,
+                    )
+                    .err();
                 }
             }
         }

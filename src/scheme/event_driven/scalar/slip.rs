@@ -3,16 +3,16 @@
 //! ([`super::user_force`]).
 
 use super::super::law::{
-    ObservationTime, Known, MacroStep, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
+    Known, MacroStep, ObservationTime, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
     SlipVelocity, WHOLE_PLACE, force, forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
+use super::observation::{ObservedSegment, PathObserver};
 use super::path::{Cascade, Path, Route};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::user_force::UserForceSteps;
-use super::observation::{PathObserver, ObservedSegment};
 use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;

@@ -2,15 +2,15 @@
 //! weak, and the states inside the step are drawn for an observer.
 
 use super::super::law::{
-    FEEBLE, ObservationTime, Known, KnownStep, Scene, SlipSegment, SlipPoint, SlipStep, SlipStop,
+    FEEBLE, Known, KnownStep, ObservationTime, Scene, SlipPoint, SlipSegment, SlipStep, SlipStop,
     SlipVelocity, Way, force, forcing, forwards, motion, noise_between, resolved_travel,
 };
 use super::super::noisy::Noisy;
 use super::super::work::Resolved;
+use super::observation::{ObservedSegment, PathObserver};
 use super::path::Path;
 use super::slip::Slip;
 use super::stop_search::{Passed, PendingIntervals};
-use super::observation::{PathObserver, ObservedSegment};
 use crate::model::Complex;
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
@@ -278,7 +278,12 @@ impl<'a> StepFlow<'a> {
         if between.0 > before.0 {
             before = *between;
         }
-        let noise = noise_between(&self.slip.noisy.scene, [before, behind], instant.time, draws);
+        let noise = noise_between(
+            &self.slip.noisy.scene,
+            [before, behind],
+            instant.time,
+            draws,
+        );
         *between = (instant.time, noise);
         self.last_drawn.set(last_drawn);
         noise

@@ -7,8 +7,8 @@ use super::super::law::{
     stick_piece, width,
 };
 use super::super::work::{Resolved, Unresolved};
-use super::path::{Cascade, Path};
 use super::observation::PathObserver;
+use super::path::{Cascade, Path};
 use crate::model::{Event, EventKind, Sign};
 use crate::noise::{AddressedDraws, bridge_middle};
 

@@ -1,7 +1,7 @@
 //! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
 //! output times, and the lanes that cross the macro step in scalar form.
 
-use super::super::law::{ObservationTime, MacroStep};
+use super::super::law::{MacroStep, ObservationTime};
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};

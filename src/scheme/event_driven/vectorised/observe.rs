@@ -2,8 +2,8 @@
 //! it.
 
 use super::super::law::{
-    Bridge, ObservationTime, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece,
-    Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
+    Bridge, Interval, Node, ObservationTime, SlipPiece, SlipPoint, SlipVelocity, StickEnd,
+    StickPiece, Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
 };
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
@@ -107,9 +107,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Draws n in a stick that is clear, and goes on to the part of it after the instant.
     #[inline(always)]
-    fn stick_until(&self, stick: &mut StickPiece<L>, instant: ObservationTime, draws: &LaneDraws<L>) -> L {
+    fn stick_until(
+        &self,
+        stick: &mut StickPiece<L>,
+        instant: ObservationTime,
+        draws: &LaneDraws<L>,
+    ) -> L {
         let bridge = self.bridge(stick, instant);
-        let stuck = stick.inside(instant, bridge.anywhere(draws.normal(self.paths.normals, 0)));
+        let stuck = stick.inside(
+            instant,
+            bridge.anywhere(draws.normal(self.paths.normals, 0)),
+        );
         *stick = stick.behind(instant, stuck);
         stuck.noise
     }
