@@ -141,7 +141,7 @@ impl Endings {
         totals: &RunTotals<X>,
         spent: Duration,
     ) -> Judgement {
-        match (self.judge(blocks, totals), self.time) {
+        match (self.judge_goals(blocks, totals), self.time) {
             (Judgement::GoOn(_), Some(limit)) if spent >= limit => {
                 Judgement::Stop(EndedBy::TimeLimit { blocks })
             }
@@ -149,7 +149,7 @@ impl Endings {
         }
     }
 
-    fn judge<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
+    fn judge_goals<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
         if self.goals.is_empty() || blocks < FIRST_JUDGED {
             return Judgement::GoOn(None);
         }

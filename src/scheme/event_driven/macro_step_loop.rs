@@ -199,7 +199,7 @@ impl Inside {
             ..
         } = self;
         let draws = path.draws.at(macro_step.index, 0);
-        let path_observer = ObservedTimes {
+        let observer = ObservedTimes {
             instants,
             macro_step_start: macro_step.start,
             draws,
@@ -208,16 +208,13 @@ impl Inside {
             passed: 0,
         };
         let mut path_observer = MotionObserver {
-            path_observer,
+            observer,
             lane,
             segments: segments.as_mut(),
         };
         let emit = |event| events.push((lane, event));
         path.lost = cross(cascade, macro_step, path, scratch, &mut path_observer, emit).err();
-        let (passed, seen) = (
-            path_observer.path_observer.passed,
-            path_observer.path_observer.seen,
-        );
+        let (passed, seen) = (path_observer.observer.passed, path_observer.observer.seen);
         if passed < instants.len() {
             seen[passed..instants.len()]
                 .iter_mut()

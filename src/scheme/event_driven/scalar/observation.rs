@@ -7,7 +7,7 @@
 //! The output rows of a run are drawn first. Additional rows between them are drawn given those,
 //! from other random numbers. So they agree with everything that the run has recorded.
 
-use super::super::law::{Bridge, ObservationTime, Scene, StickEnd, StickPiece, Stuck, TRIES};
+use super::super::law::{Bridge, ObservationTime, Scene, StickEnd, StickSegment, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Segment;
 use crate::scheme::columns::{Seen, StateColumns};
@@ -114,7 +114,7 @@ impl PathObserver for ObservedTimes<'_> {
     fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         let end = self.macro_step_start + rest.end();
-        while let Some(row) = self.ahead(end).find(|instant| !instant.is_closer) {
+        while let Some(row) = self.ahead(end).find(|instant| !instant.is_additional) {
             let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
             self.observe_additional(scene, before, row.at);
             self.put(seen);
@@ -136,7 +136,11 @@ impl<'a> ObservedTimes<'a> {
     /// Draws the states at the rows between those of the run, before the time `end`.
     #[inline(always)]
     fn observe_additional<P: ObservedSegment>(&mut self, scene: &Scene, mut piece: P, end: f64) {
-        while let Some(row) = self.ahead(end).next().filter(|instant| instant.is_closer) {
+        while let Some(row) = self
+            .ahead(end)
+            .next()
+            .filter(|instant| instant.is_additional)
+        {
             let (seen, _, behind) = piece.parted(scene, row, &mut self.draws.from(row.place));
             self.put(seen);
             piece = behind;
@@ -164,7 +168,7 @@ pub trait ObservedSegment: Sized {
     ) -> (Seen, Self, Self);
 }
 
-impl ObservedSegment for (StickPiece, StickEnd) {
+impl ObservedSegment for (StickSegment, StickEnd) {
     fn end(&self) -> f64 {
         self.0.after.1
     }
@@ -184,7 +188,7 @@ impl ObservedSegment for (StickPiece, StickEnd) {
             scene.temperature(instant.forcing, there.noise),
             true,
         );
-        let before = StickPiece {
+        let before = StickSegment {
             after: (piece.after.0, instant.time),
             noise: (piece.noise.0, there.noise),
             force: (piece.force.0, there.force),
@@ -206,7 +210,7 @@ impl ObservedSegment for (StickPiece, StickEnd) {
 /// Draws n and b at an instant inside a piece of a stick of one path.
 #[inline(always)]
 fn stuck(
-    piece: &StickPiece,
+    piece: &StickSegment,
     kind: StickEnd,
     scene: &Scene,
     instant: ObservationTime,
@@ -323,7 +327,7 @@ mod tests {
                 let b = -f_s + width * (f64::from(i) + 0.5) / 4000.0;
                 (mass, moment) = (mass + density(b), moment + b * density(b));
             }
-            let piece = StickPiece {
+            let piece = StickSegment {
                 after: (0.0, 1.0),
                 noise: (from, to),
                 force: (from, to),
@@ -332,7 +336,7 @@ mod tests {
             let instant = ObservationTime {
                 at: time,
                 time,
-                is_closer: false,
+                is_additional: false,
                 forcing: 0.0,
                 place: 0,
             };

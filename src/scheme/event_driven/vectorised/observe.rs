@@ -2,8 +2,8 @@
 //! it.
 
 use super::super::law::{
-    Bridge, Interval, Node, ObservationTime, SlipPiece, SlipPoint, SlipVelocity, StickEnd,
-    StickPiece, Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
+    Bridge, Interval, Node, ObservationTime, SlipPoint, SlipSegment, SlipVelocity, StickEnd,
+    StickSegment, Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
 };
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
@@ -30,7 +30,7 @@ struct StepStart<L: Lanes> {
 /// A slip that lasts throughout the macro step, from the last instant at which it was observed.
 struct ClearSlip<L: Lanes> {
     step: StepStart<L>,
-    piece: SlipPiece<L>,
+    piece: SlipSegment<L>,
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -96,8 +96,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// A stick over the whole macro step.
     #[inline(always)]
-    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickPiece<L> {
-        StickPiece {
+    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickSegment<L> {
+        StickSegment {
             after: (L::splat(0.0), L::splat(self.macro_step.length)),
             noise: (now.n, next.n),
             force: (now.force, next.force),
@@ -109,7 +109,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn stick_until(
         &self,
-        stick: &mut StickPiece<L>,
+        stick: &mut StickSegment<L>,
         instant: ObservationTime,
         draws: &LaneDraws<L>,
     ) -> L {
@@ -151,7 +151,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             eps,
         };
         let until = interval.length;
-        let piece = SlipPiece {
+        let piece = SlipSegment {
             eps,
             x0: state.x,
             after: zero,
@@ -200,7 +200,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         now: &Border<L>,
         left: [L; 8],
         right: [L; 8],
-    ) -> (StepStart<L>, SlipPiece<L>) {
+    ) -> (StepStart<L>, SlipSegment<L>) {
         let scene = &self.paths.noisy.scene;
         let zero = L::splat(0.0);
         let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
@@ -236,7 +236,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             acceleration,
         };
         let (from, to) = (began + after, began + (after + length));
-        let piece = SlipPiece {
+        let piece = SlipSegment {
             eps,
             x0,
             after: from,
@@ -281,7 +281,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 let seen = (x, v, scene.temperature(instant.forcing, there.noise));
                 set(&mut inside.seen[i], &rows, held, seen, false);
                 let rest = piece.parted_at(*instant, &there)[1];
-                piece = SlipPiece {
+                piece = SlipSegment {
                     after: L::select(is_held, rest.after, piece.after),
                     travel: L::select(is_held, rest.travel, piece.travel),
                     start: SlipVelocity::select(is_held, rest.start, piece.start),
@@ -303,7 +303,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let [from, noise, force, _, displacement, ..] = left;
             let [to, end_noise, end_force, ..] = right;
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let mut piece = StickPiece {
+            let mut piece = StickSegment {
                 after: (from, to),
                 noise: (noise, end_noise),
                 force: (force, end_force),
@@ -331,7 +331,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 );
                 set(&mut inside.seen[i], &rows, held, seen, true);
                 let rest = piece.behind(*instant, there);
-                piece = StickPiece {
+                piece = StickSegment {
                     after: (L::select(is_held, rest.after.0, piece.after.0), to),
                     noise: (L::select(is_held, rest.noise.0, piece.noise.0), end_noise),
                     force: (L::select(is_held, rest.force.0, piece.force.0), end_force),
@@ -347,7 +347,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn accepted(
         &mut self,
         kind: StickEnd,
-        piece: &StickPiece<L>,
+        piece: &StickSegment<L>,
         instant: ObservationTime,
         bridge: &Bridge<L>,
         draws: &LaneDraws<L>,
@@ -412,7 +412,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// The bridge of n in a piece of a stick at an instant.
     #[inline(always)]
-    fn bridge(&self, piece: &StickPiece<L>, instant: ObservationTime) -> Bridge<L> {
+    fn bridge(&self, piece: &StickSegment<L>, instant: ObservationTime) -> Bridge<L> {
         let scene = &self.paths.noisy.scene;
         let (before, behind) = (
             L::splat(instant.time) - piece.after.0,
@@ -556,7 +556,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
         let held = self.paths.records.hold(left.after, right.after) & lanes;
         if held != 0 {
-            let StickPiece {
+            let StickSegment {
                 after,
                 noise,
                 force,
