@@ -43,7 +43,7 @@
 use super::columns::Seen;
 use super::event_driven::{
     self, Cascade, End, ExactTime, Known, MacroStep, Noiseless, ObservationTime, ObservedSegment,
-    Path, PathObserver, PathSegment, PathSegments, Resolved, Route, ScalarPaths, Scene,
+    Path, PathObserver, PathSegment, PathSegments, Propagation, Resolved, ScalarPaths, Scene,
     SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
@@ -206,7 +206,7 @@ impl Swing {
         direction: Sign,
         excess: f64,
         [from, until]: [f64; 2],
-        mut tell: impl FnMut(Segment),
+        mut report: impl FnMut(Segment),
     ) {
         let response = &self.response;
         let reach = self.way(direction, excess) / (1.0 + response.overshoot);
@@ -238,7 +238,7 @@ impl Swing {
                 let all = self.way(direction, excess);
                 there = [all, 0.0, stiffness * (reach - all) / mass];
             }
-            tell(Segment {
+            report(Segment {
                 start: began + start,
                 length: end - start,
                 displacement: x0 + here[0],
@@ -422,11 +422,11 @@ impl PathSegments for NoiselessRecursion {
     }
 
     /// The whole slip, so that its segments do not depend on the end of the run.
-    fn segments(&self, part: &Part, _: f64, tell: impl FnMut(Segment)) -> Resolved<()> {
+    fn segments(&self, part: &Part, _: f64, report: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let whole = [0.0, self.slip.response.duration];
             self.slip
-                .segments(part.start.value(), x, direction, excess, whole, tell);
+                .segments(part.start.value(), x, direction, excess, whole, report);
         }
         Ok(())
     }
@@ -436,7 +436,7 @@ impl PathSegments for NoiselessRecursion {
 #[derive(Clone, Debug)]
 struct NoisyRecursion {
     scene: Scene,
-    route: Route,
+    propagation: Propagation,
     slip: Swing,
 }
 
@@ -444,8 +444,12 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let route = Route::new(&scene, timeline, rules, longest, 1);
-        NoisyRecursion { scene, route, slip }
+        let propagation = Propagation::new(&scene, timeline, rules, longest, 1);
+        NoisyRecursion {
+            scene,
+            propagation,
+            slip,
+        }
     }
 }
 
@@ -459,8 +463,8 @@ impl Cascade for NoisyRecursion {
         &self.scene
     }
 
-    fn route(&self) -> &Route {
-        &self.route
+    fn propagation(&self) -> &Propagation {
+        &self.propagation
     }
 
     fn scratch(&self) {}
@@ -622,7 +626,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.exits {
-            Exits::Noisy(cascade) => cascade.route.work_limit = limit,
+            Exits::Noisy(cascade) => cascade.propagation.work_limit = limit,
             Exits::Noiseless(cascade) => cascade.exits.work_limit = limit,
         }
         self
@@ -630,7 +634,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.route.row_stride = row_stride;
+            cascade.propagation.row_stride = row_stride;
         }
         self
     }

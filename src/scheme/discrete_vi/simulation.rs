@@ -91,7 +91,7 @@ impl DiscreteSimulation {
 
     /// Reports step n of all moving paths: their states before it, which of them were static there,
     /// and their states after it.
-    fn tell_step(
+    fn report_step(
         &self,
         n: u64,
         (before, is_static): (Paths, Vec<bool>),
@@ -273,7 +273,7 @@ impl<'a> Walk<'a> {
         reader.read(kernel, *n, forcing, turns, observer);
         if let Some(before) = before {
             let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
-            simulation.tell_step(*n, before, state, temperature, observer);
+            simulation.report_step(*n, before, state, temperature, observer);
         }
         *n += steps as u64;
         harmonics[0] = harmonics[steps];

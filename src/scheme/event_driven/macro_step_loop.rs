@@ -56,9 +56,9 @@ pub fn simulate(
     count: usize,
     observer: &SharedObserver<'_>,
 ) -> Simulated {
-    let route = paths.cascade().route();
-    let mut macro_step = MacroStep::new(paths.cascade().scene(), &route.grid, 0);
-    let (row_stride, timeline) = (route.row_stride, route.timeline);
+    let propagation = paths.cascade().propagation();
+    let mut macro_step = MacroStep::new(paths.cascade().scene(), &propagation.grid, 0);
+    let (row_stride, timeline) = (propagation.row_stride, propagation.timeline);
     let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) = (
         Vec::new(),
@@ -79,7 +79,7 @@ pub fn simulate(
             quiet.push(macro_step.clone());
             macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().grid,
+                &paths.cascade().propagation().grid,
                 macro_step.index + 1,
             );
         }
@@ -87,11 +87,11 @@ pub fn simulate(
             let next = || stops.next_if(|stop| is_before(stop, macro_step.end));
             inside.begin(std::iter::from_fn(next), &macro_step, count, row_stride);
             paths.cross_observed(&macro_step, &mut inside);
-            inside.tell(*observer.borrow_mut(), stops.peek().is_none());
+            inside.report(*observer.borrow_mut(), stops.peek().is_none());
             quiet.push(macro_step.clone());
             macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().grid,
+                &paths.cascade().propagation().grid,
                 macro_step.index + 1,
             );
         } else {
@@ -224,7 +224,7 @@ impl Inside {
 
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
-    fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
+    fn report(&mut self, observer: &mut dyn Observer, is_over: bool) {
         for (lane, segment) in self
             .segments
             .iter_mut()

@@ -118,14 +118,14 @@ impl Simulate for EventDrivenSimulation {
         match &mut self.chosen {
             Chosen::Noiseless(cascade) => cascade.work_limit = limit,
             Chosen::General(cascade) => cascade.work_limit = limit,
-            Chosen::Noisy(cascade) => cascade.route.work_limit = limit,
+            Chosen::Noisy(cascade) => cascade.propagation.work_limit = limit,
         }
         self
     }
 
     fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Chosen::Noisy(cascade) = &mut self.chosen {
-            cascade.route.row_stride = row_stride;
+            cascade.propagation.row_stride = row_stride;
         }
         self
     }

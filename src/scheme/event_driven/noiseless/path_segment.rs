@@ -75,7 +75,7 @@ pub trait PathSegments {
         &self,
         path_segment: &PathSegmentOf<Self>,
         duration: f64,
-        tell: impl FnMut(Segment),
+        report: impl FnMut(Segment),
     ) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
@@ -87,10 +87,10 @@ pub trait PathSegments {
         let mut path_segment = self.first(&mut work);
         let follows = observer.borrow().follows();
         let follow = |path_segment: &PathSegment<_, _>, duration: f64| {
-            let tell =
+            let report =
                 |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
             if follows {
-                self.segments(path_segment, duration, tell)
+                self.segments(path_segment, duration, report)
             } else {
                 Ok(())
             }

@@ -21,7 +21,7 @@ mod stop_search;
 mod user_force;
 
 pub use observation::{MotionObserver, NullObserver, ObservedSegment, ObservedTimes, PathObserver};
-pub use path::{Cascade, Path, Route, cross, start};
+pub use path::{Cascade, Path, Propagation, cross, start};
 pub use paths::ScalarPaths;
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;

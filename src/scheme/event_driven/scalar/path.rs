@@ -36,7 +36,7 @@ pub struct Path<'w, M> {
 
 /// The propagation of the paths of a scheme from macro step to macro step.
 #[derive(Clone, Debug)]
-pub struct Route {
+pub struct Propagation {
     pub timeline: Timeline,
     /// The division of time into macro steps.
     pub grid: StepGrid,
@@ -49,7 +49,7 @@ pub struct Route {
     pub row_stride: usize,
 }
 
-impl Route {
+impl Propagation {
     /// The propagation through macro steps of at most this length, where an evaluation takes `cost`
     /// times as long as usual.
     pub fn new(
@@ -59,7 +59,7 @@ impl Route {
         longest: f64,
         cost: u64,
     ) -> Self {
-        Route {
+        Propagation {
             timeline: *timeline,
             grid: scene.grid(
                 macro_step_length(longest.min(scene.longest_macro_step()), timeline.end),
@@ -80,7 +80,7 @@ pub trait Cascade {
     type Scratch;
 
     fn scene(&self) -> &Scene;
-    fn route(&self) -> &Route;
+    fn propagation(&self) -> &Propagation;
 
     fn scratch(&self) -> Self::Scratch;
 
@@ -118,7 +118,7 @@ pub fn start<'w, C: Cascade>(
             scene,
             noise,
             draws,
-            WorkLeft::watched(cascade.route().work_limit, is_stopped),
+            WorkLeft::watched(cascade.propagation().work_limit, is_stopped),
         )
     }
 }

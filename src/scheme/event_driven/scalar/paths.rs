@@ -157,7 +157,7 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
             evaluations: self
                 .paths
                 .iter()
-                .map(|path| self.cascade.route().work_limit - path.work.left())
+                .map(|path| self.cascade.propagation().work_limit - path.work.left())
                 .sum(),
         }
     }

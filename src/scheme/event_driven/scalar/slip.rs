@@ -9,7 +9,7 @@ use super::super::law::{
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
 use super::observation::{ObservedSegment, PathObserver};
-use super::path::{Cascade, Path, Route};
+use super::path::{Cascade, Path, Propagation};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::user_force::UserForceSteps;
@@ -41,8 +41,8 @@ impl Cascade for Noisy {
         &self.scene
     }
 
-    fn route(&self) -> &Route {
-        &self.route
+    fn propagation(&self) -> &Propagation {
+        &self.propagation
     }
 
     fn scratch(&self) -> SlipBuffers {

@@ -77,7 +77,7 @@ pub(super) fn stick<C: Cascade>(
     }
     let stick = Stick::new(
         scene,
-        &cascade.route().band,
+        &cascade.propagation().band,
         macro_step,
         displacement,
         end_noise,

@@ -408,7 +408,7 @@ mod tests {
     /// x and x' after this number of equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let macro_step = MacroStep::new(scene, &noisy.route.grid, 0);
+        let macro_step = MacroStep::new(scene, &noisy.propagation.grid, 0);
         let slip = Slip {
             noisy,
             macro_step: &macro_step,

@@ -7,11 +7,11 @@ use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
-/// If more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are simulated
+/// If more than one in `MOST_FALLBACK` lanes has to cross the macro step again, all paths are simulated
 /// in scalar form.
-const MOST_ODD: usize = 2;
+const MOST_FALLBACK: usize = 2;
 
-/// The number of lanes after which the decision for `MOST_ODD` is made.
+/// The number of lanes after which the decision for `MOST_FALLBACK` is made.
 const SWEPT: usize = 4096;
 
 /// After this number of tasks in one macro step, the scheme asks whether the paths are still
@@ -128,14 +128,14 @@ impl Stage for ObserveInside<'_> {
 
 /// Takes the lanes across the macro step that have to cross it in scalar form. `inside` are the stops
 /// inside the macro step.
-struct Alone<'i> {
+struct ScalarFallback<'i> {
     inside: Option<&'i mut Inside>,
 }
 
-impl Stage for Alone<'_> {
+impl Stage for ScalarFallback<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
-        while let Some(lane) = crossing.paths.odd.pop() {
+        while let Some(lane) = crossing.paths.fallback.pop() {
             crossing.paths.cross_scalar(
                 lane as usize,
                 crossing.macro_step,
@@ -158,7 +158,7 @@ impl Vectorised<'_> {
         let instants = inside.as_ref().map_or(&[][..], |inside| &inside.instants);
         self.begin_macro_step(macro_step, instants);
         if self.go_scalar(macro_step, instants) {
-            self.mark_all_odd();
+            self.mark_all_for_fallback();
         } else {
             self.run(macro_step, CrossingStage);
             for turn in 1_u32.. {
@@ -174,11 +174,11 @@ impl Vectorised<'_> {
             if let Some(inside) = &mut inside {
                 self.run(macro_step, ObserveInside(inside));
             }
-            self.drop_events_of_odd();
+            self.drop_events_of_fallback();
         }
         self.run(
             macro_step,
-            Alone {
+            ScalarFallback {
                 inside: inside.as_deref_mut(),
             },
         );
@@ -213,18 +213,21 @@ impl Vectorised<'_> {
     /// it again in scalar form, if there are additional observation times (only for few paths), or
     /// if they move at t = 0.
     fn go_scalar(&self, macro_step: &MacroStep, instants: &[ObservationTime]) -> bool {
-        let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
+        let falls_back = self.fell_back * MOST_FALLBACK > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
             macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
-        are_odd || have_initial_velocity || instants.iter().any(|instant| instant.is_additional)
+        falls_back || have_initial_velocity || instants.iter().any(|instant| instant.is_additional)
     }
 
     /// Marks all lanes to cross the macro step in scalar form.
-    fn mark_all_odd(&mut self) {
+    fn mark_all_for_fallback(&mut self) {
         let Vectorised {
-            odd, lost, count, ..
+            fallback,
+            lost,
+            count,
+            ..
         } = self;
-        odd.extend(
+        fallback.extend(
             (0..*count)
                 .filter(|lane| !lost.contains_key(lane))
                 .map(|lane| lane as u32),
@@ -235,9 +238,9 @@ impl Vectorised<'_> {
     /// in scalar form.
     fn count_work(&mut self) {
         let Vectorised {
-            odd,
+            fallback,
             swept,
-            turned_odd,
+            fell_back,
             jobs,
             spent,
             count,
@@ -247,14 +250,16 @@ impl Vectorised<'_> {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
         *swept += *count;
-        *turned_odd += odd.len();
+        *fell_back += fallback.len();
     }
 
     /// Drops the events of lanes that cross the macro step again in scalar form.
-    fn drop_events_of_odd(&mut self) {
-        let Vectorised { odd, events, .. } = self;
-        if !odd.is_empty() {
-            events.retain(|(lane, _)| !odd.contains(lane));
+    fn drop_events_of_fallback(&mut self) {
+        let Vectorised {
+            fallback, events, ..
+        } = self;
+        if !fallback.is_empty() {
+            events.retain(|(lane, _)| !fallback.contains(lane));
         }
     }
 }

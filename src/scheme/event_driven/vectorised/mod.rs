@@ -69,11 +69,11 @@ pub struct Vectorised<'a> {
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
     /// The lanes that cross the macro step again in scalar form.
-    odd: Vec<u32>,
+    fallback: Vec<u32>,
     /// The number of lanes that have crossed a macro step together, and how many of them crossed it
     /// again in scalar form.
     swept: usize,
-    turned_odd: usize,
+    fell_back: usize,
     scratch: (SlipBuffers, PendingNodes),
     is_stopped: &'a dyn Fn() -> bool,
 }
@@ -108,9 +108,9 @@ impl<'a> Vectorised<'a> {
             records: Records::default(),
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),
-            odd: Vec::new(),
+            fallback: Vec::new(),
             swept: 0,
-            turned_odd: 0,
+            fell_back: 0,
             scratch: (noisy.scratch(), PendingNodes::new()),
             is_stopped,
         };
@@ -129,7 +129,7 @@ impl<'a> Vectorised<'a> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
         let left = self
             .noisy
-            .route
+            .propagation
             .work_limit
             .saturating_sub(self.spent_before[lane]);
         Path {
@@ -168,7 +168,7 @@ impl<'a> Vectorised<'a> {
             flip,
         ]);
         self.phases.set(lane, eps != 0.0);
-        self.spent[lane] = self.noisy.route.work_limit - path.work.left();
+        self.spent[lane] = self.noisy.propagation.work_limit - path.work.left();
         if let Some(why) = path.lost {
             self.give_up(lane, why);
         }
@@ -183,7 +183,7 @@ impl<'a> Vectorised<'a> {
     /// Gives up the paths that have spent all their evaluations.
     #[inline(always)]
     fn limit_work(&mut self) {
-        let limit = self.noisy.route.work_limit;
+        let limit = self.noisy.propagation.work_limit;
         let mut is_over = false;
         for &spent in &self.spent {
             is_over |= spent > limit;
@@ -280,7 +280,7 @@ impl PathSet for Vectorised<'_> {
     }
 
     fn simulated(&self) -> Simulated {
-        let limit = self.noisy.route.work_limit;
+        let limit = self.noisy.propagation.work_limit;
         Simulated {
             lost: self.lost.keys().copied().collect(),
             why: self.lost.values().next().copied(),

@@ -35,7 +35,7 @@ struct ClearSlip<L: Lanes> {
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states of all lanes at the instants inside the macro step. A lane in which a state
-    /// cannot be drawn in lanes is added to `odd`.
+    /// cannot be drawn in lanes is added to `fallback`.
     #[inline(always)]
     pub(super) fn observe(&mut self, inside: &mut Inside) {
         self.observe_clear_lanes(inside);
@@ -66,7 +66,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let is_slip = now.eps.abs().gt(L::splat(0.0));
             let mut stick = self.clear_stick(&now, &next);
             let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
-            let mut known_odd = 0;
+            let mut known_fallback = 0;
             for (i, &instant) in inside.instants.iter().enumerate() {
                 let draws = now.draws(self.macro_step.index << 32 | instant.place);
                 let (mut x, mut v, mut noise) = (
@@ -76,9 +76,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 );
                 if let Some(part) = parts.get(i) {
                     let (seen, is_felt) = self.slip_until(&mut slip, part, instant, &draws);
-                    let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
-                    self.not_in_lanes(&rows, odd & !known_odd);
-                    known_odd |= odd;
+                    let fallback = L::bitmask(L::and(is_slip, L::not(is_felt)));
+                    self.not_in_lanes(&rows, fallback & !known_fallback);
+                    known_fallback |= fallback;
                     x = L::select(is_slip, seen.0, x);
                     v = L::select(is_slip, seen.1, v);
                     noise = L::select(is_slip, seen.2, noise);
@@ -260,7 +260,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let (step, mut piece) = self.recorded_slip(&now, left, right);
             let (from, to) = (piece.after, piece.until);
             let step_length = L::splat(self.macro_step.length) - step.after;
-            let mut odd = 0;
+            let mut fallback = 0;
             for (i, instant) in inside.instants.iter().enumerate() {
                 let is_held = is_inside(instant.at, macro_step_start + from, macro_step_start + to);
                 let held = L::bitmask(is_held) & lanes;
@@ -276,7 +276,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     draws.three_normals(self.paths.normals, 0),
                 );
                 let is_felt = piece.is_felt(scene, *instant, &here, step_length);
-                odd |= !L::bitmask(is_felt) & held;
+                fallback |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
                 let seen = (x, v, scene.temperature(instant.forcing, there.noise));
                 set(&mut inside.seen[i], &rows, held, seen, false);
@@ -289,7 +289,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     ..piece
                 };
             }
-            self.not_in_lanes(&rows, odd);
+            self.not_in_lanes(&rows, fallback);
         }
     }
 
@@ -465,14 +465,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Adds these lanes to `odd`, unless they are there or have been given up.
+    /// Adds these lanes to `fallback`, unless they are there or have been given up.
     #[inline(always)]
     fn not_in_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
-            let Vectorised { odd, lost, .. } = &mut *self.paths;
-            if !odd.contains(&lane) && !lost.contains_key(&(lane as usize)) {
-                odd.push(lane);
+            let Vectorised { fallback, lost, .. } = &mut *self.paths;
+            if !fallback.contains(&lane) && !lost.contains_key(&(lane as usize)) {
+                fallback.push(lane);
             }
             lanes &= lanes - 1;
         }

@@ -111,9 +111,9 @@ fn a_path_is_the_same_vectorised_and_scalar() {
                     paths.len(),
                     &SharedObserver::new(&mut vectorised),
                 );
-                let is_odd = together.turned_odd as f64 / together.swept as f64;
+                let is_fallback = together.fell_back as f64 / together.swept as f64;
                 println!(
-                    "{name}, {}: {} events, {is_odd:.4} odd",
+                    "{name}, {}: {} events, {is_fallback:.4} fallback",
                     set.name(),
                     scalar.count
                 );

@@ -428,7 +428,7 @@ impl PathSegments for GeneralNoiseless {
         &self,
         part: &GeneralSegment,
         duration: f64,
-        mut tell: impl FnMut(Segment),
+        mut report: impl FnMut(Segment),
     ) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else {
             return Ok(());
@@ -448,7 +448,7 @@ impl PathSegments for GeneralNoiseless {
                 duration * (f64::from(i) / f64::from(PIECES)),
                 &mut work,
             )?;
-            tell(Segment {
+            report(Segment {
                 start: part.start.after(here.after).value(),
                 length: there.after - here.after,
                 displacement: here.displacement,
