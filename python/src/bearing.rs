@@ -4,7 +4,7 @@ use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
 use crate::studies::Threads;
-use crate::watched::{abandoned_on_interrupt, watched};
+use crate::watched::{Callback, abandoned_on_interrupt};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -221,7 +221,6 @@ type Repaired<'py> = (
 /// Times and values of a measurement in memory, repaired as those of a file are, and what was
 /// repaired. `quantity` is temperature or displacement.
 #[pyfunction]
-#[pyo3(signature = (argument, quantity, times, values, outliers))]
 pub fn repaired<'py>(
     py: Python<'py>,
     argument: &str,
@@ -293,11 +292,6 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
 /// Estimates friction, stiffness and dilatation of a bearing from its measured temperature and
 /// displacement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, method, fit, bounds, starts, lag, interval, threads))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn calibrate<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -309,6 +303,7 @@ pub fn calibrate<'py>(
     lag: Option<f64>,
     interval: f64,
     threads: Threads,
+    progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
@@ -337,8 +332,9 @@ pub fn calibrate<'py>(
     let question = question
         .fitting(&fitted, &scene)
         .map_err(|error| not_held(py, error))?;
-    let calibration = abandoned_on_interrupt(py, move |stop| {
-        calibrated(&record, &question, threads.0, stop)
+    let calibration = abandoned_on_interrupt(py, &progress, move |watch| {
+        watch.begins("calibrating the bearing");
+        calibrated(&record, &question, threads.0, &watch.stop)
     })?;
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
@@ -349,11 +345,6 @@ pub fn calibrate<'py>(
 /// Simulates future years of a bearing that is calibrated from its slips, under the weather of the
 /// same measurement. Returns the data set and warnings.
 #[pyfunction]
-#[pyo3(signature = (scenario, measured, *, draws, years, seed, interval, share, processes, threads))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn forecast<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -365,6 +356,7 @@ pub fn forecast<'py>(
     share: f64,
     processes: usize,
     threads: Threads,
+    progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
@@ -376,8 +368,17 @@ pub fn forecast<'py>(
         share,
     };
     let (title, text) = (scene.title.clone(), scene.text.clone());
-    let ended = abandoned_on_interrupt(py, move |stop| {
-        BearingForecast::of(&scene, &record, &asked, processes, threads.0, stop, &|_| {})
+    let ended = abandoned_on_interrupt(py, &progress, move |watch| {
+        let begins = |what: &str| watch.begins(what);
+        BearingForecast::of(
+            &scene,
+            &record,
+            &asked,
+            processes,
+            threads.0,
+            &watch.stop,
+            &begins,
+        )
     })?;
     let outcome = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     let outcome = outcome.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
@@ -469,12 +470,12 @@ fn weather<'py>(
 /// Fits harmonics with these periods, in seconds, or with those of a year and a day that the samples
 /// tell, and one or two Ornstein-Uhlenbeck processes.
 #[pyfunction]
-#[pyo3(signature = (measured, *, processes, periods))]
 pub fn fit_temperature<'py>(
     py: Python<'py>,
     measured: Measured<'py>,
     processes: usize,
     periods: Option<Vec<f64>>,
+    progress: Callback,
 ) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
     let (times, temperatures, averaged, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
@@ -513,7 +514,8 @@ pub fn fit_temperature<'py>(
         remarks.extend(said);
         told
     });
-    let found = abandoned_on_interrupt(py, move |_| {
+    let found = abandoned_on_interrupt(py, &progress, move |watch| {
+        watch.begins("fitting the temperature model");
         fit(&times, &temperatures, &periods, processes, averaged)
     })?;
     let fit = found.map_err(|error| errors::of_run(py, error, error.remedy()))?;
@@ -569,11 +571,6 @@ fn air_in_file(
 /// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
 /// remarks.
 #[pyfunction]
-#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every, start, duration, every))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn twin<'py>(
     py: Python<'py>,
     scenario: Given,
@@ -591,6 +588,7 @@ pub fn twin<'py>(
     start: Option<String>,
     duration: f64,
     every: f64,
+    progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let text = scenario.1.clone();
     let (scene, name, overrides) = read(py, scenario)?;
@@ -607,7 +605,10 @@ pub fn twin<'py>(
             let scenario = Checked::parse(&name, text, &overrides)
                 .map_err(|error| errors::of_scenario(py, &error))?;
             let samples = (duration / every) as usize;
-            let air = Air::drawn(&scenario.model.temperature, samples, every, seed);
+            let air = abandoned_on_interrupt(py, &progress, move |watch| {
+                watch.begins("simulating the temperature");
+                Air::drawn(&scenario.model.temperature, samples, every, seed)
+            })?;
             (air, None, Vec::new())
         }
     };
@@ -627,12 +628,15 @@ pub fn twin<'py>(
         zero_set,
         thermometer_every,
     };
-    let (found, _) = watched(py, None, |_| made(&response, &air, &imperfections, seed))?;
+    let truth = values(&response, scene.shear_stiffness);
+    let found = abandoned_on_interrupt(py, &progress, move |watch| {
+        watch.begins("making the record");
+        made(&response, &air, &imperfections, seed)
+    })?;
     let start = begin
         .or(given)
         .or_else(|| Start::parse(EPOCH))
         .map_or_else(|| EPOCH.to_string(), |start| start.to_string());
-    let truth = values(&response, scene.shear_stiffness);
     Ok((
         to_python(py, dataset::twin(&scene.title, &start, &truth, &found))?,
         remarks,

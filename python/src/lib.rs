@@ -13,6 +13,11 @@
 //! errors     an error of the engine -> an exception of stickslip.errors
 //! ```
 
+#![expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords of one Python function"
+)]
+
 mod bearing;
 mod dataset;
 mod errors;

@@ -11,8 +11,7 @@ use stickslip::sums::{Measurement, Replicate, Tree};
 use stickslip_files::dataset::Recorder;
 
 /// A statistic of the caller's own.
-pub struct Own {
-    pub name: String,
+struct Own {
     function: Py<PyAny>,
     /// The means of what the function returns and of what these numbers are divided by, summed
     /// along the tree of the run.
@@ -20,15 +19,23 @@ pub struct Own {
     is_ratio: bool,
 }
 
+/// Estimate, standard error, and the ends of the interval of a statistic of the caller's own.
+pub type OwnEstimate = [f64; 4];
+
+/// The statistics of the caller's own of one scenario.
+pub struct OwnStatistics {
+    own: Vec<Own>,
+    unit: Replicate,
+    blocks: u64,
+}
+
 /// A sink that keeps a run in memory, and passes the events of each block to statistics of the
 /// caller's own.
 pub struct Kept {
     pub recorder: Recorder,
-    pub own: Vec<Own>,
+    pub own: OwnStatistics,
     /// What the data set is to contain.
     record: Record,
-    unit: Replicate,
-    blocks: u64,
 }
 
 /// What a function returns for a block: a number for each path, and for a ratio the numbers whose
@@ -38,42 +45,30 @@ type Numbers<'py> = (
     Option<PyReadonlyArray1<'py, f64>>,
 );
 
-impl Kept {
-    pub fn new(scenario: &Scenario, own: Vec<(String, Py<PyAny>)>) -> Self {
-        let of = |(name, function)| Own {
-            name,
-            function,
-            tree: Tree::default(),
-            is_ratio: false,
-        };
+impl OwnStatistics {
+    pub fn new(scenario: &Scenario, functions: &[Py<PyAny>]) -> Self {
+        let own = Python::attach(|py| {
+            let of = |function: &Py<PyAny>| Own {
+                function: function.clone_ref(py),
+                tree: Tree::default(),
+                is_ratio: false,
+            };
+            functions.iter().map(of).collect()
+        });
         let unit = if scenario.ensemble.antithetic {
             Replicate::Pair
         } else {
             Replicate::Path
         };
-        Kept {
-            recorder: Recorder::default(),
-            own: own.into_iter().map(of).collect(),
-            record: scenario.record,
+        OwnStatistics {
+            own,
             unit,
             blocks: 0,
         }
     }
 
-    /// The scenario with events recorded, if there are statistics of the caller's own that need
-    /// them.
-    pub fn watched(&self, scenario: &Scenario) -> Scenario {
-        let record = Record {
-            events: scenario.record.events || !self.own.is_empty(),
-            ..scenario.record
-        };
-        Scenario {
-            record,
-            ..scenario.clone()
-        }
-    }
-
-    fn show(&mut self, block: &BlockResult) -> PyResult<()> {
+    /// Passes the events of the next block to the functions.
+    pub fn show(&mut self, block: &BlockResult) -> PyResult<()> {
         let BlockRows {
             first_path,
             events: Some(events),
@@ -99,8 +94,37 @@ impl Kept {
                 // This cannot fail, because each block comes once and in order.
                 let _ = own.tree.push(self.blocks, means);
             }
+            self.blocks += 1;
             Ok(())
         })
+    }
+
+    /// The estimates from the blocks so far; NaN before the first.
+    pub fn estimates(&self) -> Vec<OwnEstimate> {
+        self.own.iter().map(Own::estimate).collect()
+    }
+}
+
+impl Kept {
+    pub fn new(scenario: &Scenario, functions: &[Py<PyAny>]) -> Self {
+        Kept {
+            recorder: Recorder::default(),
+            own: OwnStatistics::new(scenario, functions),
+            record: scenario.record,
+        }
+    }
+
+    /// The scenario with events recorded, if there are statistics of the caller's own that need
+    /// them.
+    pub fn watched(&self, scenario: &Scenario) -> Scenario {
+        let record = Record {
+            events: scenario.record.events || !self.own.own.is_empty(),
+            ..scenario.record
+        };
+        Scenario {
+            record,
+            ..scenario.clone()
+        }
     }
 }
 
@@ -135,14 +159,20 @@ impl Own {
         self.function.bind(py).call1(shown)?.extract()
     }
 
-    /// The estimate from the blocks so far, if there are any.
-    pub fn estimated(&self) -> Option<Measurement> {
-        let means = self.tree.total(|means| means)?;
-        Some(if self.is_ratio {
-            means.ratio(0, 1)
-        } else {
-            means.mean(0)
-        })
+    fn estimate(&self) -> OwnEstimate {
+        let Some(means) = self.tree.total(|means| means) else {
+            return [f64::NAN; 4];
+        };
+        let Measurement {
+            estimate,
+            standard_error,
+            low,
+            high,
+        } = match self.is_ratio {
+            true => means.ratio(0, 1),
+            false => means.mean(0),
+        };
+        [estimate, standard_error, low, high]
     }
 }
 
@@ -152,14 +182,13 @@ impl Sink for Kept {
             record: self.record,
             ..scenario.clone()
         };
-        self.blocks = asked.blocks().start;
+        self.own.blocks = asked.blocks().start;
         self.recorder.begin(&asked_for, asked)
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
-        self.show(block)?;
-        self.blocks += 1;
-        match self.record.events || self.own.is_empty() {
+        self.own.show(block)?;
+        match self.record.events || self.own.own.is_empty() {
             true => self.recorder.block(block),
             false => {
                 let rows = BlockRows {

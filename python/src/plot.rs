@@ -60,7 +60,6 @@ type Drawn = (
 /// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
 /// calibration, or sweeps over the same key.
 #[pyfunction]
-#[pyo3(signature = (scenario, data, path, statistic, drawn))]
 pub fn plot(
     py: Python<'_>,
     scenario: Option<&Scenario>,

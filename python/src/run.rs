@@ -2,10 +2,10 @@
 
 use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
-use crate::own::{Kept, Own};
+use crate::own::{Kept, OwnEstimate};
 use crate::scenario::{Laid, Scenario, laid};
 use crate::studies::{Threads, enough_memory};
-use crate::watched::{Watch, WatchedProgress, watched};
+use crate::watched::{Callback, abandoned_on_interrupt, watched};
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -15,20 +15,16 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stickslip::engine::{
-    Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError,
+    Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Progress as _, Replay, Run, RunError,
 };
 use stickslip::ensemble::ThreadsError;
 use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Goal;
-use stickslip::sums::Measurement;
 use stickslip_files::dataset::{Dataset, Recorder};
 use stickslip_files::saved::{PartRecorder, Parts, PartsError};
 
 /// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
-
-/// A statistic of the caller's own: name, estimate, standard error, and the ends of the interval.
-type OwnEstimate = (String, f64, f64, f64, f64);
 
 /// The results of a run: its data set, warnings, the statistics of the caller's own, and its state
 /// if it is a part.
@@ -41,11 +37,6 @@ type Ran<'py> = (
 
 /// Simulates a scenario. With goals, the number of paths is limited only if `is_bounded`.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, goals, is_bounded, max_time, part, bias, threads, progress, own))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn run<'py>(
     py: Python<'py>,
     scenario: &Scenario,
@@ -55,8 +46,8 @@ pub fn run<'py>(
     part: Option<&str>,
     bias: bool,
     threads: Threads,
-    progress: Option<Py<PyAny>>,
-    own: Vec<(String, Py<PyAny>)>,
+    progress: Callback,
+    own: Vec<Py<PyAny>>,
 ) -> PyResult<Ran<'py>> {
     let scenario = &scenario.checked;
     let goal = |text: &String| {
@@ -81,11 +72,11 @@ pub fn run<'py>(
         max_time: max_time.map(Duration::from_secs_f64),
         with_bias: bias,
     };
-    let (mut kept, mut part) = (Kept::new(scenario, own), PartRecorder::default());
+    let (mut kept, mut part) = (Kept::new(scenario, &own), PartRecorder::default());
     // Statistics of the caller's own need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
-    let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let mut reported = WatchedProgress(watch);
+    let (outcome, is_interrupted) = watched(py, &progress, |watch| {
+        let mut reported = watch.paths(scenario.ensemble.paths);
         let run = Run::of(&watched_scenario).asked(asked).threads(threads.0);
         run.stopped_by(&watch.stop)
             .with_progress(&mut reported)
@@ -96,19 +87,10 @@ pub fn run<'py>(
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let Kept { recorder, own, .. } = kept;
-    let named = |own: &Own| {
-        let Measurement {
-            estimate,
-            standard_error,
-            low,
-            high,
-        } = own.estimated()?;
-        Some((own.name.clone(), estimate, standard_error, low, high))
-    };
     Ok((
         to_python(py, recorder.into_dataset())?,
         remarks,
-        own.iter().filter_map(named).collect(),
+        own.estimates(),
         part.into_state(),
     ))
 }
@@ -116,13 +98,12 @@ pub fn run<'py>(
 /// Joins the parts of a run, given the name, the data set and the state of each, with the checks of
 /// `mc merge`. The bias of the step is estimated here.
 #[pyfunction]
-#[pyo3(signature = (parts, *, bias, threads, progress))]
 pub fn merge<'py>(
     py: Python<'py>,
     parts: Vec<(String, Handed<'py>, Vec<u8>)>,
     bias: bool,
     threads: Threads,
-    progress: Option<Py<PyAny>>,
+    progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let refused = |error: PartsError| {
         let remedy = "give all parts of one run, as run() returned them";
@@ -151,8 +132,9 @@ pub fn merge<'py>(
         ..whole.question.asked.clone()
     };
     let mut recorder = Recorder::default();
-    let (outcome, is_interrupted) = watched(py, progress.as_ref(), |watch: &Watch| {
-        let mut reported = WatchedProgress(watch);
+    let (outcome, is_interrupted) = watched(py, &progress, |watch| {
+        let mut reported = watch.paths(scenario.ensemble.paths);
+        reported.paths(scenario.ensemble.paths, scenario.ensemble.paths);
         let run = Run::of(scenario).asked(asked).threads(threads.0);
         run.stopped_by(&watch.stop)
             .with_progress(&mut reported)
@@ -271,8 +253,13 @@ fn remarks(
 /// Simulates one path of the ensemble of a scenario again, with its events and the finest
 /// trajectory that its scheme has.
 #[pyfunction]
-pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<Variables<'py>> {
-    let scenario = &scenario.checked;
+pub fn replay<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    path: u64,
+    progress: Callback,
+) -> PyResult<Variables<'py>> {
+    let scenario = scenario.checked.clone();
     let paths = scenario.ensemble.paths;
     if path >= paths {
         let remedy = format!("give a number from 0 to {}", paths.saturating_sub(1));
@@ -284,8 +271,9 @@ pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<
             &remedy,
         ));
     }
-    let (dataset, _) = watched(py, None, |_| {
-        Dataset::of_replay(&Replay::of(scenario, path))
+    let dataset = abandoned_on_interrupt(py, &progress, move |watch| {
+        watch.begins("simulating the path");
+        Dataset::of_replay(&Replay::of(&scenario, path))
     })?;
     to_python(py, dataset)
 }

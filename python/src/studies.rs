@@ -2,18 +2,20 @@
 
 use crate::dataset::to_python;
 use crate::errors;
+use crate::own::{OwnEstimate, OwnStatistics};
 use crate::run::Variables;
 use crate::scenario::Scenario;
-use crate::watched::{WatchedProgress, watched};
+use crate::watched::{Callback, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::convert::Infallible;
+use std::ops::ControlFlow;
 use std::time::Duration;
 use stickslip::config::{Override, symbol_and_meaning};
 use stickslip::ensemble::{MOST_THREADS, check_threads};
 use stickslip::memory::{Need, Short};
 use stickslip::scenario::Scenario as Checked;
-use stickslip::stats::Statistic;
+use stickslip::stats::{BlockResult, Statistic};
 use stickslip::study::accuracy::{Accuracy, AccuracyGoal};
 use stickslip::study::sweep::{
     Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis,
@@ -81,7 +83,6 @@ pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
 /// choice as text.
 #[pyfunction]
-#[pyo3(signature = (scenario, accuracy, statistic, max_time, threads))]
 pub fn choose(
     py: Python<'_>,
     scenario: &Scenario,
@@ -89,6 +90,7 @@ pub fn choose(
     statistic: Vec<String>,
     max_time: Option<f64>,
     threads: Threads,
+    progress: Callback,
 ) -> PyResult<(Scenario, String)> {
     let named = statistic
         .iter()
@@ -101,11 +103,13 @@ pub fn choose(
         max_time,
         threads: threads.0,
     };
-    let (chosen, is_interrupted) = watched(py, None, |watch| {
+    let (chosen, is_interrupted) = watched(py, &progress, |watch| {
+        let begins = |what: &str| watch.begins(&format!("pilot run: {what}"));
         accuracy.choose(
             &scenario.checked,
             Limits {
                 stop: Some(&watch.stop),
+                begins: Some(&begins),
                 ..Limits::default()
             },
         )
@@ -126,13 +130,9 @@ pub fn choose(
 }
 
 /// Computes statistics as functions of keys, with `vary` as `mc sweep --vary` takes it, or the
-/// elasticities of keys. Returns the data set, and whether it was interrupted.
+/// elasticities of keys. Returns the data set, the statistics of the caller's own at each point, and
+/// whether it was interrupted.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, vary, zip, elasticity, relative_step, independent, bias, threads, progress))]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "they are keywords of one Python function"
-)]
 pub fn sweep<'py>(
     py: Python<'py>,
     scenario: &Scenario,
@@ -142,9 +142,10 @@ pub fn sweep<'py>(
     relative_step: f64,
     independent: bool,
     bias: bool,
+    own: Vec<Py<PyAny>>,
     threads: Threads,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<(Variables<'py>, bool)> {
+    progress: Callback,
+) -> PyResult<(Variables<'py>, Vec<Vec<OwnEstimate>>, bool)> {
     let design = if elasticity.is_empty() {
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
         let remedy = "give {key: values}, where values are numbers, names of files, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
@@ -190,21 +191,53 @@ pub fn sweep<'py>(
         enough_memory(py, point, point.ensemble.paths, threads)?;
     }
     let mut swept = Sweep::new(question);
-    let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
+    let points = &swept.question.points;
+    let paths = points.iter().map(|point| point.ensemble.paths).sum();
+    let mut owns: Vec<_> = points
+        .iter()
+        .map(|point| OwnStatistics::new(point, &own))
+        .collect();
+    let mut failure = None;
+    let mut show = |point: usize, block: &BlockResult| match owns[point].show(block) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failure = Some(error);
+            ControlFlow::Break(())
+        }
+    };
+    let (ended, is_interrupted) = watched(py, &progress, |watch| {
         let simulation = SweepSimulation {
             threads: threads.0,
             stop: &watch.stop,
-            progress: &mut WatchedProgress(watch),
+            progress: &mut watch.paths(paths),
+            blocks: (!own.is_empty()).then_some(&mut show),
         };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
     ended.map_err(|error| errors::of_run(py, &error, "report it"))?;
+    if let Some(error) = failure {
+        return Err(error);
+    }
     if swept.done() == 0 {
         return Err(PyKeyboardInterrupt::new_err(
             "interrupted before the first point was done",
         ));
     }
-    Ok((to_python(py, Dataset::of_sweep(&swept))?, is_interrupted))
+    // A point that was interrupted has none.
+    let estimates = swept
+        .points
+        .iter()
+        .zip(&owns)
+        .map(|(point, owns)| match point {
+            Some(_) => owns.estimates(),
+            None => vec![[f64::NAN; 4]; own.len()],
+        });
+    let estimates = estimates.collect();
+    Ok((
+        to_python(py, Dataset::of_sweep(&swept))?,
+        estimates,
+        is_interrupted,
+    ))
 }
 
 fn star(
@@ -242,6 +275,7 @@ pub fn trade<'py>(
     scenario: &Scenario,
     budget: f64,
     threads: Threads,
+    progress: Callback,
 ) -> PyResult<(Variables<'py>, bool)> {
     let scenario = &scenario.checked;
     if !(1.0..=604_800.0).contains(&budget) {
@@ -254,15 +288,18 @@ pub fn trade<'py>(
         ));
     }
     enough_memory(py, scenario, scenario.ensemble.paths, threads)?;
-    let (measured, is_interrupted) = watched(py, None, |watch| {
+    let (measured, is_interrupted) = watched(py, &progress, |watch| {
+        let begins = |what: &str| watch.begins(&format!("measuring for about {budget} s: {what}"));
         let limits = Limits {
             stop: Some(&watch.stop),
+            begins: Some(&begins),
             ..Limits::default()
         };
         measure_within(scenario, Duration::from_secs_f64(budget), threads.0, limits)
     })?;
-    let measured = measured.map_err(|error| {
-        errors::of_run(py, &error, "use a larger budget, or a shorter time.end")
+    let measured = measured.map_err(|error| match is_interrupted {
+        true => PyKeyboardInterrupt::new_err("interrupted before there was a result"),
+        false => errors::of_run(py, &error, "use a larger budget, or a shorter time.end"),
     })?;
     Ok((
         to_python(py, Dataset::of_trade(scenario, &measured))?,

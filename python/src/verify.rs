@@ -3,7 +3,7 @@
 use crate::dataset::{Handed, from_python};
 use crate::errors;
 use crate::studies::Threads;
-use crate::watched::watched;
+use crate::watched::{Callback, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -27,10 +27,11 @@ pub fn verify(
     py: Python<'_>,
     run: Handed<'_>,
     threads: Threads,
+    progress: Callback,
 ) -> PyResult<(u64, Option<Differs>)> {
     let dataset = from_python(run)?;
-    let (again, is_interrupted) = watched(py, None, |watch| {
-        again_in_memory(&dataset, threads.0, &watch.stop)
+    let (again, is_interrupted) = watched(py, &progress, |watch| {
+        again_in_memory(&dataset, threads.0, &watch.stop, &mut watch.paths(0))
     })?;
     let again =
         again.map_err(|problem| errors::of_run(py, &problem, "use the unmodified data set"))?;

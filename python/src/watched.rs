@@ -4,9 +4,9 @@
 use crate::errors;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 use stickslip::engine::Progress;
@@ -17,26 +17,60 @@ use stickslip::ensemble::{Flaw, guarded};
 const TICK: Duration = Duration::from_millis(20);
 
 /// The progress is reported at every so many of these times.
-const TOLD_EVERY: u64 = 5;
+const REPORTED_EVERY: u64 = 5;
+
+/// A function of Python that is called with the numbers of paths done and expected, and with what
+/// is being done. The numbers are 0 where no paths are counted.
+pub type Callback = Option<Py<PyAny>>;
 
 /// How far the work has come, and whether it is to stop.
 #[derive(Debug, Default)]
 pub struct Watch {
     /// Raised by Ctrl-C, and by a callback that raises an exception.
     pub stop: AtomicBool,
-    done: AtomicU64,
-    expected: AtomicU64,
+    reached: Mutex<Reached>,
+}
+
+/// The numbers of paths done and expected, and what is being done.
+type Reached = (u64, u64, String);
+
+impl Watch {
+    /// Something begins.
+    pub fn begins(&self, what: &str) {
+        self.change(|reached| reached.2 = what.to_string());
+    }
+
+    /// The progress of a simulation of so many paths, which begins.
+    pub fn paths(&self, expected: u64) -> WatchedProgress<'_> {
+        self.change(|reached| *reached = (0, expected, "simulating".to_string()));
+        WatchedProgress(self)
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Reached)) {
+        change(&mut self.reached.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    fn reached(&self) -> Reached {
+        self.reached
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
 }
 
 /// Passes the progress of the engine on to the watch, so that no thread of the engine waits for
 /// Python.
 #[derive(Debug)]
-pub struct WatchedProgress<'a>(pub &'a Watch);
+pub struct WatchedProgress<'a>(&'a Watch);
 
 impl Progress for WatchedProgress<'_> {
     fn paths(&mut self, done: u64, expected: u64) {
-        self.0.done.store(done, Ordering::Relaxed);
-        self.0.expected.store(expected, Ordering::Relaxed);
+        self.0
+            .change(|reached| (reached.0, reached.1) = (done, expected));
+    }
+
+    fn estimating_bias(&mut self) {
+        self.0.begins("estimating the bias of the step");
     }
 }
 
@@ -48,27 +82,32 @@ type Ended<T> = (Result<Result<T, Flaw>, RecvTimeoutError>, Option<PyErr>);
 fn attend<T>(
     receiver: &Receiver<Result<T, Flaw>>,
     watch: &Watch,
-    progress: Option<&Py<PyAny>>,
+    progress: &Callback,
     patience: Duration,
 ) -> Ended<T> {
     let mut failure: Option<(PyErr, Instant)> = None;
-    let (mut tick, mut reported) = (0_u64, 0);
+    let (mut tick, mut reported) = (0_u64, Reached::default());
     loop {
         tick += 1;
         let received = receiver.recv_timeout(TICK);
         let is_left = matches!(&failure, Some((_, since)) if since.elapsed() > patience);
         let is_over = is_left || !matches!(received, Err(RecvTimeoutError::Timeout));
-        let [done, expected] =
-            [&watch.done, &watch.expected].map(|number| number.load(Ordering::Relaxed));
-        let is_due = done != reported && (is_over || tick.is_multiple_of(TOLD_EVERY));
+        let reached = watch.reached();
+        // A clock moves even where nothing else does.
+        let is_due = match is_over {
+            true => reached != reported,
+            false => tick.is_multiple_of(REPORTED_EVERY),
+        };
         let heard = Python::attach(|py| {
             py.check_signals()?;
             match progress {
-                Some(progress) if is_due => progress.call1(py, (done, expected)).map(drop),
+                Some(progress) if is_due => {
+                    reported = reached;
+                    progress.call1(py, reported.clone()).map(drop)
+                }
                 _ => Ok(()),
             }
         });
-        reported = if is_due { done } else { reported };
         if let Err(error) = heard {
             watch.stop.store(true, Ordering::Relaxed);
             failure.get_or_insert((error, Instant::now()));
@@ -95,12 +134,12 @@ fn settled<T>(py: Python<'_>, (result, failure): Ended<T>) -> PyResult<(T, bool)
     }
 }
 
-/// Does some work with the interpreter lock released. Ctrl-C raises the flag of the watch, and so
-/// does an exception in `progress`, a callable that is called with the numbers of paths done and
-/// expected. Returns the result of the work, and whether Ctrl-C interrupted it.
+/// Does some work with the interpreter lock released, and calls `progress` a few times a second.
+/// Ctrl-C raises the flag of the watch, and so does an exception in `progress`. Returns the result
+/// of the work, and whether Ctrl-C interrupted it.
 pub fn watched<T: Send>(
     py: Python<'_>,
-    progress: Option<&Py<PyAny>>,
+    progress: &Callback,
     work: impl FnOnce(&Watch) -> T + Send,
 ) -> PyResult<(T, bool)> {
     let watch = Watch::default();
@@ -115,23 +154,20 @@ pub fn watched<T: Send>(
     settled(py, ended)
 }
 
-/// Does some work that looks at the flag of the watch only now and then. After Ctrl-C it is a
-/// `KeyboardInterrupt` within a second; the thread ends when it looks at the flag.
+/// Does the same with work that looks at the flag of the watch only now and then, or never. After
+/// Ctrl-C it is a `KeyboardInterrupt` at once; the thread ends when it looks at the flag.
 pub fn abandoned_on_interrupt<T: Send + 'static>(
     py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+    progress: &Callback,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
     let watch = Arc::new(Watch::default());
     let ended = py.detach(|| {
         let (sender, receiver) = channel();
         let of_work = Arc::clone(&watch);
         // Nobody listens any more to work that was abandoned.
-        thread::spawn(move || {
-            sender
-                .send(guarded(|| work(&of_work.stop)))
-                .unwrap_or_default()
-        });
-        attend(&receiver, &watch, None, Duration::ZERO)
+        thread::spawn(move || sender.send(guarded(|| work(&of_work))).unwrap_or_default());
+        attend(&receiver, &watch, progress, Duration::ZERO)
     });
     match ended {
         (_, Some(error)) => Err(error),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 from ._public import public
@@ -19,9 +20,9 @@ class Check:
         title: title of the scenario, in one line.
         toml: the whole scenario as TOML text, with every default written out. `run` accepts it as a
             scenario.
-        derived: derived quantities by name, e.g. "natural_frequency" or
-            "steps". In the units of the scenario; None if a quantity does not exist.
-        warnings: sentences by name; empty if there is nothing to warn about.
+        derived: derived quantities by name, e.g. "natural_frequency" or "steps", in the units of
+            the scenario; None for a quantity that does not exist.
+        warnings: sentences by name; empty if there are no warnings.
     """
 
     title: str
@@ -31,10 +32,25 @@ class Check:
 
     def __repr__(self) -> str:
         """The text of `mc check`."""
-        derived = [f"# {name} = {value}" for name, value in self.derived.items()]
+        derived = [f"# {name} = {text}" for name, text in self._derived()]
         warnings = [f"# warning: {text}" for text in self.warnings.values()]
         parts = [self.toml, "# Derived quantities", *derived, "", *(warnings or ["# no warnings"])]
         return "\n".join(parts)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{name}</td><td>{text}</td></tr>" for name, text in self._derived())
+        warnings = [f"<li>{escape(text)}</li>" for text in self.warnings.values()]
+        return (
+            f"<h4>{escape(self.title)}</h4>"
+            f"<ul>{''.join(warnings) or '<li>no warnings</li>'}</ul><table>{rows}</table>"
+            f"<details><summary>scenario</summary><pre>{escape(self.toml)}</pre></details>"
+        )
+
+    def _derived(self) -> list[tuple[str, str]]:
+        """The derived quantities that exist, as text."""
+        known = [(name, value) for name, value in self.derived.items() if value is not None]
+        lists = [(name, value if isinstance(value, list) else [value]) for name, value in known]
+        return [(name, ", ".join(f"{x:.10g}" for x in numbers)) for name, numbers in lists]
 
 
 @public

@@ -41,13 +41,13 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
     Returns:
         The events of the first path in order of time, then those of the next path, and so on. The
         columns are `path`, the number of the path; `time` in the unit of time of the scenario;
-        `displacement` and `force`, the total force besides friction, at the event; `sign`, the
+        `displacement` and `force`, the total force without friction, at the event; `sign`, the
         direction of the sub-phase that starts, -1 or 1, or 0 where a stick starts; and `kind`, the
         category "stick_entered", "slip_started" or "sub_phase_boundary". The attributes
         `attrs["units"]` of the frame hold the units by column.
 
     Raises:
-        ArgumentError: the data set has no events, or some of its paths were selected.
+        ArgumentError: the data set has no events, or is only a selection of paths.
         ModuleNotFoundError: pandas is not installed.
     """
     pandas = _pandas()
@@ -111,9 +111,10 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
     )
     frame = of_numbers.to_dataframe(dim_order=axes)
     if "own_estimate" in ds:
-        own = {name: ds[f"own_{name}"].to_numpy() for name in _NUMBERS[:4]}
-        mine = pandas.DataFrame(own, index=ds.own.to_numpy()).assign(unit="", long_name="")
-        frame = pandas.concat([frame, mine]).rename_axis("statistic")
+        own = {name: ds[f"own_{name}"] for name in _NUMBERS[:4]}
+        mine = type(ds)(own).reset_coords(drop=True).to_dataframe(dim_order=[*axes[:-1], "own"])
+        mine = mine.rename_axis(index={"own": "statistic"}).assign(unit="", long_name="")
+        frame = pandas.concat([frame, mine])
     return frame.reindex(columns=[*_NUMBERS, *units])
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import _native
+from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, overrides, parse
 from .errors import require
 
@@ -28,6 +29,7 @@ class Motion:
         path: number of the path in the ensemble; without noise, all paths are the same.
     """
 
+    @public
     def __init__(
         self,
         scenario: ScenarioLike,

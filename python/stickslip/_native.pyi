@@ -17,6 +17,9 @@ Variables = tuple[
     dict[str, Any], list[tuple[str, tuple[str, ...], npt.NDArray[Any], dict[str, Any]]]
 ]
 
+# What is called with the numbers of paths done and expected, and with what is being done.
+Told = Callable[[int, int, str], object] | None
+
 class Scenario:
     @property
     def title(self) -> str: ...
@@ -59,17 +62,17 @@ def run(
     part: str | None,
     bias: bool,
     threads: int | None,
-    progress: Callable[[int, int], object] | None,
-    own: list[tuple[str, Callable[..., Any]]],
-) -> tuple[Variables, list[str], list[tuple[str, float, float, float, float]], bytes | None]: ...
+    progress: Told,
+    own: list[Callable[..., Any]],
+) -> tuple[Variables, list[str], list[list[float]], bytes | None]: ...
 def merge(
     parts: list[tuple[str, Handed, bytes]],
     *,
     bias: bool,
     threads: int | None,
-    progress: Callable[[int, int], object] | None,
+    progress: Told,
 ) -> tuple[Variables, list[str]]: ...
-def replay(scenario: Scenario, path: int) -> Variables: ...
+def replay(scenario: Scenario, path: int, progress: Told) -> Variables: ...
 def motion(
     scenario: Scenario,
     overrides: Sequence[tuple[str, str, str]],
@@ -82,6 +85,7 @@ def choose(
     statistic: list[str],
     max_time: float | None,
     threads: int | None,
+    progress: Told,
 ) -> tuple[Scenario, str]: ...
 def sweep(
     scenario: Scenario,
@@ -92,10 +96,13 @@ def sweep(
     relative_step: float,
     independent: bool,
     bias: bool,
+    own: list[Callable[..., Any]],
     threads: int | None,
-    progress: Callable[[int, int], object] | None,
+    progress: Told,
+) -> tuple[Variables, list[list[list[float]]], bool]: ...
+def trade(
+    scenario: Scenario, budget: float, threads: int | None, progress: Told
 ) -> tuple[Variables, bool]: ...
-def trade(scenario: Scenario, budget: float, threads: int | None) -> tuple[Variables, bool]: ...
 
 # A scenario: its name in messages, its text (None if the name is that of a file), and overrides as
 # pairs of a key and a value in TOML.
@@ -120,6 +127,7 @@ def calibrate(
     lag: float | None,
     interval: float,
     threads: int | None,
+    progress: Told,
 ) -> tuple[Variables, list[str]]: ...
 def forecast(
     scenario: Given,
@@ -132,6 +140,7 @@ def forecast(
     share: float,
     processes: int,
     threads: int | None,
+    progress: Told,
 ) -> tuple[Variables, list[str]]: ...
 
 def fit_temperature(
@@ -139,6 +148,7 @@ def fit_temperature(
     *,
     processes: int,
     periods: list[float] | None,
+    progress: Told,
 ) -> tuple[dict[str, Any], list[str]]: ...
 def twin(
     scenario: Given,
@@ -157,10 +167,11 @@ def twin(
     start: str | None,
     duration: float,
     every: float,
+    progress: Told,
 ) -> tuple[Variables, list[str]]: ...
 def checksum(path: str, is_compared: bool) -> bool | None: ...
 def verify(
-    run: Handed, threads: int | None
+    run: Handed, threads: int | None, progress: Told
 ) -> tuple[int, dict[str, Any] | None]: ...
 def plot(
     scenario: Scenario | None,

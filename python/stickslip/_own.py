@@ -11,6 +11,7 @@ from .errors import require, wrong_argument
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Events:
             lost because it diverged or was given up.
         time: time of the event, in the unit of time of the scenario.
         displacement: displacement x at the event, in the unit of length.
-        force: total force besides friction at the event, in the unit of force.
+        force: total force without friction at the event, in the unit of force.
         sign: direction of the sub-phase that starts at the event, -1 or 1; 0 where a stick starts.
         kind: 0 where a stick starts, 1 where a slip starts, 2 between two sub-phases of a slip.
     """
@@ -66,10 +67,33 @@ class Events:
 Statistic = Callable[[Events], Union["npt.ArrayLike", "tuple[npt.ArrayLike, npt.ArrayLike]"]]
 
 
-def shown(own: Mapping[str, Statistic] | None) -> list[tuple[str, Callable[..., Any]]]:
+#: What the columns of the estimates mean.
+_COLUMNS = {
+    "own_estimate": "estimate",
+    "own_standard_error": "standard error of the estimate, with paths as independent units",
+    "own_interval_low": "lower end of the 95 % confidence interval",
+    "own_interval_high": "upper end of the 95 % confidence interval",
+}
+
+
+def shown(own: Mapping[str, Statistic] | None) -> list[Callable[..., Any]]:
     """The functions that the engine calls. Each calls a function of the caller and checks its
     result."""
-    return [(name, _checked(name, statistic)) for name, statistic in (own or {}).items()]
+    return [_checked(name, statistic) for name, statistic in (own or {}).items()]
+
+
+def estimates(own: Mapping[str, Statistic], columns: Any, axes: Mapping[Any, int]) -> xr.Dataset:
+    """The estimates as variables along these axes, whose lengths are given, and `own`."""
+    import numpy as np
+    import xarray as xr
+
+    columns = np.reshape(columns, (*axes.values(), len(own), len(_COLUMNS)))
+    variables = {
+        name: ((*axes, "own"), columns[..., i], {"long_name": meaning})
+        for i, (name, meaning) in enumerate(_COLUMNS.items())
+    }
+    names = ("own", np.array([*own]), {"long_name": "user-defined statistic"})
+    return xr.Dataset(variables, coords={"own": names})
 
 
 def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:

@@ -42,7 +42,7 @@ class _Pickled:
 class Picture:
     """A picture. A notebook shows it as SVG; `save` writes it as SVG, PNG or PDF.
 
-    It can be pickled. Of a picture that was, the PNG has 300 dots per inch.
+    It can be pickled. The PNG of an unpickled picture has 300 dots per inch.
     """
 
     def __init__(self, scene: _native.Picture) -> None:
@@ -112,8 +112,8 @@ def plot(
 ) -> Picture:
     """Draw a path of a scenario, a run, a trade, sweeps or a calibration, like `mc plot`.
 
-    Without `only`, all figures of the subject except `overview` and `section` are on one page, which
-    has a heading.
+    Without `only`, the picture is a page with a heading and all figures of the subject except
+    `overview` and `section`.
 
     Args:
         subject: a scenario as for `run`, of which one path is drawn; a data set that `run`,
@@ -127,13 +127,13 @@ def plot(
         path: number of the path that is drawn, from 0, of a scenario or a run.
         until: time at which the path of a scenario ends, in its unit of time. It has no effect on a
             data set.
-        statistic: the name of the statistic that is drawn of a trade or of sweeps. By default it is
-            the first that the trade has an answer for, or two statistics of a sweep.
+        statistic: the name of the statistic to draw of a trade or of sweeps; by default, the first
+            statistic of a trade that has an estimate, or two statistics of sweeps.
         theme: "light" or "dark".
         width: width of one figure in millimetres, from 60 to 400; a page is two figures wide.
         log: whether densities and fractions have logarithmic vertical axes.
         title: the heading of a page; by default that of the subject.
-        labels: words for keys and statistics at the axes of sweeps, by name.
+        labels: labels of keys and statistics on the axes of sweeps, by name.
         set: further keys of a scenario with their values, as for `run`. It has no effect on a data
             set.
 

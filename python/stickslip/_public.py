@@ -34,12 +34,13 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
         TypeError: an argument is unknown. The message suggests another.
         ArgumentError: the engine refuses the type of an argument.
     """
-    names = inspect.signature(function).parameters
+    names = [name for name in inspect.signature(function).parameters if name != "self"]
+    called = function.__qualname__.removesuffix(".__init__")
 
     @wraps(function)
     def call(*given: P.args, **named: P.kwargs) -> R:
-        for name in named.keys() - names.keys():
-            problem = f"{function.__name__}() has no argument `{name}`"
+        for name in named.keys() - {*names}:
+            problem = f"{called}() has no argument `{name}`"
             raise TypeError(f"{problem}\n  fix: {_instead(name, names)}")
         try:
             return function(*given, **named)
@@ -50,7 +51,7 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
             if refused is None or refused[1] not in names:
                 raise
             value = named.get(refused[1], "this value")
-            remedy = f"give what help(stickslip.{function.__name__}) says"
+            remedy = f"give what help(stickslip.{called}) says"
             raise wrong_argument(refused[1], repr(value), str(error), remedy) from None
 
     return call

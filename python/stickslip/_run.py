@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 from . import _native, _own
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
-from ._progress import Progress, shown
+from ._progress import Progress, Told, shown
 from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
@@ -54,7 +54,7 @@ def run(
     bias: bool = True,
     own: Mapping[str, Statistic] | None = None,
     threads: int | None = None,
-    progress: Progress = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Simulate an ensemble of paths and return its statistics, like `mc run`.
 
@@ -72,8 +72,8 @@ def run(
             file.
         paths: number of paths [ensemble.paths]. With a goal (see `until`), the largest number of
             paths.
-        seed: seed of all random numbers [ensemble.seed]. A path is a function of the scenario, the
-            seed and the number of the path.
+        seed: seed of all random numbers [ensemble.seed]. A path depends only on the scenario, the
+            seed and its number.
         scheme: the simulation scheme: "discrete-vi", "corrected-vi", "event-driven" or
             "quasi-static" [scheme.kind].
         step: time step of "discrete-vi" and "corrected-vi", in the unit of time of the scenario
@@ -104,9 +104,9 @@ def run(
             number of paths are chosen for this error, after a pilot run of about 8 s. It cannot be
             combined with `paths`, `scheme`, `step`, `tolerance` or a goal. The attribute `accuracy`
             of the result records the choice.
-        statistic: the name or the names of the statistics that `accuracy` is for; all of
-            `STATISTICS` if none is named.
-        max_time: limit of the wall-clock time: seconds, a string such as "10m", "1.5h" or "1d 2h",
+        statistic: the name or names of the statistics that `accuracy` applies to; by default, all
+            of `STATISTICS`.
+        max_time: limit on the wall-clock time: seconds, a string such as "10m", "1.5h" or "1d 2h",
             or a timedelta. The run ends within it, with the attribute `status` equal to "ended".
         part: one part of the run, e.g. "3/16" for the third of 16. `merge` joins the parts. It
             cannot be combined with a goal, `max_time`, `accuracy` or `own`.
@@ -117,9 +117,11 @@ def run(
             shape `(len(events.count),)`, whose mean over all paths is estimated. A function may
             also return a pair of such arrays; the ratio of their means is then estimated.
         threads: number of threads; one for each core if not given.
-        progress: True for a progress bar of tqdm, or a callable `f(done, expected)`, which is
-            called a few times a second with the number of paths that are done and that are expected
-            in all. An exception in it ends the run.
+        progress: whether a line in the terminal or the notebook shows the progress of what takes
+            longer than two seconds; nothing is shown elsewhere. Or a callable
+            `f(done, expected, stage)`, which is called a few times a second with the number of
+            paths that are done, the number expected in all, and what is being done. The numbers are
+            0 in a stage that does not count paths. An exception in the callable ends the run.
 
     Returns:
         A data set with one value for each statistic along `statistic` (coordinate: the names in
@@ -161,14 +163,16 @@ def run(
         "use them in a run that is not split",
     )
     if accuracy is not None:
-        parsed, goal = _chosen(
-            parsed,
-            accuracy,
-            statistic,
-            seconds,
-            threads,
-            goals or paths or scheme or step or tolerance,
-        )
+        with shown(progress) as told:
+            parsed, goal = _chosen(
+                parsed,
+                accuracy,
+                statistic,
+                seconds,
+                threads,
+                goals or paths or scheme or step or tolerance,
+                told,
+            )
     warn([text for _, text in parsed.warnings(measures_bias=bias)])
     with shown(progress) as told:
         made, remarks, estimates, state = _native.run(
@@ -190,7 +194,7 @@ def run(
         ds.attrs["accuracy"] = goal
     if state is not None:
         ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), _PART_STATE)
-    return ds.merge(_of_own(estimates)) if estimates else ds
+    return ds.merge(_own.estimates(own, estimates, {})) if own else ds
 
 
 @public
@@ -199,7 +203,7 @@ def merge(
     *,
     bias: bool = True,
     threads: int | None = None,
-    progress: Progress = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Join the parts of a run that `run(..., part=...)` made, like `mc merge`.
 
@@ -242,45 +246,24 @@ def _chosen(
     seconds: float | None,
     threads: int | None,
     decided: object,
+    told: Told,
 ) -> tuple[_native.Scenario, str]:
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
     problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
     require(not decided, "accuracy", accuracy, problem, "remove one of them")
     within(1e-6, 0.5, accuracy=accuracy)
     named = [statistic] if isinstance(statistic, str) else list(statistic)
-    return _native.choose(parsed, accuracy, named, seconds, threads)
-
-
-def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Dataset:
-    """The estimates of the caller's own statistics as variables."""
-    import numpy as np
-    import xarray as xr
-
-    names = [name for name, *_ in estimates]
-    columns = np.array([numbers for _, *numbers in estimates])
-    meanings = {
-        "own_estimate": "estimate",
-        "own_standard_error": "standard error of the estimate, with paths as independent units",
-        "own_interval_low": "lower end of the 95 % confidence interval",
-        "own_interval_high": "upper end of the 95 % confidence interval",
-    }
-    variables = {
-        name: ("own", columns[:, i], {"long_name": meaning})
-        for i, (name, meaning) in enumerate(meanings.items())
-    }
-    return xr.Dataset(
-        variables,
-        coords={"own": ("own", np.array(names), {"long_name": "user-defined statistic"})},
-    )
+    return _native.choose(parsed, accuracy, named, seconds, threads, told)
 
 
 @public
-def replay(run: xr.Dataset, path: int) -> xr.Dataset:
+def replay(run: xr.Dataset, path: int, *, progress: Progress = True) -> xr.Dataset:
     """Simulate one path of an ensemble again, with its events and its trajectory, like `mc replay`.
 
     Args:
         run: a data set that `run` returned, or `load` of the file of a run.
-        path: number of the path, from 0 to the number of paths less 1.
+        path: number of the path, from 0 to the number of paths minus 1.
+        progress: as for `run`.
 
     Returns:
         A data set like that of `run` for this one path, which is the path of the ensemble bit for
@@ -290,7 +273,8 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
     """
-    return dataset(_native.replay(of_run(run), path))
+    with shown(progress) as told:
+        return dataset(_native.replay(of_run(run), path, told))
 
 
 def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:

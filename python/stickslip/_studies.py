@@ -7,8 +7,9 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
-from . import _native, _toml
+from . import _native, _own, _toml
 from ._data import dataset, ready, warn
+from ._own import Statistic
 from ._progress import Progress, shown
 from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
@@ -41,8 +42,9 @@ def sweep(
     temperature: Any = None,
     inputs: Mapping[str, Any] | None = None,
     bias: bool = True,
+    own: Mapping[str, Statistic] | None = None,
     threads: int | None = None,
-    progress: Progress = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Compute statistics as functions of keys of the scenario, like `mc sweep`.
 
@@ -52,21 +54,20 @@ def sweep(
 
     Args:
         scenario: as for `run`.
-        vary: the values of each key, as a sequence of numbers or as a text "START:STOP:COUNT" or
+        vary: the values of each key, as a sequence of numbers or as a string "START:STOP:COUNT" or
             "log:START:STOP:COUNT", e.g. `{"temperature.noise.intensity": np.linspace(0, 1, 21)}`;
             or the files of an input, e.g. `{"input.ag.file": ["a.at2", "b.at2"]}`.
             Each key is a dimension of the result, with the symbol of the key as its name. A key
-            written "rho=temperature.noise.intensity" has the name rho. Several keys are combined
-            each with each.
-        zip: combine the first values of all keys, then their second values, and so on, instead of
-            each with each.
+            written "rho=temperature.noise.intensity" has the name rho. The values of several keys
+            are combined in every possible way.
+        zip: combine only the first values of all keys, then their second values, and so on.
         elasticity: a key or keys whose elasticities are computed, instead of `vary`: the relative
             change of each statistic for a relative change of the key.
-        relative_step: for `elasticity`, the relative change of each key to both sides of its value,
-            from 1e-6 to 0.5.
+        relative_step: for `elasticity`, the relative change of each key in both directions, from
+            1e-6 to 0.5.
         independent: give every point a seed of its own. The errors of the points are then
             independent, and differences between points are less precise.
-        paths, seed, scheme, step, tolerance, until, set, temperature, inputs, bias, threads,
+        paths, seed, scheme, step, tolerance, until, set, temperature, inputs, bias, own, threads,
             progress: as for `run`, at every point; `until` is a time, not a goal.
 
     Returns:
@@ -75,8 +76,8 @@ def sweep(
         `difference_error`, `difference_low` and `difference_high` from each point to the next, with
         the further dimension `along`. With `elasticity`: the same estimates along `point` and
         `statistic`, and `elasticity`, `elasticity_error`, `elasticity_low` and `elasticity_high`
-        along `key` and `statistic`. `point_status` is 1 for finished points; the others are
-        NaN.
+        along `key` and `statistic`. User-defined statistics are as in the result of `run`, at every
+        point. `point_status` is 1 for finished points; the others are NaN.
 
     Raises:
         ScenarioError: the scenario, or a point of the sweep, is invalid.
@@ -90,7 +91,7 @@ def sweep(
     require(bool(vary) != bool(keys), "vary", vary, problem, "give one of them")
     parsed = parse(given)
     with shown(progress) as told:
-        made, is_interrupted = _native.sweep(
+        made, estimates, is_interrupted = _native.sweep(
             parsed,
             vary=[f"{key}={_values(key, values)}" for key, values in (vary or {}).items()],
             zip=zip,
@@ -98,11 +99,14 @@ def sweep(
             relative_step=relative_step,
             independent=independent,
             bias=bias,
+            own=_own.shown(own),
             threads=threads,
             progress=told,
         )
     warn(["interrupted: missing points are NaN"] if is_interrupted else [])
-    return dataset(made)
+    ds = dataset(made)
+    axes = {axis: size for axis, size in ds.estimate.sizes.items() if axis != "statistic"}
+    return ds.merge(_own.estimates(own, estimates, axes)) if own else ds
 
 
 @public
@@ -115,6 +119,7 @@ def trade(
     temperature: Any = None,
     inputs: Mapping[str, Any] | None = None,
     threads: int | None = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Measure what accuracy costs on this machine, like `mc trade`.
 
@@ -123,7 +128,7 @@ def trade(
     returned with a `StickSlipWarning`.
 
     Args:
-        scenario, seed, set, temperature, inputs, threads: as for `run`.
+        scenario, seed, set, temperature, inputs, threads, progress: as for `run`.
         budget: how long to measure, from 1 s to 7 d: seconds, a string such as "10m", or a timedelta.
 
     Returns:
@@ -144,7 +149,8 @@ def trade(
     given = locals()
     ready()
     parsed = parse(given)
-    made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)
+    with shown(progress) as told:
+        made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads, told)
     warn(["interrupted: the results are partial"] if is_interrupted else [])
     return dataset(made)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from . import _native
 from ._data import load, raw, ready, warn
+from ._progress import Progress, shown
 from ._public import public
 from ._run import STUDIES, of_run
 from .errors import RunError, VerificationError, require
@@ -39,6 +40,7 @@ def verify(
     run: xr.Dataset | str | os.PathLike[str],
     *,
     threads: int | None = None,
+    progress: Progress = True,
 ) -> Verified:
     """Compare a run with a second simulation of its scenario and seed, and a file with its
     checksum, like `mc verify --again`. This takes as long as the run.
@@ -47,7 +49,7 @@ def verify(
         run: a data set that `run`, `merge` or `load` returned, or the path of the file of a run.
             The path may also be the file of a trade, a sweep or a calibration, of which only the
             checksum is compared; `mc verify --again` compares these as well.
-        threads: number of threads; one for each core if not given.
+        threads, progress: as for `run`.
 
     Returns:
         What was compared. All of it is identical, bit for bit.
@@ -61,7 +63,7 @@ def verify(
     """
     ready()
     if not isinstance(run, (str, os.PathLike)):
-        return _verified(run, threads, None, "data set")
+        return _verified(run, threads, progress, None, "data set")
     path = Path(run)
     path.stat()
     is_right = _native.checksum(str(path), True)
@@ -73,12 +75,13 @@ def verify(
     with load(path) as ds:
         if ds.attrs.get("format_name") in STUDIES:
             return Verified(0, 0, has_checksum, _is_same_program(ds))
-        return _verified(ds.load(), threads, has_checksum, "file")
+        return _verified(ds.load(), threads, progress, has_checksum, "file")
 
 
 def _verified(
     ds: xr.Dataset,
     threads: int | None,
+    progress: Progress,
     has_checksum: bool | None,
     where: str,
 ) -> Verified:
@@ -91,7 +94,8 @@ def _verified(
     require(part is None, "run", f"part {part}", "a part cannot be simulated again", remedy)
     # Statistics of the caller's own cannot be computed again.
     own = [name for name in ds.variables if str(name).startswith("own")]
-    values, difference = _native.verify(raw(ds.drop_vars(own)), threads)
+    with shown(progress) as told:
+        values, difference = _native.verify(raw(ds.drop_vars(own)), threads, told)
     if difference is not None:
         problem = (
             f"{difference.pop('place')} is {difference['stored']} in the {where}, "

@@ -163,3 +163,31 @@ def test_parts_that_do_not_go_together_are_named():
     ]:
         with pytest.raises(ss.ArgumentError, match=problem):
             ss.run("rho025", paths=600, part=part, **arguments)
+
+
+def test_a_sweep_has_the_statistics_of_ones_own_of_each_run():
+    vary = {"friction.static": [1.1, 1.2], "friction.dynamic": [0.8, 0.9, 1.0]}
+    own = {"slips": slips, "jumps": jumps}
+    ds = ss.sweep("rho025", vary, paths=600, bias=False, own=own)
+    assert ds.own_estimate.dims == (*ds.estimate.dims[:2], "own")
+    for i, static in enumerate(vary["friction.static"]):
+        for j, dynamic in enumerate(vary["friction.dynamic"]):
+            friction = {"friction.static": static, "friction.dynamic": dynamic}
+            run = ss.run("rho025", paths=600, bias=False, set=friction, own=own)
+            for name in ("estimate", "standard_error", "interval_low", "interval_high"):
+                mine, theirs = ds[f"own_{name}"][i, j], run[f"own_{name}"]
+                assert mine.values.tobytes() == theirs.values.tobytes(), (static, dynamic)
+    frame = ss.summary(ds)
+    assert frame.loc[(1.2, 0.9, "jumps"), "estimate"] == ds.own_estimate[1, 1, 1].item()
+    assert len(frame) == 6 * (len(ds.statistic) + 2)
+    without = ss.sweep("rho025", vary, paths=600, bias=False)
+    mine = [name for name in ds.variables if name.startswith("own")]
+    same(ds, without, but=[*mine, "point_seconds"])
+
+
+def test_an_exception_of_a_statistic_ends_a_sweep():
+    def refuse(events):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, paths=10**7, own={"bad": refuse})

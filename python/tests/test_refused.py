@@ -100,6 +100,7 @@ def test_an_argument_that_the_engine_refuses_is_named(call, argument):
         (lambda: ss.run("rho025", n=10), "write `paths=`"),
         (lambda: ss.run("rho025", h=0.1), "write `step=`"),
         (lambda: ss.run("rho025", path=10), "write `paths=`"),
+        (lambda: ss.Motion("rho025", H=0.1), "Motion() has no argument `H`\n  fix: write `step=`"),
         (lambda: ss.check("rho025", rho=0.3), 'write `set={"temperature.noise.intensity": ...}`'),
         (lambda: ss.sweep("rho025", {}, fs=1), 'write `set={"friction.static": ...}`'),
         (lambda: ss.load("a.h5", zebra=1), "the arguments are file"),
@@ -125,6 +126,24 @@ def test_a_check_prints_as_the_command_prints_it():
     shown = repr(ss.check("rho025", set={"friction.static": 1.3}))
     assert "[friction]\nstatic = 1.3" in shown and "# natural_frequency = " in shown
     assert "# warning: " in shown and "\\n" not in shown
+    assert "None" not in shown and "# friction_ratio = 0.7692307692\n" in shown
+
+
+def test_a_notebook_shows_a_check_as_a_table():
+    shown = ss.check("rho025", set={"title": "<rho>"})._repr_html_()
+    table, scenario = shown.split("<details>")
+    assert "<h4>&lt;rho&gt;</h4>" in table and "<tr><td>steps</td><td>6000</td></tr>" in table
+    assert table.count("<li>") == 2 and "[friction]\nstatic = 1.2" in scenario
+
+
+def test_a_fitted_temperature_prints_its_numbers_and_its_table():
+    time = 600.0 * np.arange(2000)
+    noise = np.convolve(np.random.default_rng(1).normal(size=2400), 0.99 ** np.arange(401), "valid")
+    fit = ss.fit_temperature((time, 12 + noise), processes=1, periods=[86_400])
+    lines = repr(fit).splitlines()
+    assert lines[0].startswith("# 2000 samples, mean (1") and lines[0].endswith("degC")
+    assert lines[1].startswith("# period 86400 s: amplitude (")
+    assert lines[2].startswith("# noise: standard deviation ") and repr(fit).endswith(fit.toml)
 
 
 def test_a_picture_can_be_pickled():

@@ -62,6 +62,7 @@ fn simulated(mut sweep: Sweep, threads: usize) -> Sweep {
         threads,
         stop: &stop,
         progress: &mut (),
+        blocks: None,
     };
     simulation
         .run(&mut sweep, |_| Ok::<_, Infallible>(()))
@@ -164,6 +165,7 @@ fn no_bit_depends_on_threads_or_interruptions() {
             threads: 3,
             stop: &stop,
             progress: &mut (),
+            blocks: None,
         };
         let tell = |_: &Sweep| {
             stop.store(true, Ordering::Relaxed);

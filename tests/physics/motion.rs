@@ -329,6 +329,7 @@ fn no_statistic_depends_on_the_output_step() {
                 threads: 1,
                 stop: &stop,
                 progress: &mut (),
+                blocks: None,
             };
             simulation
                 .run(&mut sweep, |_| Ok::<(), std::convert::Infallible>(()))

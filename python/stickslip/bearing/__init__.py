@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _native
 from .._data import dataset, ready, warn
+from .._progress import Progress, shown
 from .._public import public
 from .._scenario import ScenarioLike, Settings, samples, source, written
 from .._time import Time
@@ -24,31 +25,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a file or a DataFrame with measurements is laid out, as far as it does not say so itself.
+    """The layout of a file or a DataFrame with measurements, where its header does not define it.
 
     Attributes:
-        temperature: the name of the column of temperatures; by default the one whose name begins
-            with `temperature`.
+        temperature: the name of the temperature column; by default, the one whose name begins with
+            `temperature`.
         temperature_file: the path of the CSV file of temperatures, if the file of displacements
             lacks them.
         temperature_unit: the unit of temperatures: "degC", "K", "degF" or "degR".
         displacement_unit: the unit of displacements: "m", "cm", "mm" or "um".
-        time: the name of the column of times, or those of dates and of times of day with a comma
-            between them; by default the one with a usual name, such as "time", "Timestamp" or
-            "Date/Time".
+        time: the name of the time column, or the names of the columns of dates and of times of day,
+            separated by a comma; by default, a column with a usual name, such as "time",
+            "Timestamp" or "Date/Time".
         zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
-        dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
-            or the order in which all of them are dates and the rows in order.
-        skip: number of lines before the names of the columns; by default up to the first line with
-            the names that are wanted.
+        dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default, the year first,
+            or else the order for which all dates are valid and ascending.
+        skip: number of lines before the column names; by default, all lines before the first one
+            that contains the required names.
         missing: numbers and words that mark a missing value, besides the usual ones.
         skip_bad: leave out lines that cannot be read, such as a footer, and report how many.
         outliers: leave out values that differ from their neighbours by more than this many standard
-            deviations of such differences, e.g. 8; by default none is left out. Arrays may have it.
-        decimal: the decimal mark of numbers, "." or ","; by default inferred from all numbers.
-        averaged: averaging time of each value, ending at its stamp; 0 for instantaneous values; by
-            default taken from the name of the column. Arrays may have it.
-        of_temperatures: the layout of the temperatures, where it differs.
+            deviations of such differences, e.g. 8; by default, no value is left out. It also
+            applies to arrays.
+        decimal: the decimal mark of numbers, "." or ","; by default, inferred from all numbers.
+        averaged: averaging time of each value, which ends at its time stamp; 0 for instantaneous
+            values; by default, taken from the column name. It also applies to arrays.
+        of_temperatures: the layout of the temperatures, if it differs.
     """
 
     temperature: str | None = None
@@ -87,41 +89,43 @@ def calibrate(
     layout: Layout | None = None,
     set: Settings | None = None,
     threads: int | None = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Estimate friction, stiffness and dilatation of a bearing from its measured temperature and
     displacement, like `mc calibrate`.
 
     Args:
-        scenario: as for `run`, in SI units: the stiffness K_BP of the bearing, where a search
-            begins, and the names of the columns of the data. It needs no table `[time]`.
-        data: the measurement: the path of a CSV file, a pandas DataFrame with the columns that such
-            a file has, or only the measured temperatures over time in degrees Celsius, as a pandas
-            Series, a one-dimensional DataArray or a pair (times, values) of one-dimensional arrays.
-            Times are in seconds, or dates.
+        scenario: as for `run`, in SI units. It gives the stiffness K_BP of the bearing, the initial
+            values of a search, and the column names of the data. A table `[time]` is not needed.
+        data: the measurement: the path of a CSV file; a pandas DataFrame with the same columns; or
+            the measured temperatures alone, in degrees Celsius over time, as a pandas Series, a
+            one-dimensional DataArray or a pair (times, values) of one-dimensional arrays. Times are
+            in seconds, or dates.
         displacement: the measured displacements. For a file or a DataFrame, the name of their
-            column; by default the one whose name begins with `displacement`. Otherwise
-            displacements over time in metres, in any of the forms of the temperatures, with the
-            same or other times.
-        method: "slips" to estimate from the slips, "criterion" for the least squares of the paper,
-            or "both".
-        fit: the keys of the parameters to fit; all if none is given. The others keep the value that
-            the scenario gives them.
-        bounds: for the least squares, the lowest and the highest value of a parameter by its key,
-            e.g. `{"friction.static": (4e5, 6e5)}`. By default a box around the estimates from the
+            column; by default, the one whose name begins with `displacement`. Otherwise, the
+            displacements in metres over time, in any of the forms of the temperatures, with the
+            same or different times.
+        method: "slips" to estimate from the slips, "criterion" for the least-squares criterion of
+            the paper, or "both".
+        fit: the keys of the parameters to fit; by default, all. The other parameters keep the values
+            of the scenario.
+        bounds: for least squares, the lowest and the highest value of a parameter by its key, e.g.
+            `{"friction.static": (4e5, 6e5)}`. By default, a box around the estimates from the
             slips.
         starts: number of starting points of the least squares, from 1 to 1000.
-        lag: delay of the temperature of the steel behind the thermometer, in seconds, as a text
+        lag: delay of the temperature of the steel behind the thermometer, in seconds, as a string
             such as "10m", or as a timedelta; estimated if not given.
         interval: confidence level of the intervals, from 0.5 to 0.999.
-        layout: how a file or a DataFrame is laid out, as far as it does not say so itself.
+        layout: the layout of a file or a DataFrame, where its header does not define it.
         set: further keys of the scenario with their values, as for `run`.
         threads: number of threads; one for each core if not given.
+        progress: as for `run`; no paths are counted.
 
     Returns:
         Along `quantity`, the name of a parameter: `estimate` with its interval from `interval_low`
         to `interval_high`, in the unit `quantity_unit`, and the same by the least squares as
         `least_squares`, `least_squares_low` and `least_squares_high`. Along `slip`: time,
-        temperature and size of each slip that was found. Along `start`: the result of each starting
+        temperature and size of each detected slip. Along `start`: the result of each starting
         point. Along `time`, in seconds from the first sample: the measurement, and
         `displacement_modelled` in metres.
 
@@ -133,17 +137,19 @@ def calibrate(
     ready()
     within(0.5, 0.999, interval=interval)
     within(1, 1000, starts=starts)
-    made, remarks = _native.calibrate(
-        (*source(scenario), written(set)),
-        _record(data, displacement, layout or Layout()),
-        method=method,
-        fit=list(fit),
-        bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
-        starts=starts,
-        lag=None if lag is None else _seconds("lag", lag),
-        interval=interval,
-        threads=threads,
-    )
+    with shown(progress) as told:
+        made, remarks = _native.calibrate(
+            (*source(scenario), written(set)),
+            _record(data, displacement, layout or Layout()),
+            method=method,
+            fit=list(fit),
+            bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
+            starts=starts,
+            lag=None if lag is None else _seconds("lag", lag),
+            interval=interval,
+            threads=threads,
+            progress=told,
+        )
     warn(remarks)
     return dataset(made)
 
@@ -163,6 +169,7 @@ def forecast(
     layout: Layout | None = None,
     set: Settings | None = None,
     threads: int | None = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Simulate future years of a bearing, like `mc forecast`.
 
@@ -171,7 +178,7 @@ def forecast(
     parameters drawn from the distribution of their errors.
 
     Args:
-        scenario, data, displacement, layout, set, threads: as for `calibrate`.
+        scenario, data, displacement, layout, set, threads, progress: as for `calibrate`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -201,22 +208,24 @@ def forecast(
     within(2, 10_000, draws=draws, years=years)
     require(0 <= share < 1, "share", share, "out of range", "must be in [0, 1)")
     within(1, 2, processes=processes)
-    made, remarks = _native.forecast(
-        (*source(scenario), written(set)),
-        _record(data, displacement, layout or Layout()),
-        draws=draws,
-        years=years,
-        seed=seed,
-        interval=interval,
-        share=share,
-        processes=processes,
-        threads=threads,
-    )
+    with shown(progress) as told:
+        made, remarks = _native.forecast(
+            (*source(scenario), written(set)),
+            _record(data, displacement, layout or Layout()),
+            draws=draws,
+            years=years,
+            seed=seed,
+            interval=interval,
+            share=share,
+            processes=processes,
+            threads=threads,
+            progress=told,
+        )
     warn(remarks)
     return dataset(made)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Weather:
     """A measured temperature as a mean, harmonics and noise, as `mc fit-temperature` prints it.
 
@@ -230,10 +239,10 @@ class Weather:
         processes: for each Ornstein-Uhlenbeck process, the fastest first, its standard deviation
             `sd` in K and its `relaxation_rate` in 1/s, with the relative standard errors
             `sd_relative_error` and `relaxation_rate_relative_error`.
-        sensor_sd: standard deviation of the white noise of the thermometer, in K; 0 where the data
+        sensor_sd: standard deviation of the white noise of the thermometer, in K; 0 if the data
             show none.
-        smoothing: time constant of the low pass that smooths the processes, in s; None if none
-            does.
+        smoothing: time constant of the low-pass filter that smooths the processes, in s; None if
+            they are not smoothed.
         log_likelihood: logarithm of the restricted likelihood of the fit.
         start: the date of the first sample, if the times of a file or a DataFrame are dates.
         toml: the temperature as TOML text, to be appended to a scenario without a temperature.
@@ -252,6 +261,18 @@ class Weather:
     toml: str
     temperature: dict[str, Any]
 
+    def __repr__(self) -> str:
+        """The most important numbers, and the temperature as TOML text."""
+        mean, error = self.mean
+        lines = [f"# {self.samples} samples, mean ({mean:.4g} +- {error:.1g}) degC"]
+        for wave in self.harmonics:
+            size = f"amplitude ({wave['amplitude']:.4g} +- {wave['standard_error']:.1g}) K"
+            lines.append(f"# period {wave['period']:g} s: {size}")
+        for process in self.processes:
+            memory = f"correlation time {1 / process['relaxation_rate']:.3g} s"
+            lines.append(f"# noise: standard deviation {process['sd']:.3g} K, {memory}")
+        return "\n".join(lines) + "\n" + self.toml
+
 
 @public
 def fit_temperature(
@@ -260,6 +281,7 @@ def fit_temperature(
     processes: int = 2,
     periods: Sequence[Time] | None = None,
     layout: Layout | None = None,
+    progress: Progress = True,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -271,9 +293,9 @@ def fit_temperature(
         processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
             and a slow one.
         periods: the periods of the harmonics, in seconds, as a string such as "10m", or as a
-            timedelta; by default a year of 365.25 days and a day, if the samples resolve them.
-            An empty sequence fits no harmonics.
-        layout: as for `calibrate`.
+            timedelta; by default, a year of 365.25 days and a day, if the samples resolve them.
+            With an empty sequence, no harmonics are fitted.
+        layout, progress: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -295,7 +317,10 @@ def fit_temperature(
     else:
         times, values, _ = _repaired(data, "data", "temperature", layout.outliers)
         measured = _Measured("the arrays", layout, arrays=[times, values])
-    fit, remarks = _native.fit_temperature(measured, processes=processes, periods=lengths)
+    with shown(progress) as told:
+        fit, remarks = _native.fit_temperature(
+            measured, processes=processes, periods=lengths, progress=told
+        )
     warn(remarks)
     return Weather(**fit)
 
@@ -319,6 +344,7 @@ def twin(
     every: Time = 600.0,
     set: Settings | None = None,
     temperature: Any = None,
+    progress: Progress = True,
 ) -> xr.Dataset:
     """Make synthetic measurements of a bearing with known parameters, like `mc twin`.
 
@@ -329,28 +355,29 @@ def twin(
         scenario: the scenario with the true parameters, as for `calibrate`. Its temperature is the
             measured one of `[temperature.series]`, if it has that table, and otherwise is simulated
             from its harmonics and noise.
-        seed: seed of all random numbers. Each of the errors below has random numbers of its own.
+        seed: seed of all random numbers. Each of the errors below has its own random numbers.
         sensor_noise: the standard deviations of the white and of the red noise of the displacement
             sensor, in metres, and the correlation time of the red noise. A time is in seconds, a
-            text such as "10m", or a timedelta.
+            string such as "10m", or a timedelta.
         scatter: relative standard deviation of f_s from slip to slip, from 0 to below 0.5; f_d does
             not vary.
         lag: delay of the temperature of the steel behind the thermometer.
         resolution: resolution of the thermometer in kelvin: its readings are multiples of it.
-        spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
-            up to 20 standard deviations of the noise of the sensor.
+        spikes: the fraction of displacements that are outliers, from 0 to below 0.5; they deviate by
+            up to 20 standard deviations of the sensor noise.
         gaps: number of gaps in the measurement, of one to five days each.
-        drift: drift of the displacement sensor, in metres a year.
-        zero_set: when the zero of the displacement sensor is set, and by how many metres its
-            readings move from then on; None where it is not set.
-        thermometer_every: the thermometer shows only every n-th sample; its other samples are NaN.
-        start: the date of the first sample (UTC where it has no zone), at which t = 0 in the
+        drift: drift of the displacement sensor, in metres per year.
+        zero_set: the time at which the displacement sensor is set to zero, and the shift of its
+            readings from then on, in metres; None if it is not set to zero.
+        thermometer_every: the thermometer records only every n-th sample; the others are NaN.
+        start: the date of the first sample (UTC if it has no zone), at which t = 0 in the
             harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
         duration: length of the measurement, if the temperature is simulated.
         every: time between samples, if the temperature is simulated.
         set: further keys of the scenario with their values, as for `run`.
         temperature: a measured temperature, which replaces `[temperature.series]`, in degrees
             Celsius over time in seconds or dates, in the forms that `run` accepts.
+        progress: as for `calibrate`.
 
     Returns:
         Along `time` in seconds: `temperature` in degrees Celsius and `displacement` in metres. They
@@ -395,23 +422,25 @@ def twin(
     if temperature is not None:
         times, values, first = _repaired(temperature, "temperature", "temperature")
         arrays = [times, values]
-    made, remarks = _native.twin(
-        (*source(scenario), written(set)),
-        arrays,
-        seed=seed,
-        noise=(float(white), float(red), _seconds("sensor_noise", memory)),
-        scatter=scatter,
-        lag=0.0 if lag == 0 else _seconds("lag", lag),
-        resolution=resolution,
-        spikes=spikes,
-        gaps=gaps,
-        drift=float(drift),
-        zero_set=moved,
-        thermometer_every=thermometer_every,
-        start=start,
-        duration=seconds,
-        every=step,
-    )
+    with shown(progress) as told:
+        made, remarks = _native.twin(
+            (*source(scenario), written(set)),
+            arrays,
+            seed=seed,
+            noise=(float(white), float(red), _seconds("sensor_noise", memory)),
+            scatter=scatter,
+            lag=0.0 if lag == 0 else _seconds("lag", lag),
+            resolution=resolution,
+            spikes=spikes,
+            gaps=gaps,
+            drift=float(drift),
+            zero_set=moved,
+            thermometer_every=thermometer_every,
+            start=start,
+            duration=seconds,
+            every=step,
+            progress=told,
+        )
     warn(remarks)
     ds = dataset(made)
     if first is not None:

@@ -25,7 +25,7 @@ pub use cost::estimated_seconds;
 pub use design::{Design, DesignError, RELATIVE_STEPS, RESERVED, Setting, StarError};
 pub use paired::Paired;
 pub use point::Point;
-pub use simulate::{SweepEnd, SweepSimulation};
+pub use simulate::{BlockReceiver, SweepEnd, SweepSimulation};
 
 use crate::model::NamedSeries;
 use crate::scenario::Scenario;

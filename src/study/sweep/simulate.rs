@@ -11,7 +11,9 @@ use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
-use crate::stats::{AuxiliaryObserver as _, Grouping, Groups, LimitCycle, RunTotals};
+use crate::stats::{
+    AuxiliaryObserver as _, BlockResult, Grouping, Groups, LimitCycle, Record, RunTotals,
+};
 use crate::study::clock::thread_seconds;
 use crate::sums::{Overlap, Replicate};
 use std::ops::ControlFlow;
@@ -26,7 +28,13 @@ pub struct SweepSimulation<'a> {
     pub stop: &'a AtomicBool,
     /// Receives the number of paths that are done.
     pub progress: &'a mut dyn Progress,
+    /// Receives the number of a point and each of its blocks in order, with events. The sweep ends
+    /// when it breaks.
+    pub blocks: Option<BlockReceiver<'a>>,
 }
+
+/// See [`SweepSimulation::blocks`].
+pub type BlockReceiver<'a> = &'a mut (dyn FnMut(usize, &BlockResult) -> ControlFlow<()> + Send);
 
 /// Why a sweep ended before its last point.
 #[derive(Debug, thiserror::Error)]
@@ -47,6 +55,7 @@ struct Job<'a> {
     first: u64,
     blocks: u64,
     has_bias: bool,
+    has_events: bool,
     /// Created with the first piece of the point, and dropped after its last.
     setup: Mutex<Option<Arc<PointSetup>>>,
 }
@@ -54,7 +63,9 @@ struct Job<'a> {
 impl Job<'_> {
     fn setup(&self) -> Arc<PointSetup> {
         let mut setup = self.setup.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(setup.get_or_insert_with(|| Arc::new(PointSetup::of(self.scenario))))
+        Arc::clone(
+            setup.get_or_insert_with(|| Arc::new(PointSetup::of(self.scenario, self.has_events))),
+        )
     }
 
     fn drop_setup(&self) {
@@ -90,7 +101,11 @@ impl Job<'_> {
 }
 
 /// The points that are not done, and the number of their pieces.
-fn jobs<'a>(question: &'a SweepQuestion, done: &[Option<Point>]) -> (Vec<Job<'a>>, u64) {
+fn jobs<'a>(
+    question: &'a SweepQuestion,
+    done: &[Option<Point>],
+    has_events: bool,
+) -> (Vec<Job<'a>>, u64) {
     let mut jobs: Vec<Job> = Vec::new();
     let mut pieces = 0;
     for (point, scenario) in question
@@ -107,6 +122,7 @@ fn jobs<'a>(question: &'a SweepQuestion, done: &[Option<Point>]) -> (Vec<Job<'a>
             first: pieces,
             blocks,
             has_bias,
+            has_events,
             setup: Mutex::new(None),
         });
         pieces += blocks + u64::from(has_bias);
@@ -121,7 +137,7 @@ struct PointSetup {
 }
 
 impl PointSetup {
-    fn of(scenario: &Scenario) -> Self {
+    fn of(scenario: &Scenario, has_events: bool) -> Self {
         // The output grid is omitted, because it is not stored and no event depends on it.
         let timeline = scenario.timeline().without_rows();
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
@@ -135,7 +151,10 @@ impl PointSetup {
         } else {
             Replicate::Path
         };
-        let record = scenario.record.of_no_path();
+        let record = Record {
+            events: has_events,
+            ..scenario.record.of_no_path()
+        };
         let grouping = Grouping::new(simulation.model(), simulation.timeline(), &record, unit);
         PointSetup {
             plan: Plan {
@@ -180,9 +199,10 @@ impl SweepSimulation<'_> {
             threads,
             stop,
             progress,
+            mut blocks,
         } = self;
         let question = sweep.question.clone();
-        let (jobs, pieces) = jobs(&question, &sweep.points);
+        let (jobs, pieces) = jobs(&question, &sweep.points, blocks.is_some());
         let paths = jobs.iter().map(|job| job.scenario.ensemble.paths).sum();
         let make = |index: u64| {
             let start = thread_seconds();
@@ -210,6 +230,11 @@ impl SweepSimulation<'_> {
                     } = *block;
                     done += result.rows.paths;
                     progress.paths(done, paths);
+                    if let Some(blocks) = &mut blocks
+                        && blocks(job.point, &result).is_break()
+                    {
+                        return Ok(ControlFlow::Break(()));
+                    }
                     here.totals
                         .push_with(index, result.totals, auxiliary_sums)?;
                     if job.has_bias || index + 1 < job.blocks {

@@ -6,7 +6,7 @@ use super::measurements::Source;
 use crate::arguments::extension::writable_hdf5;
 use crate::output::numbers::parse_duration;
 use crate::report::text;
-use crate::session::progress::waiting;
+use crate::session::progress::during;
 use crate::{Failure, note, print, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -74,8 +74,7 @@ impl Arguments {
         let threads = self.source.threads.ready("this calibration", STUDY_BYTES)?;
         // There is nothing to save, so a signal ends the process at once.
         let stop = AtomicBool::new(false);
-        let calibration = waiting(|begins| {
-            begins("calibrating the bearing");
+        let calibration = during("calibrating the bearing", || {
             calibrate(&record, &question, threads, &stop)
         })
         .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;

@@ -9,6 +9,7 @@ use crate::output::document::{document, named};
 use crate::output::failure::{Failure, warn};
 use crate::report::html::Page;
 use crate::report::{Chosen, Report};
+use crate::session::progress::during;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -113,7 +114,9 @@ impl StoredResult for StoredCalibration {
             question,
             ..self.calibration.clone()
         };
-        let again = calibrate_again(&asked, threads.number(), &AtomicBool::new(false));
+        let again = during("calibrating the bearing again", || {
+            calibrate_again(&asked, threads.number(), &AtomicBool::new(false))
+        });
         let again = again.map_err(|error| wrong(&error))?;
         let again = StoredCalibration::of(&scene.title, &self.scenario_text, again);
         Ok(Again {

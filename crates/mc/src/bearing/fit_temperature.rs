@@ -3,7 +3,7 @@
 use super::measurements::MeasuredFlags;
 use crate::output::document::document;
 use crate::report::text;
-use crate::session::progress::waiting;
+use crate::session::progress::during;
 use crate::{Failure, note, print, warn, writable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -69,8 +69,7 @@ impl Arguments {
         } else {
             periods
         };
-        let found = waiting(|begins| {
-            begins("fitting the temperature model");
+        let found = during("fitting the temperature model", || {
             fit(
                 &column.times,
                 &column.values,

@@ -3,6 +3,7 @@
 use crate::arguments::overrides::Settings;
 use crate::output::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
 use crate::report::text;
+use crate::session::progress::during;
 use crate::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, input_files, shipped_at};
@@ -113,12 +114,12 @@ impl Arguments {
             thermometer_every: self.thermometer_every as usize,
             ..self.sensor_noise
         };
-        let made = twin(&response, &air, &imperfections, self.seed);
-        store::write_whole(
-            &self.output,
-            csv(&made, start, &scene)?.as_bytes(),
-            self.force,
-        )?;
+        let made = during("making the record", || {
+            let made = twin(&response, &air, &imperfections, self.seed);
+            let text = csv(&made, start, &scene)?;
+            store::write_whole(&self.output, text.as_bytes(), self.force)?;
+            Ok::<_, Failure>(made)
+        })?;
         let truth = values(&response, scene.shear_stiffness);
         print(&text(&report::truth(&truth)))?;
         let samples = grouped(made.times.len() as u64);
@@ -143,12 +144,10 @@ impl Arguments {
                 "choose other --duration and --every",
             ));
         }
-        Ok(Air::drawn(
-            &scenario.model.temperature,
-            count as usize,
-            every,
-            self.seed,
-        ))
+        let temperature = &scenario.model.temperature;
+        Ok(during("simulating the temperature", || {
+            Air::drawn(temperature, count as usize, every, self.seed)
+        }))
     }
 }
 

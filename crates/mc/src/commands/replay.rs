@@ -4,6 +4,7 @@
 use crate::arguments::extension::writable_hdf5;
 use crate::inputs::files;
 use crate::inputs::results;
+use crate::session::progress::during;
 use crate::{Failure, note, print};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -58,14 +59,12 @@ impl Arguments {
             paths: true,
             ..Record::NOTHING
         };
-        let made = Plan {
+        let plan = Plan {
             record,
             ..scenario.plan()
-        }
-        .replay(self.path)
-        .rows
-        .path_columns
-        .unwrap_or_default();
+        };
+        let again = during("simulating the path again", || plan.replay(self.path));
+        let made = again.rows.path_columns.unwrap_or_default();
         if held.is_same(&made) {
             return Ok(());
         }
@@ -82,7 +81,9 @@ impl Arguments {
 
 /// Simulates one path, writes it, and prints its events.
 fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<(), Failure> {
-    let replay = engine::Replay::of(scenario, path);
+    let replay = during("simulating the trajectory", || {
+        engine::Replay::of(scenario, path)
+    });
     note(&format!("trajectory: {}", rows(replay.rows)));
     let mut writer = Writer::create(output, &replay.provenance(), &replay.record, force)?;
     writer.append(&replay.block.rows)?;

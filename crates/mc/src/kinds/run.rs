@@ -7,6 +7,7 @@ use crate::inputs::{files, results};
 use crate::output::failure::{Failure, note};
 use crate::output::numbers::grouped;
 use crate::report::{self, Chosen, Report, RunInfo};
+use crate::session::progress::Progress;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stickslip::scenario::Scenario;
@@ -128,7 +129,16 @@ impl StoredResult for Stored {
         let used =
             scenario.run_bytes(self.header.paths, threads.number()) + 2.0 * checked.bytes as f64;
         let threads = threads.ready("this verification", used)?;
-        let again = rerun(self, &scenario, threads, &AtomicBool::new(false))?;
+        let mut progress = Progress::new(self.completed_paths, false, None, None);
+        let again = rerun(
+            self,
+            &scenario,
+            threads,
+            &AtomicBool::new(false),
+            &mut progress,
+        );
+        progress.finish();
+        let again = again?;
         Ok(Again {
             simulated: format!("{} paths", grouped(self.completed_paths)),
             compared: "rows of paths, statistics, attributes, coordinates and units",

@@ -8,6 +8,7 @@ use crate::output::dataset;
 use crate::output::failure::{Failure, warn};
 use crate::output::numbers::grouped;
 use crate::report::{self, Chosen, Report};
+use crate::session::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stickslip::study::sweep::{Point, Sweep, SweepSimulation};
@@ -88,14 +89,18 @@ impl StoredResult for StoredSweep {
         let mut again = self.sweep.clone();
         let count = again.points.len();
         let before = std::mem::replace(&mut again.points, vec![None; count]);
+        let points = &again.question.points;
+        let paths = points.iter().map(|point| point.ensemble.paths).sum();
+        let mut progress = Progress::new(paths, false, None, None);
         let simulation = SweepSimulation {
             threads: threads.number(),
             stop: &AtomicBool::new(false),
-            progress: &mut (),
+            progress: &mut progress,
+            blocks: None,
         };
-        simulation
-            .run(&mut again, |_| Ok::<_, StoreError>(()))
-            .map_err(|end| Failure::Run(end.to_string()))?;
+        let ended = simulation.run(&mut again, |_| Ok::<_, StoreError>(()));
+        progress.finish();
+        ended.map_err(|end| Failure::Run(end.to_string()))?;
         for (point, before) in again.points.iter_mut().zip(before) {
             let both = point.take().zip(before);
             *point = both.map(|(point, Point { seconds, .. })| Point { seconds, ..point });

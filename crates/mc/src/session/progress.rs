@@ -239,6 +239,14 @@ pub fn waiting<T>(work: impl FnOnce(Begins<'_>) -> T) -> T {
     working("{spinner} {elapsed}  {msg}", false, work)
 }
 
+/// Does some work; on a terminal, shows this name and the elapsed time.
+pub fn during<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    waiting(|begins| {
+        begins(what);
+        work()
+    })
+}
+
 /// Called with a description of each stage as it begins.
 type Begins<'a> = &'a (dyn Fn(&str) + Sync);
 

@@ -81,6 +81,7 @@ impl SweepSession<'_> {
             threads,
             stop: &stop,
             progress: &mut progress,
+            blocks: None,
         };
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();

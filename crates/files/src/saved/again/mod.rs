@@ -10,7 +10,7 @@ use crate::dataset::rows::RowAxis;
 use crate::dataset::{Dataset, Recorder, Source, StoredRun, layout};
 use std::fmt;
 use std::sync::atomic::AtomicBool;
-use stickslip::engine::{Asked, Run, RunError, Status};
+use stickslip::engine::{Asked, Progress, Run, RunError, Status};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;
 
@@ -35,6 +35,7 @@ pub fn rerun(
     scenario: &Scenario,
     threads: usize,
     stop: &AtomicBool,
+    progress: &mut dyn Progress,
 ) -> Result<Dataset, RunError> {
     let all = scenario.ensemble.paths;
     let early = match stored.status {
@@ -55,6 +56,7 @@ pub fn rerun(
         .asked(asked)
         .threads(threads)
         .stopped_by(stop)
+        .with_progress(progress)
         .into_sink(&mut recorder)
         .simulate()?;
     let mut again = recorder.into_dataset();
@@ -101,12 +103,14 @@ pub fn again_in_memory(
     dataset: &Dataset,
     threads: usize,
     stop: &AtomicBool,
+    progress: &mut dyn Progress,
 ) -> Result<Verified, String> {
     let stored = StoredRun::read(dataset)?;
     let header = &stored.header;
     let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], &header.samples)
         .map_err(|error| error.to_string())?;
-    let again = rerun(&stored, &scenario, threads, stop).map_err(|error| error.to_string())?;
+    let again =
+        rerun(&stored, &scenario, threads, stop, progress).map_err(|error| error.to_string())?;
     compare(dataset, &again)
 }
 
