@@ -394,7 +394,7 @@ def twin(
         ("spikes", spikes, 0.5),
         ("resolution", resolution, float("inf")),
     ):
-        remedy = f"give a number from 0 to below {most:g}"
+        remedy = f"give a number of at least 0 and below {most:g}"
         require(0 <= given < most, name, given, "it is out of range", remedy)
     require(
         1 <= len(sensor_noise) <= 3,

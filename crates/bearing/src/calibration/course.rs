@@ -1,15 +1,14 @@
-//! A body under a temperature that is followed in short steps.
+//! The motion of a body under a temperature, in short steps.
 
 use super::air::Air;
 use super::bearing::Response;
 use super::samples::{interval, starts};
 use stickslip::noise::Stream;
 
-/// The longest step in which a rough temperature is followed, in seconds, if nothing else is asked
-/// for.
+/// The longest step for a rough temperature, in seconds, by default.
 pub const STEP: f64 = 60.0;
 
-/// The most steps between two temperatures that are known.
+/// The maximum number of steps between two known temperatures.
 const MOST_STEPS: f64 = 10_000.0;
 
 /// The body and its steel at the samples of the thermometer.
@@ -34,7 +33,7 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// Slip as often as it takes after the temperature has gone to this value without turning.
+    /// Slip as often as needed after the temperature has moved to this value without turning.
     fn follow(&mut self, temperature: f64) {
         let motion = &self.response.motion;
         if self.scatter == 0.0 {
@@ -55,12 +54,12 @@ impl Body<'_> {
     }
 }
 
-/// Follow a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
+/// The motion of a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
 /// standard deviation `scatter` from slip to slip. `friction` draws f_s, and `between` the
 /// temperature between the times of the air, in steps of at most `longest` seconds.
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
-/// farthest temperature within a step has its exact law. Across a gap it is a straight line.
+/// extreme temperature within a step has its exact law. Across a gap it is linear.
 pub fn course(
     response: &Response,
     air: &Air,
@@ -103,7 +102,7 @@ pub fn course(
                 1.0
             };
             if is_gap && lag > 0.0 {
-                // As in a measured record, the steel is as warm as the air after a gap.
+                // As in a measured record, the steel has the temperature of the air after a gap.
                 a = temperatures[i];
                 steel = a;
             }

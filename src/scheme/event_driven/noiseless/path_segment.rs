@@ -1,4 +1,4 @@
-//! The one path that there is without noise, segment by segment, reported for every lane.
+//! The single path without noise, segment by segment, reported for every lane.
 
 use super::super::work::{Resolved, Simulated, WorkLeft};
 use super::exact_time::ExactTime;
@@ -11,7 +11,7 @@ use std::cell::RefCell;
 pub struct PathSegment<M, C> {
     pub start: ExactTime,
     pub phase: Phase,
-    /// What is known of the motion at the start.
+    /// The known motion at the start.
     pub from: M,
     /// The duration of the segment and what ends it; none if it does not end before t_end.
     pub end: Option<(f64, End<C>)>,
@@ -21,7 +21,7 @@ pub struct PathSegment<M, C> {
 #[derive(Clone, Copy)]
 pub enum End<C> {
     Event(Event),
-    /// A cut in the phase, and what is known of the motion there.
+    /// A cut in the phase, with the known motion there.
     Cut(C),
 }
 
@@ -41,9 +41,9 @@ pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathS
 /// A scheme without noise, by the segments of its path. Nothing is random, so one path is computed
 /// for all lanes.
 pub trait PathSegments {
-    /// What the scheme knows of the motion at the start of a segment.
+    /// The known motion at the start of a segment.
     type Motion;
-    /// What it knows at a cut.
+    /// The known motion at a cut.
     type Cut: Copy;
 
     fn timeline(&self) -> &Timeline;
@@ -75,7 +75,7 @@ pub trait PathSegments {
         &self,
         path_segment: &PathSegmentOf<Self>,
         duration: f64,
-        tell: impl FnMut(Segment),
+        report: impl FnMut(Segment),
     ) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
@@ -87,10 +87,10 @@ pub trait PathSegments {
         let mut path_segment = self.first(&mut work);
         let follows = observer.borrow().follows();
         let follow = |path_segment: &PathSegment<_, _>, duration: f64| {
-            let tell =
+            let report =
                 |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
             if follows {
-                self.segments(path_segment, duration, tell)
+                self.segments(path_segment, duration, report)
             } else {
                 Ok(())
             }
