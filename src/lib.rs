@@ -1,11 +1,11 @@
-//! Monte Carlo of an oscillator with dry friction that is driven by a harmonic and noisy
+//! Monte Carlo simulation of an oscillator with dry friction, driven by a harmonic and noisy
 //! temperature.
 //!
 //! A body on a spring sticks while the force on it stays below a static threshold, and slips
 //! against a dynamic one. The temperature moves the rest position of the spring, and part of the
 //! temperature is random. This library simulates a large ensemble of paths of such a body and
-//! estimates the statistics below. Each estimate comes with a confidence interval, and with the
-//! bias that comes from the time step of the simulation:
+//! estimates the statistics below. Each estimate comes with a confidence interval and the bias due
+//! to the time step:
 //!
 //! - how long the body sticks, and how these durations are distributed;
 //! - how often it slips, and how many times it turns back before it sticks again (sub-phases);
@@ -30,7 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A scene of your own is a TOML file, such as `mc init` writes, with changes of single keys:
+//! Your own scenario is a TOML file, such as `mc init` writes, with changes of single keys:
 //!
 //! ```no_run
 //! # use stickslip::config::Override;
@@ -41,11 +41,11 @@
 //!
 //! # The modules
 //!
-//! The list goes from the ground up: each module uses only modules above it.
+//! Each module uses only modules above it in the list.
 //!
 //! | module | purpose |
 //! |---|---|
-//! | [`memory`] | what memory a process needs, and what the system gives it |
+//! | [`memory`] | the memory that a process needs, and the memory available |
 //! | [`lanes`] | several numbers in one processor register |
 //! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
 //! | [`noise`] | random streams, normal numbers, exact transitions |
@@ -54,9 +54,9 @@
 //! | [`stats`] | statistics of the cascade with their intervals |
 //! | [`ensemble`] | blocks of paths on threads, delivered in order |
 //! | [`bias`] | the bias of the time step |
-//! | [`scenario`] | one physical question as checked data, and the ensemble that it asks for |
+//! | [`scenario`] | one physical question as checked data, and its ensemble |
 //! | [`config`] | scenarios as TOML, with overrides of single keys |
-//! | [`advice`] | what follows from a scenario before it is run: derived numbers and warnings |
+//! | [`advice`] | derived numbers and warnings of a scenario, before it is run |
 //! | [`engine`] | a run from its scenario to its outcome |
 //! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
 //!
@@ -64,9 +64,10 @@
 //!
 //! - A user-defined statistic over the events and states of paths: [`stats::Tally`], computed in
 //!   parallel by [`engine::Run::tallied`].
-//! - A user-defined force, beside the spring: [`model::ForceLaw`], in [`model::Model::force`].
-//! - A place for rows and results: [`engine::Sink`].
-//! - A display of how far a run is: [`engine::Progress`].
+//! - A user-defined force, in addition to the spring: [`model::ForceLaw`], in
+//!   [`model::Model::force`].
+//! - A destination of rows and results: [`engine::Sink`].
+//! - A display of the progress of a run: [`engine::Progress`].
 //! - An observer of single paths: [`scheme::Observer`].
 //! - A scheme: a file in `src/scheme`, and a line in its list (see DESIGN.md, "How to add").
 //!

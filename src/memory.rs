@@ -1,18 +1,18 @@
-//! What memory a process will need, and what the system still gives it.
+//! The memory that a process will need, and the memory still available.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Bytes of the stack of a thread, as the standard library makes it.
+/// Bytes of the stack of a thread, the default of the standard library.
 const STACK: f64 = (2 << 20) as f64;
 
-/// Bytes that the C library reserves for small pieces of memory of a thread. It has as many such
-/// arenas as there are threads, up to [`ARENAS_A_CORE`] for each processor.
+/// Bytes that the C library reserves for small allocations of a thread. It has one such arena per
+/// thread, up to [`ARENAS_A_CORE`] for each processor.
 const ARENA: f64 = (64 << 20) as f64;
 const ARENAS_A_CORE: usize = 8;
 
 /// Bytes that a process needs beyond its estimate, for reading and writing files and for the C
-/// library, which ends the process where it gets none.
+/// library, which aborts the process if an allocation fails.
 const RESERVE: f64 = 16e6;
 
 /// The memory that a process will need.
@@ -24,20 +24,20 @@ pub struct Need {
     pub threads: usize,
 }
 
-/// More memory is needed than the system gives.
+/// More memory is needed than is available.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Short {
     /// Bytes that are needed.
     pub needed: f64,
     /// Bytes that there are.
     pub free: f64,
-    /// What gives no more.
+    /// The limit that is reached.
     pub limit: &'static str,
 }
 
 impl Need {
-    /// Check that the system gives so much memory. Where it does not say how much there is, no
-    /// limit is known.
+    /// Check that this much memory is available. If the system does not report it, no limit is
+    /// assumed.
     pub fn check(&self) -> Result<(), Short> {
         let short = |(free, needed, limit): (Option<f64>, f64, &'static str)| {
             free.filter(|free| *free < needed).map(|free| Short {
@@ -71,7 +71,7 @@ impl Need {
     /// Bytes of address space, which includes what is reserved and never used.
     fn addresses(&self) -> f64 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        // An arena is reserved twice as large as it will be, and is then cut.
+        // An arena is reserved at twice its size, and then trimmed.
         let arenas = match self.threads {
             1 => 0,
             threads => threads.min(ARENAS_A_CORE * cores) + 1,
@@ -85,19 +85,19 @@ impl Need {
     }
 }
 
-/// The number behind a name in a file of `/proc`.
+/// The number after a name in a file of `/proc`.
 fn number(file: &str, name: &str) -> Option<f64> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Bytes that the machine still has.
+/// Bytes still free on the machine.
 fn machine() -> Option<f64> {
     number("/proc/meminfo", "MemAvailable:").map(|kilobytes| kilobytes * 1024.0)
 }
 
-/// Bytes that are left of a limit of this process. `unlimited` is no number, and so no limit.
+/// Bytes left of a limit of this process; none if it is `unlimited`.
 fn left(limit: &str, used: &str) -> Option<f64> {
     let limit = number("/proc/self/limits", limit)?;
     Some(limit - number("/proc/self/status", used).unwrap_or(0.0) * 1024.0)
@@ -129,7 +129,7 @@ fn container(list: &Path, root: &Path) -> Option<f64> {
         }
     });
     let lefts = groups.flat_map(|(root, path, names)| {
-        // In a container of its own the path of the group may not be there, and its root is.
+        // In a container the path of the group may not exist, but its root does.
         let folders: Vec<PathBuf> = Path::new(path)
             .ancestors()
             .map(|above| root.join(above))
@@ -141,8 +141,8 @@ fn container(list: &Path, root: &Path) -> Option<f64> {
     lefts.reduce(f64::min)
 }
 
-/// Bytes that are left of the limit of a group. What it holds of files that nobody reads now is
-/// given back when memory is needed.
+/// Bytes that are left of the limit of a group. Its inactive file cache is freed when memory is
+/// needed.
 fn left_in_group(folder: &Path, [limit, used, unread]: [&str; 3]) -> Option<f64> {
     let number = |name: &str| {
         fs::read_to_string(folder.join(name))

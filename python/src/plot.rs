@@ -175,7 +175,7 @@ fn draw(
     };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
-            Absent::Panel(..) => "choose one of them, or drop the letter for all",
+            Absent::Panel(..) => "choose one of them, or omit the letter to draw all",
             _ => "choose another figure or another path",
         };
         errors::of_argument(py, "only", name, &absent, remedy)
@@ -195,7 +195,7 @@ fn draw(
                 "draw another run",
             ),
             NoPage::Label(name, known) => {
-                let remedy = format!("name a statistic, or one of {known}");
+                let remedy = format!("use a statistic, or one of {known}");
                 errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)
             }
         })

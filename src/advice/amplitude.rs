@@ -1,5 +1,5 @@
-//! How far the body may be expected to move: a rough estimate, and rather too large. It is the
-//! forced motion with a free oscillation on top.
+//! The expected amplitude of the body: a rough estimate, rather too large, of the forced motion
+//! plus a free oscillation.
 //!
 //! A term A e^{st} of beta T is a harmonic (s = i w), or v that relaxes from v(0) (s = -theta).
 //! Without friction it moves the body by H A e^{st}, where
@@ -8,18 +8,19 @@
 //! H = 1/(p^2 + 2 zeta p + 1),   p = s/w0,   zeta = alpha/(m w0)
 //! ```
 //!
-//! The explicit step has (e^{sh} - 1)/h in the place of s. So where a forcing is faster than the
-//! step resolves, the scheme may take it for a slow one, and the body follows it. The free
-//! oscillation starts from the difference between the initial state x0, x'(0) and the forced
-//! motion, or from a later start at rest with |b| = f_s while the forced motion passes.
+//! The explicit step has (e^{sh} - 1)/h in place of s. So the scheme may alias a forcing that it
+//! does not resolve to a slow one, which the body follows. The free oscillation starts from the
+//! difference between the initial state x0, x'(0) and the forced motion, or from a later start at
+//! rest with |b| = f_s while the forced motion passes.
 
 use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
 use std::f64::consts::PI;
 
-/// Number of standard deviations that stationary noise exceeds in no run of practical length.
+/// Number of standard deviations that stationary noise does not exceed in any run of practical
+/// length.
 pub(super) const NEVER_SD: f64 = 10.0;
 
-/// Number of standard deviations of the noise that are counted in an expected amplitude.
+/// Number of standard deviations of the noise in an expected amplitude.
 const TYPICAL_SD: f64 = 3.0;
 
 /// A rough upper estimate of |x| up to `end`. With a step h it is that of the explicit scheme, and
@@ -39,13 +40,13 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         return x0.abs();
     }
     if oscillator.stiffness == 0.0 {
-        // Without a spring, what is left of the force accelerates the body throughout.
+        // Without a spring, the net force accelerates the body throughout.
         let driven = (force - friction.dynamic_force).max(0.0) / oscillator.mass * end * end / 2.0;
         return x0.abs() + driven + v0.abs() * end;
     }
-    // The displacement per unit of temperature at which the spring balances it.
+    // The displacement per unit of temperature at equilibrium of the spring.
     let dilatation = oscillator.rest_position(1.0);
-    // At resonance without damping the amplitude grows by w0/2 per unit of time, so that the end of
+    // At resonance without damping the amplitude grows by w0/2 per unit of time, so the duration of
     // the run bounds it.
     let most = 1.0 + w0 * end / 2.0;
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
@@ -72,8 +73,8 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
     }
-    // Measured values move the rest position, and every change of their slope makes the body
-    // oscillate about it.
+    // Measured values move the rest position, and every change of slope excites an oscillation
+    // about it.
     if let Some(series) = &temperature.series {
         let (low, high) = series.range();
         most_x += dilatation.abs() * low.abs().max(high.abs());
@@ -116,9 +117,9 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
 /// The amplitude that stationary noise adds: the body follows the noise, and the noise excites the
 /// free oscillation. Per unit of time the squared amplitude A^2 grows by D = w0^2 S, where S is the
 /// spectrum of beta rho v at w0, as the step samples it. Friction reduces A by a = 2 f_d w0/(pi K)
-/// per unit of time, and damping by A alpha/m. Near A_c the explicit step gives back a part of what
-/// friction takes. A then gets that large with a probability of about exp(-2 a A/D), which is set
-/// to one in a thousand here.
+/// per unit of time, and damping by A alpha/m. Near A_c the explicit step returns part of the
+/// energy lost to friction. A then becomes this large with a probability of about exp(-2 a A/D),
+/// which is set to one in a thousand here.
 fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
     let Model {
         oscillator,

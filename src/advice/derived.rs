@@ -22,11 +22,10 @@ pub struct Derived {
     /// K |beta| rho sigma / sqrt(2 theta): the stationary standard deviation of the noise in b, of
     /// two noises together; none without noise.
     pub noise_force: Option<f64>,
-    /// f_s / (K |beta| rho), in units of the stationary standard deviation of v: how far the noise
-    /// must move to end a centred stick.
+    /// f_s / (K |beta| rho), in units of the stationary standard deviation of v: the distance that
+    /// the noise must move to end a centred stick.
     pub stick_band_half_width: Option<f64>,
-    /// (f_s / (K beta rho sigma))^2: the time that the noise takes to cross that half-width by
-    /// diffusion.
+    /// (f_s / (K beta rho sigma))^2: the time in which the noise diffuses over that half-width.
     pub stick_band_time: Option<f64>,
     /// A of [`Model::runaway_amplitude`], if the damping is negative.
     pub runaway_amplitude: Option<f64>,
@@ -35,15 +34,15 @@ pub struct Derived {
     /// Shift 0.5826 K |beta| rho sigma sqrt(h) by which the corrected scheme lowers f_s; none for
     /// other schemes.
     pub monitoring_shift: Option<f64>,
-    /// What the event-driven scheme does not resolve, where f_s and f_d are equal or nearly so
-    /// under noise.
+    /// The resolution limit of the event-driven scheme if f_s and f_d are (nearly) equal under
+    /// noise.
     pub resolution: Option<Resolution>,
     /// The relative tolerance of a scheme without a step.
     pub tolerance: Option<f64>,
     /// A rough upper estimate of the largest |x|: the forced response without friction, a free
     /// oscillation, and the noise.
     pub expected_amplitude: f64,
-    /// P, the time between the instants at which x is compared, and where it comes from.
+    /// P, the time between the instants at which x is compared, and its source.
     pub period: Option<Period>,
     /// Whole periods up to the end of the run.
     pub whole_periods: f64,

@@ -1,11 +1,11 @@
-//! What follows from a scenario before it is run. These are pure functions of the scenario; nothing
-//! is simulated.
+//! Facts about a scenario that are known before it is run. These are pure functions of the
+//! scenario; nothing is simulated.
 //!
 //! ```text
-//! derived     quantities that follow from it: ratios, limits of the step, cost
-//!   amplitude   how far the body may be expected to move
-//!   size        how large the file will be
-//! warnings    what to know before trusting the run
+//! derived     derived quantities: ratios, limits of the step, cost
+//!   amplitude   the expected amplitude of the body
+//!   size        the size of the file
+//! warnings    warnings
 //! ```
 
 mod amplitude;

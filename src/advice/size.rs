@@ -1,4 +1,4 @@
-//! How large the file of a run will be.
+//! Estimates of the size of the output file and of the memory of a run.
 
 use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::model::Model;
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// Bytes of one row of the bands: the time; and x, x' and T, each with mean, sd and five quantiles,
 /// and P(static), each of these with the two ends of its interval.
 const ROW_BYTES: f64 = 8.0 * (3.0 * (3.0 * 7.0 + 1.0) + 1.0);
-/// Bytes of the number of a path, and of what a sensor at the bearing shows at one time.
+/// Bytes of the number of a path, and of one reading of a sensor at the bearing.
 const NUMBER_BYTES: usize = 8;
 const SENSOR_BYTES: usize = 8;
 /// Bytes of a sample of a measured temperature: its time and its value.
@@ -18,9 +18,9 @@ const SAMPLE_BYTES: f64 = 8.0 * 2.0;
 /// Bytes of a file without any data.
 const EMPTY_BYTES: f64 = 65_536.0;
 
-/// Bytes of the program itself, and of the sums for one row of the output grid: some for any number
-/// of paths, and the most for those of a block or more. Measured: 253 MB with 10 001 rows on one
-/// thread; and with 20 001 rows 75 MB for 8 paths, 141 MB for 64 and 378 MB for 512 and more.
+/// Bytes of the program itself, and of the sums for one row of the output grid: the minimum for few
+/// paths, and the maximum for a block or more. Measured: 253 MB with 10 001 rows on one thread; and
+/// with 20 001 rows 75 MB for 8 paths, 141 MB for 64 and 378 MB for 512 and more.
 const PROGRAM_BYTES: f64 = 50e6;
 const ROW_OF_ANY_BYTES: f64 = 2e3;
 const SUMS_ROW_BYTES: f64 = 8e3;
@@ -48,7 +48,7 @@ impl Scenario {
     }
 }
 
-/// Bytes of what is recorded of this many single paths.
+/// Bytes of the records of this many single paths.
 fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
     let record = &scenario.record;
     let events = scenario
@@ -89,10 +89,11 @@ pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
         + samples as f64 * SAMPLE_BYTES
 }
 
-/// Number of events of a path, roughly and rather too large. It is two (a slip and a stick) per
-/// half-cycle of the oscillator, or two per slip that the temperature can cause, if that is fewer.
-/// A slip releases 2 (f_s - f_d) of the force. A harmonic builds up (2/pi) K beta a w per unit of
-/// time, and a series as much as it varies. The noise builds up 2 (f_s - f_d) in a time of ((2 f_s
+/// Number of events of a path, a rough estimate, rather too large. It is two (a slip and a stick)
+/// per half-cycle of the oscillator, or two per slip that the temperature can cause, if that is
+/// fewer. A slip releases 2 (f_s - f_d) of the force. A harmonic builds up (2/pi) K beta a w per
+/// unit of time, and a series as much as it varies. The noise builds up 2 (f_s - f_d) in a time of
+/// ((2 f_s
 /// - 2 f_d)/(K beta rho sigma))^2.
 fn events(scenario: &Scenario) -> f64 {
     let Model {
@@ -121,7 +122,7 @@ fn events(scenario: &Scenario) -> f64 {
         .fold(0.0, f64::hypot);
     let slips =
         end * (2.0 / PI * harmonic / gap + measured / gap + trend / gap + (noise / gap).powi(2));
-    // Without a gap the number of slips is infinite or 0/0, and the half-cycles count. Without a
+    // Without a gap the number of slips is infinite or 0/0, and the half-cycles are used. Without a
     // spring there are none.
     let has_spring = oscillator.stiffness > 0.0;
     2.0 * if slips < half_cycles || (!has_spring && slips.is_finite()) {

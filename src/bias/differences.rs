@@ -1,14 +1,13 @@
-//! The bias of the step from paths of the run at three steps.
+//! The bias of the step, measured with paths of the run at three steps.
 //!
 //! The first few paths of the run are simulated with the steps h, 2h and 4h on one realisation of
 //! the noise. The changes of the statistics from 4h to 2h and from 2h to h are then known far
-//! better than the statistics themselves. They show by how much the statistics would still change
-//! from h to 0 ([`super::extrapolation`]), with an error from groups of paths.
+//! better than the statistics themselves. They give the remaining change of the statistics from h
+//! to 0 ([`super::extrapolation`]), with an error from groups of paths.
 //!
 //! Only a statistic that depends smoothly on the step can be extrapolated. A median does not
-//! ([`is_smooth`]). Where sticks are either short or long, a step may miss some of the short ones.
-//! The median may then be that of the long ones at h, 2h and 4h alike, and that of the short ones
-//! at zero step.
+//! ([`is_smooth`]). If sticks are either short or long, a step may miss some of the short ones. The
+//! median may then belong to the long ones at h, 2h and 4h, and to the short ones at zero step.
 
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::no_bias::{MIN_STEPS, NoBias};
@@ -26,8 +25,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// One path in this many of a run is simulated at three steps. This takes at most three times the
-/// work of a path, since each step draws the normals of the finest one. So it takes at most a
-/// sixteenth of the time of the run, and a little for the sums.
+/// work of a path, since each step draws the normals of the finest one: at most a sixteenth of the
+/// time of the run, plus the sums.
 const ONE_PATH_IN: u64 = 48;
 
 /// Number of groups of paths from which the standard error is computed. Its own error is 18 %,
@@ -55,11 +54,11 @@ const MAX_WIDTH: u64 = 16;
 /// With more of them, most of the time would go into their sums and into vectors that are not full.
 const PIECES: u64 = 2;
 
-/// What grows where an explicit step is too long for the stiffness of a force, so that the scheme adds
-/// energy.
+/// Statistics that grow if an explicit step is too long for the stiffness of a force, so that the
+/// scheme adds energy.
 const GROWING: [Statistic; 2] = [Statistic::FrictionWorkMean, Statistic::DisplacementEndSd];
 
-/// Where these grow by a larger factor from h to 2h or 4h, there is nothing to extrapolate.
+/// If these grow by a larger factor from h to 2h or 4h, extrapolation is meaningless.
 const MOST_GROWTH: f64 = 2.0;
 
 /// The bias of a statistic by extrapolation.
@@ -72,13 +71,13 @@ pub(super) struct Extrapolated {
     scatter: f64,
 }
 
-/// The paths that measure a bias are taken for typical of the run if the statistic scatters among
-/// them at least by this share of what it does among the paths of the run. From 16 groups of normal
-/// numbers, a smaller share has a probability of 0.2 %.
+/// The paths that measure a bias are considered typical of the run if the scatter of the statistic
+/// among them is at least this fraction of that among the paths of the run. From 16 groups of
+/// normal numbers, a smaller share has a probability of 0.2 %.
 const TYPICAL: f64 = 0.5;
 
 impl Extrapolated {
-    /// Whether these paths are typical of those of a run with this estimate. They are not where the
+    /// Whether these paths are typical of those of a run with this estimate. They are not if the
     /// statistic depends on rare events of which they have few or none.
     pub fn is_typical_of(&self, run: &Estimate, paths: u64) -> bool {
         let scatter = run.standard_error * (paths as f64).sqrt();
@@ -99,7 +98,7 @@ pub struct Differences {
     groups: usize,
     per_group: u64,
     antithetic: bool,
-    /// What the run records, without anything of single paths.
+    /// The records of the run, except those of single paths.
     pub(super) record: Record,
 }
 
@@ -120,7 +119,7 @@ impl Differences {
         if timeline.end / h < MIN_STEPS {
             return Err(NoBias::FewSteps);
         }
-        // Where nothing is random, one path is the ensemble.
+        // Without randomness, one path is the ensemble.
         let (groups, per_group) = if is_random {
             (GROUPS, paths / (ONE_PATH_IN * GROUPS as u64))
         } else {
@@ -131,7 +130,7 @@ impl Differences {
                 needed: ONE_PATH_IN * GROUPS as u64,
             });
         }
-        // Rows of the output grid are left out, because the bands have no bias estimate.
+        // Rows of the output grid are omitted, because the bands have no bias estimate.
         let timeline = timeline.without_rows();
         let coarsest = LEVELS[LEVELS.len() - 1];
         let levels = LEVELS.map(|k| {
@@ -192,14 +191,14 @@ impl Differences {
             .collect())
     }
 
-    /// The same with what the paths show of the scatter of each statistic, and whether the longer steps
+    /// The same with the scatter of each statistic among the paths, and whether the longer steps
     /// are stable.
     pub(super) fn extrapolate(
         &self,
         threads: usize,
         stop: &AtomicBool,
     ) -> Result<(Vec<Extrapolated>, bool), NoBias> {
-        // A median is expensive, so it is not computed where it would not be used.
+        // A median is expensive, so it is not computed unless it is used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
         let groups = self.simulate(threads, stop)?;
         let mut at_step = self.empty();
@@ -240,8 +239,8 @@ impl Differences {
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,
-    /// `without` without each group. `sticks` is the number of sticks per path. None where so few
-    /// groups decide it that it has no interval.
+    /// `without` without each group. `sticks` is the number of sticks per path. None if too few
+    /// groups determine it for an interval.
     fn bias(
         &self,
         statistic: Statistic,
@@ -257,7 +256,7 @@ impl Differences {
         let order = Some(all.observed_order()).filter(is_determined);
         if !self.model.temperature.is_random() {
             let (estimate, uncertainty) = all.without_noise();
-            // Both ends of a phase lie on the grid, so that its duration may be off by h.
+            // Both ends of a phase are on the grid, so its duration may be off by h.
             let grid = if statistic.dimension() == Dimension::TIME {
                 self.h
             } else {
@@ -281,7 +280,7 @@ impl Differences {
         let sampling = (high - estimate).max(estimate - low);
         let grid = match statistic {
             // As the step falls, sticks become more numerous and shorter, and the two changes may
-            // cancel in the fraction. What remains is no larger than half a step for each stick.
+            // cancel in the fraction. The remainder is at most half a step for each stick.
             Statistic::StickingFraction => 0.5 * self.h * sticks / self.timeline.counted(),
             _ => 0.0,
         };
@@ -300,7 +299,7 @@ impl Differences {
         })
     }
 
-    /// The standard deviation of the change of the force by the noise in a step, as a share of the
+    /// The standard deviation of the change of the force by the noise in a step, relative to the
     /// gap: K beta rho sigma sqrt(h)/(f_s - f_d).
     fn noise_to_gap(&self) -> f64 {
         let Model {
@@ -321,7 +320,7 @@ impl Differences {
         Totals::empty(&self.model, &self.timeline, &self.record)
     }
 
-    /// The wanted statistics of all paths, and without each group; NaN in the place of the others.
+    /// The wanted statistics of all paths, and without each group; NaN for the others.
     fn values(&self, groups: &[Totals], is_wanted: impl Fn(Statistic) -> bool) -> LevelValues {
         jackknife::leaving_one_out(&self.empty(), groups, |totals| totals.values(&is_wanted))
     }
@@ -363,7 +362,7 @@ impl Differences {
     }
 
     /// The totals of each group over its next `width` paths, after the first `done` of them, and
-    /// the number of paths that diverged. `None` if `stop` is set meanwhile.
+    /// the number of paths that diverged. `None` if `stop` is set in the meantime.
     fn piece(
         &self,
         level: usize,

@@ -10,16 +10,16 @@
 //! observed order                             log2(D2/D1)
 //! ```
 //!
-//! Where noise ends the sticks, p = 1/2, because the threshold is checked only once a step, and the
-//! force passes it by a multiple of the standard deviation of its increment (Broadie, Glasserman,
-//! Kou, Math. Finance 7 (1997)). The errors of statistics of the displacement were measured to be
-//! of order 1, and p is 1 for them where the observed order is nearer to 1 than to 1/2.
+//! If noise ends the sticks, p = 1/2, because the threshold is checked only once per step, and the
+//! force overshoots it by a multiple of the standard deviation of its increment (Broadie,
+//! Glasserman, Kou, Math. Finance 7 (1997)). The errors of statistics of the displacement were
+//! measured to be of order 1, and p is 1 for them if the observed order is closer to 1 than to 1/2.
 //!
-//! Where the steps are too long for either expansion, the values from one term and from two lie on
-//! opposite sides of the truth. So the estimate is D1/(q - 1) + c/2, with less of c where c is
-//! mostly scatter ([`weight`]). It may be wrong by c/2, and by what no expansion of two terms
-//! describes: slips that turn back within a step are missed, and appear one after another as the
-//! step falls. That part is measured ([`model_error_share`]).
+//! If the steps are too long for either expansion, the values from one term and from two are on
+//! opposite sides of the true value. So the estimate is D1/(q - 1) + c/2, with less of c where c is
+//! mostly scatter ([`weight`]). It may be wrong by c/2, and by effects that no expansion of two
+//! terms describes: slips that reverse within a step are missed, and appear one after another as
+//! the step decreases. That part is measured ([`model_error_share`]).
 
 use crate::stats::{Statistic, StepError};
 
@@ -27,12 +27,11 @@ use crate::stats::{Statistic, StepError};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Levels(pub [f64; 3]);
 
-/// The error of extrapolation of a statistic, as a share of the bias from one term. `noise_to_gap`
-/// is the change of the force by the noise in a step, as a share of f_s - f_d. The numbers were
-/// measured (docs/bias.md). A long step misses almost all of the shortest slips, and the error
-/// grows with `noise_to_gap`. It is largest for the numbers of sticks and slips, which at a
-/// `noise_to_gap` of 4 are only half of those without a step, and for the standard deviation of
-/// durations.
+/// The error of extrapolation of a statistic, relative to the bias from one term. `noise_to_gap` is
+/// the change of the force by the noise in a step, relative to f_s - f_d. The numbers were measured;
+/// `tests/library/bias_coverage.rs` tests them. A long step misses almost all of the shortest slips, and the error grows with
+/// `noise_to_gap`. It is largest for the numbers of sticks and slips, which at a `noise_to_gap` of
+/// 4 are only half of those without a step, and for the standard deviation of durations.
 pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 {
     let slope = if statistic.row().step_error == StepError::RootOfRare {
         0.5
@@ -60,7 +59,7 @@ impl Levels {
         (middle - fine, coarse - middle)
     }
 
-    /// log2(D2/D1); NaN or infinite where the two differences determine no order.
+    /// log2(D2/D1); NaN or infinite if the two differences do not determine an order.
     pub fn observed_order(self) -> f64 {
         let (d1, d2) = self.differences();
         (d2 / d1).log2()
@@ -71,7 +70,7 @@ impl Levels {
         self.differences().0 / (p.exp2() - 1.0)
     }
 
-    /// c: the bias from two terms, less that from one.
+    /// c: the bias from two terms minus that from one.
     pub fn second_term(self, p: f64) -> f64 {
         let (d1, d2) = self.differences();
         let q = p.exp2();
@@ -83,25 +82,25 @@ impl Levels {
         self.one_term(p) + weight * self.second_term(p)
     }
 
-    /// How far the extrapolation may be off: by the share `share` of the bias from one term, and
-    /// by half of c, which itself is known to `second_term_error` only. This error is counted
-    /// because, where c is mostly scatter, its weight is small by chance and not because there is
-    /// no second term.
+    /// The possible error of the extrapolation: the fraction `share` of the bias from one term, and
+    /// half of c, which itself is known only to `second_term_error`. This error is included
+    /// because, if c is mostly scatter, its weight is small by chance and not because there is no
+    /// second term.
     pub fn model_error(self, p: f64, share: f64, second_term_error: f64) -> f64 {
         (share * self.one_term(p)).hypot(0.5 * self.second_term(p).hypot(second_term_error))
     }
 
-    /// The bias where nothing is random, and its uncertainty. The order is 1, but as the step
-    /// changes, every event time jumps from one multiple of it to another. So only the size of the
-    /// bias is known.
+    /// The bias without randomness, and its uncertainty. The order is 1, but as the step changes,
+    /// every event time jumps from one multiple of it to another, so only the size of the bias is
+    /// known.
     pub fn without_noise(self) -> (f64, f64) {
         let (d1, d2) = self.differences();
         (d1, d1.abs() + d2.abs())
     }
 }
 
-/// Whether a statistic depends on the step as smoothly as the law of the paths does. A median does
-/// not: where the law has two humps, it jumps from one to the other.
+/// Whether a statistic depends on the step as smoothly as the law of the paths. A median does not:
+/// if the law has two humps, it jumps from one to the other.
 pub(super) fn is_smooth(statistic: Statistic) -> bool {
     statistic.row().step_error != StepError::Jumps
 }
@@ -116,8 +115,8 @@ pub(super) fn leading_order(statistic: Statistic, levels: Levels) -> f64 {
     }
 }
 
-/// The weight in the estimate of a second term c with this standard error. It is 1/2 where c is
-/// certain, 0 where c is scatter, and (1 - error^2/c^2)/2 in between (W. James and C. Stein's
+/// The weight in the estimate of a second term c with this standard error. It is 1/2 if c is
+/// certain, 0 if c is scatter, and (1 - error^2/c^2)/2 in between (W. James and C. Stein's
 /// shrinkage, its positive part).
 pub(super) fn weight(second_term: f64, error: f64) -> f64 {
     let (square, scatter) = (second_term * second_term, error * error);

@@ -1,11 +1,11 @@
-//! The discretisation bias of every statistic of a run. It is measured beside the run, at an eighth
-//! of the cost of the run.
+//! The discretisation bias of every statistic of a run. It is measured in addition to the run, at
+//! an eighth of its cost.
 //!
-//! There are two measurements, and each statistic takes one of them:
+//! There are two measurements, and each statistic uses one of them:
 //!
 //! ```text
 //! differences     some paths of the run, again at h, 2h and 4h on the same noise. Precise for
-//!                 displacements, since the same noise makes nearly the same path. Gives the order
+//!                 displacements, since the same noise gives nearly the same path. Gives the order
 //! reference run   event-driven paths, which have no step. Precise for sticks, because another step
 //!                 changes every stick exit even on the same noise
 //! ```
@@ -36,7 +36,7 @@ const REFERENCE_ONE_PART_IN: u64 = 12;
 /// The same if differences are not measured.
 const REFERENCE_ALONE_ONE_PART_IN: u64 = 10;
 
-/// What is simulated beside a run to measure its bias.
+/// The simulations that measure the bias of a run.
 #[derive(Clone, Debug)]
 pub struct BiasPlan {
     /// None for the corrected scheme.
@@ -86,7 +86,7 @@ impl BiasPlan {
         })
     }
 
-    /// The same for a run that records this, and perhaps of antithetic pairs.
+    /// The same for a run with these records, possibly of antithetic pairs.
     pub fn recording(mut self, record: &Record, antithetic: bool) -> Self {
         let record = record.of_no_path();
         if let Some(reference) = &mut self.reference {
@@ -106,8 +106,8 @@ impl BiasPlan {
         }
     }
 
-    /// The bias of every statistic of `run` that is known well enough. The result has the same bits
-    /// for any number of `threads`.
+    /// The bias of every statistic of `run` for which it is known well enough. The result has the
+    /// same bits for any number of `threads`.
     pub fn estimate(
         &self,
         run: &Summary,
@@ -129,7 +129,8 @@ impl BiasPlan {
             None => Err(NoBias::Corrected),
             Some(differences) => differences.extrapolate(threads, stop),
         };
-        // The reference run needs no coarse step. Where 2h or 4h is unstable, it is all there is.
+        // The reference run needs no coarse step. If 2h or 4h is unstable, it is the only
+        // measurement.
         let is_alone = matches!(extrapolated, Err(NoBias::Diverged { .. }) | Ok((_, false)));
         let reference = self.reference.as_ref();
         let reference = if is_alone {
@@ -164,7 +165,7 @@ pub struct AuxiliaryRun {
 }
 
 impl AuxiliaryRun {
-    /// The bias of every statistic of `run` that is known well enough.
+    /// The bias of every statistic of `run` for which it is known well enough.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self
             .referenced
@@ -176,7 +177,7 @@ impl AuxiliaryRun {
                 .extrapolated
                 .iter()
                 .find(|found| found.statistic == e.statistic);
-            // Without a reference run there is nothing better.
+            // Without a reference run this is the best estimate.
             let is_typical =
                 |found: &&Extrapolated| self.referenced.is_none() || found.is_typical_of(e, paths);
             let typical = extrapolated.filter(is_typical).map(|found| found.bias);
@@ -197,20 +198,20 @@ impl AuxiliaryRun {
     }
 }
 
-/// The extrapolation is taken where its uncertainty is below this share of that of the reference
-/// run, and the two do not contradict each other. The uncertainty of the extrapolation has an error
-/// of 18 % itself, because it comes from 16 groups.
+/// The extrapolation is used if its uncertainty is below this fraction of that of the reference
+/// run, and the two are consistent. The uncertainty of the extrapolation has an error of 18 %
+/// itself, because it comes from 16 groups.
 const UNCERTAINTY_RATIO: f64 = 0.7;
 
-/// The half-widths of its interval that the uncertainty of the bias of a small number may have. It has
-/// ten if it comes from a hundredth of the paths.
+/// The maximum uncertainty of the bias of a small number, in half-widths of its interval. It is ten
+/// if it comes from a hundredth of the paths.
 const MOST_HALF_WIDTHS: f64 = 10.0;
 
-/// Whether a bias says anything of an estimate from this number of paths: its uncertainty does not
-/// exceed both the estimate and what the estimate leaves open. Where all paths agree, it always does.
-/// Where they do not, and no step makes a difference, the paths that measure the bias are too few to
-/// show one; and where the paths of the run are too few for an interval, so are those. A single path
-/// has no interval, but nothing in it is random.
+/// Whether a bias is informative about an estimate from this number of paths: its uncertainty does
+/// not exceed both the estimate and the uncertainty of the estimate. If all paths agree, it always
+/// is. If they do not, and the step makes no difference, too few paths measure the bias to show
+/// one; and if the run has too few paths for an interval, so has the measurement of the bias. A
+/// single path has no interval, but nothing in it is random.
 fn is_informative(bias: &Bias, e: &Estimate, paths: u64) -> bool {
     let half_width = e.half_width();
     let is_within = bias.uncertainty <= e.estimate.abs().max(MOST_HALF_WIDTHS * half_width);
@@ -218,17 +219,17 @@ fn is_informative(bias: &Bias, e: &Estimate, paths: u64) -> bool {
     half_width == 0.0 || is_within && (shows_change || paths == 1)
 }
 
-/// The measurement that is taken, of two measurements of one bias or the only one.
+/// The chosen one of two measurements of a bias, or the only one.
 ///
-/// The reference run assumes nothing about the order, so it is taken unless the extrapolation is
-/// clearly more precise. If the more precise of two similar measurements were taken, it would often
-/// be the one whose uncertainty is too small by chance.
+/// The reference run assumes nothing about the order, so it is used unless the extrapolation is
+/// clearly more precise. Using the more precise of two similar measurements would often select the
+/// one whose uncertainty is too small by chance.
 ///
-/// Where a clearly more precise extrapolation contradicts the reference run, one of the two is
-/// wrong. Either the order of the error is another one, or the reference run is off by more than
-/// its uncertainty, as one in some dozens is. The estimate is that of the reference run, and its
-/// uncertainty reaches over all that the extrapolation allows. So an outlier is not taken for a
-/// bias, and a wrong extrapolation does not decide.
+/// If a clearly more precise extrapolation contradicts the reference run, one of the two is wrong:
+/// the order of the error is different, or the reference run is off by more than its uncertainty,
+/// as one in several dozen is. The estimate is then that of the reference run, with an uncertainty
+/// that covers the extrapolation. So an outlier is not mistaken for a bias, and a wrong
+/// extrapolation is not used.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
     let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else {
         return extrapolated.or(referenced);

@@ -13,10 +13,10 @@ pub enum NoBias {
          statistic that has a limit below {0}"
     )]
     Tolerance(f64),
-    /// The event-driven scheme where nothing is random.
+    /// The event-driven scheme without randomness.
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
-    /// The event-driven scheme under a user-defined force, where nothing is random.
+    /// The event-driven scheme under a user-defined force, without randomness.
     #[error(
         "this scheme has no step, and without noise a user-defined force is integrated to 1e-13 per step"
     )]
@@ -27,14 +27,15 @@ pub enum NoBias {
          run at a tenth of it"
     )]
     Followed(f64),
-    /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
+    /// The quasi-static scheme: its error is that of an approximation, which does not depend on a
+    /// step.
     #[error(
         "this scheme takes the forcing as constant during a slip, and a smaller step does not reduce that error"
     )]
     Approximation,
-    /// The corrected scheme, where nothing is random, or where a reference run costs too much or
-    /// does not resolve all slips. The error of this scheme cannot be extrapolated, because it may
-    /// be the same at the steps that would be compared.
+    /// The corrected scheme without randomness, or if a reference run costs too much or does not
+    /// resolve all slips. The error of this scheme cannot be extrapolated, because it may be equal
+    /// at the compared steps.
     #[error(
         "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven reference \
          run would take too long compared with this run; `mc trade` measures it"
@@ -53,14 +54,14 @@ pub enum NoBias {
     #[error("at least {MIN_STEPS} steps are needed")]
     FewSteps,
     /// Paths diverged at h, 2h or 4h.
-    #[error("{paths} of the paths that were simulated at h, 2h and 4h to estimate it diverged")]
+    #[error("{paths} of the paths simulated at h, 2h and 4h to estimate it diverged")]
     Diverged {
         /// Number of paths that diverged, at all three steps together.
         paths: usize,
     },
     /// No bias is known as well as the estimate.
     #[error(
-        "the estimates themselves are more certain than what is known of their bias; more paths make it certain"
+        "the bias is less certain than the estimates themselves; run more paths to estimate it"
     )]
     Uncertain,
     /// The simulation was stopped by the caller.

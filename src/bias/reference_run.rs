@@ -1,9 +1,9 @@
 //! The bias by comparison with a reference run of event-driven paths, which have no step.
 //!
-//! The reference run has as many paths as a given share of the cost of the run allows. Its
-//! statistics are those to which the run tends as h falls, so that the bias is the difference of
+//! The number of paths of the reference run follows from a given share of the cost of the run. Its
+//! statistics are the limits of those of the run as h decreases, so the bias is the difference of
 //! the two. Nothing is extrapolated, and any scheme with a step can be compared. The error is that
-//! of two finite ensembles, of which the reference run is the smaller one.
+//! of two finite ensembles, mostly of the smaller reference run.
 
 use super::widening::widening_factor;
 use crate::ensemble::{Plan, in_order_while};
@@ -22,10 +22,10 @@ use std::sync::atomic::AtomicBool;
 /// so that threads can share the work.
 const PIECES: u64 = 8;
 
-/// How event-driven paths are simulated beside a run.
+/// How event-driven paths are simulated for a reference run.
 struct Pricing {
-    /// The largest number of paths in a piece of work lies between these two. In a large piece a
-    /// path takes less time, so pieces grow with the number of paths.
+    /// The largest number of paths in a piece of work lies between these two. A path takes less
+    /// time in a large piece, so pieces grow with the number of paths.
     piece: [u64; 2],
     /// The cost of one evaluation in path-steps. A path-step takes 0.75 ns with AVX-512. Other
     /// instruction sets take longer for both.
@@ -46,7 +46,7 @@ const IN_LANES: Pricing = Pricing {
 
 impl Pricing {
     /// The number of paths in a piece, if there are this many paths. All pieces are nearly equal,
-    /// so that no thread waits long for another one.
+    /// so that no thread waits long for another.
     fn piece_size(&self, paths: u64) -> u64 {
         let [smallest, largest] = self.piece;
         let most = (paths / PIECES).clamp(smallest, largest);
@@ -64,7 +64,7 @@ const FIRST: u64 = 16;
 /// The smallest number of paths. With fewer paths, many intervals are not bounded.
 const FEWEST: u64 = 32;
 
-/// A reference run of event-driven paths beside a run.
+/// A reference run of event-driven paths.
 #[derive(Clone, Debug)]
 pub struct ReferenceRun {
     model: Model,
@@ -76,13 +76,13 @@ pub struct ReferenceRun {
     one_part_in: u64,
     /// The number of paths of the run, which the reference run does not exceed.
     paths: u64,
-    /// What the run records, without anything of single paths.
+    /// The records of the run, except those of single paths.
     pub(super) record: Record,
 }
 
 impl ReferenceRun {
-    /// A reference run beside a run of this many paths with this step and seed. It may cost one
-    /// part in `one_part_in` of the run.
+    /// A reference run for a run of this many paths with this step and seed. It may cost one part
+    /// in `one_part_in` of the run.
     pub fn new(
         model: &Model,
         timeline: &Timeline,
@@ -93,7 +93,7 @@ impl ReferenceRun {
     ) -> Self {
         let path_steps =
             (timeline.end / h + PATH_STEPS_PER_ROW * timeline.rows() as f64) * paths as f64;
-        // Rows of the output grid are left out, because the bands have no bias estimate. The seed
+        // Rows of the output grid are omitted, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
         let (model, timeline, record) = (model.clone(), timeline.without_rows(), Record::NOTHING);
         ReferenceRun {
@@ -115,8 +115,8 @@ impl ReferenceRun {
         }
     }
 
-    /// The bias of the statistics of a run, without an order; none where the reference run costs
-    /// too much, or does not resolve all slips (f_s and f_d nearly equal under noise).
+    /// The bias of the statistics of a run, without an order; none if the reference run costs too
+    /// much, or does not resolve all slips (f_s and f_d nearly equal under noise).
     pub fn estimate(
         &self,
         run: &Summary,
@@ -166,9 +166,9 @@ impl ReferenceRun {
         })
     }
 
-    /// The number of paths that this many evaluations allow, judged by the cost of the first paths,
-    /// which are stopped if they exceed the whole budget. None if it is too small, or if the scheme
-    /// does not resolve all slips.
+    /// The number of paths that this many evaluations allow, estimated from the first paths, which
+    /// are stopped if they exceed the whole budget. None if it is too small, or if the scheme does
+    /// not resolve all slips.
     fn affordable(
         &self,
         exact: &EventDrivenSimulation,
@@ -221,19 +221,19 @@ impl Referenced {
     }
 }
 
-/// The error of a reference run is taken as it is from this share of what the run says on. Of 32
-/// normal numbers it is smaller in 1 % of all cases.
+/// The error of a reference run is used if it is at least this fraction of that implied by the run.
+/// With 32 normal numbers it is smaller in 1 % of all cases.
 const TYPICAL: f64 = 0.7;
 
 /// The statistic of the run minus that of the reference run. The two are independent, so their
-/// errors add in squares, separately for each side: the lower end of the bias is where the run is
-/// low and the reference run is high. The uncertainty is that of the longer side.
+/// errors add in squares, separately for each side: the lower end of the bias combines a low run
+/// with a high reference run. The uncertainty is that of the longer side.
 ///
-/// The run has `more_paths` times as many paths, of nearly the same law. It may have seen rare events
-/// of which the reference run has too few. Where the error of the reference run is much smaller than
-/// the run says of as many paths, it is the run that is right. The error that
-/// the tolerance leaves is the same for every seed, so it is added as it is. None where one of the
-/// two has no bounded interval.
+/// The run has `more_paths` times as many paths, of nearly the same law. It may contain rare events
+/// of which the reference run has too few. If the error of the reference run is much smaller than
+/// the run implies for its number of paths, the latter is used. The error due to the tolerance is
+/// the same for every seed, so it is added linearly. None if one of the two has no bounded
+/// interval.
 fn difference(
     run: &Estimate,
     exact: &Estimate,
@@ -241,7 +241,7 @@ fn difference(
     widening_factor: f64,
 ) -> Option<Bias> {
     let least = NORMAL * run.standard_error * more_paths.sqrt();
-    // An arm that does not exist stays NaN.
+    // A missing arm remains NaN.
     let at_least = |arm: f64| if arm < TYPICAL * least { least } else { arm };
     let below = (run.estimate - run.low).hypot(at_least(exact.high - exact.estimate));
     let above = (run.high - run.estimate).hypot(at_least(exact.estimate - exact.low));

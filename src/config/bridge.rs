@@ -1,5 +1,5 @@
-//! Reading only what a study of measurements needs from a scenario. Nothing is simulated, so `[time]`
-//! and the tables that drive the body may be missing.
+//! Reads only the part of a scenario that a study of measurements needs. Nothing is simulated, so
+//! `[time]` and the tables of the forcing may be missing.
 
 use super::error::ScenarioError;
 use super::fields::Fields;
@@ -14,7 +14,8 @@ use std::path::Path;
 use stickslip_data::ColumnSource;
 
 impl BridgeScene {
-    /// Read a file with the overrides applied. The name of a shipped scenario stands for its file.
+    /// Read a file with the overrides applied. The name of a shipped scenario is accepted instead
+    /// of a file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
         if let Some(found) = shipped_at(path) {
             return Self::parse(found.name, found.text, overrides);
@@ -29,7 +30,7 @@ impl BridgeScene {
     }
 }
 
-/// Where temperatures are measured, as overrides of `temperature.series` alone say.
+/// The source of temperatures according to overrides of `temperature.series` alone.
 pub fn temperature_source(overrides: &[Override]) -> Result<ColumnSource, ScenarioError> {
     let sources = Sources::new("", "", overrides, MeasuredFrom::Files);
     let tree = tree::read(&sources)?;

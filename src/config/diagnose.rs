@@ -1,12 +1,12 @@
-//! Where a message shows values that do not go together, and which of them it names.
+//! Places of values that are inconsistent, for messages.
 
 use super::fields::Fields;
 use super::source::Sources;
 use crate::scheme::CheckError;
 
-/// Report values that do not go together. They are shown at the first of the values that an override
-/// set, or else at the first value. An override is preferred because the file was probably valid
-/// before the command line changed it. A default value has no place in any text.
+/// Report inconsistent values. They are shown at the first value that an override set, or else at
+/// the first value. An override is preferred because the file was probably valid before the command
+/// line changed it. A default value has no place in any text.
 pub(super) fn report_check_error(
     sources: &Sources<'_>,
     root: &Fields<'_>,

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, in messages that say what to change.
+//! Errors in scenarios, with their remedies.
 
 use std::fmt;
 
@@ -16,8 +16,8 @@ pub enum ScenarioError {
         remedy: String,
     },
     /// The file can be read, but it or an override is wrong in at least one place. The errors are
-    /// in the order of the file. Whether values go together is reported only if each of them is
-    /// valid by itself.
+    /// in the order of the file. Inconsistent values are reported only if each of them is valid by
+    /// itself.
     #[error("{}", .0.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<Diagnostic>),
 }
@@ -28,7 +28,7 @@ impl From<Box<Diagnostic>> for ScenarioError {
     }
 }
 
-/// One mistake, and where it is.
+/// An error and its place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostic {
     /// The file, or the override as it was typed.
@@ -43,7 +43,7 @@ pub struct Diagnostic {
     pub value: Option<String>,
     /// What is wrong.
     pub problem: String,
-    /// What would be right.
+    /// How to fix it.
     pub remedy: String,
     /// The line of the file with a caret under the place, ready to print.
     pub excerpt: Option<String>,

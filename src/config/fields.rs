@@ -1,7 +1,7 @@
-//! Reading a table of the tree key by key. Types and ranges are checked here, once for all keys.
+//! Reads a table of the tree key by key. Types and ranges are checked here, for all keys.
 //!
-//! A value that cannot be used is reported to the sources and replaced by a valid one, so that
-//! reading goes on and one pass finds all mistakes.
+//! An invalid value is reported to the sources and replaced by a valid one, so that reading
+//! continues and one pass finds all errors.
 
 use super::error::Diagnostic;
 use super::keys::{self, Allowed, Key};
@@ -25,7 +25,7 @@ impl ValueAt<'_> {
             .diagnostic(Some(self.node.place), problem, remedy)
             .of(&self.path);
         match self.node.value {
-            // The text of a whole table or array would not help as a value.
+            // The text of a whole table or array is too long to quote.
             Value::Array(_) | Value::Table(_) => diagnostic,
             _ => diagnostic.value(self.sources.quote(self.node.place)),
         }
@@ -155,7 +155,7 @@ impl ValueAt<'_> {
     }
 }
 
-/// A table of which the known keys can be read.
+/// A table whose known keys can be read.
 pub(super) struct Fields<'a> {
     sources: &'a Sources<'a>,
     /// The dotted name that messages use, such as "temperature.harmonics.0".
@@ -164,8 +164,7 @@ pub(super) struct Fields<'a> {
     /// empty one.
     pub place: Option<Place>,
     entries: &'a [KeyValue],
-    /// Whether an error in this table is reported already that may be the reason why a key is
-    /// missing.
+    /// Whether an error already reported for this table may explain a missing key.
     is_misread: bool,
 }
 
@@ -259,7 +258,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// What is read of a key; none if it is missing, or cannot be used, which is reported.
+    /// The value of a key; none if it is missing, or invalid, which is reported.
     fn sound<T>(
         &self,
         key: Key,
@@ -268,9 +267,9 @@ impl<'a> Fields<'a> {
         self.sources.or_report(read(&self.value(key.name)?))
     }
 
-    /// The place of the value of a key, if it is there. The key may be dotted, for a table within
-    /// this one; in an array of tables it is that of the table with the number that the key gives,
-    /// or of the first table that has the key.
+    /// The place of the value of a key, if present. The key may be dotted, for a table within this
+    /// one; in an array of tables it is that of the table with the number that the key gives, or of
+    /// the first table that has the key.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
         Some(node_at(self.entries, dotted)?.place)
     }
@@ -290,7 +289,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// A table within this one, if it is there.
+    /// A table within this one, if present.
     pub fn table_if_present(&self, name: &str) -> Option<Fields<'a>> {
         self.node(name).is_some().then(|| self.table(name))
     }
@@ -378,13 +377,13 @@ impl<'a> Fields<'a> {
         self.sound(key, read).unwrap_or_default()
     }
 
-    /// A number that must be there; if it is missing, this is reported.
+    /// A required number; an error is reported if it is missing.
     pub fn number(&self, key: Key) -> f64 {
         self.number_if_present(key)
             .unwrap_or_else(|| self.missing(key))
     }
 
-    /// A number that must be there, towards larger and towards smaller x: one for both, or a table.
+    /// A required number, towards larger and towards smaller x: one for both, or a table.
     pub fn by_direction(&self, key: Key) -> [f64; 2] {
         let Some(Node {
             value: Value::Table(entries),
@@ -420,7 +419,7 @@ impl<'a> Fields<'a> {
         self.number_if_present(key).unwrap_or(default)
     }
 
-    /// A number, if it is there.
+    /// A number, if present.
     pub fn number_if_present(&self, key: Key) -> Option<f64> {
         let read = self.value(key.name)?.number(key);
         Some(
@@ -461,7 +460,7 @@ impl<'a> Fields<'a> {
         self.sound(key, read).unwrap_or_default()
     }
 
-    /// A length of time, if it is there: a number as it is, or a text such as "6h" in seconds.
+    /// A length of time, if present: a number unchanged, or a text such as "6h" in seconds.
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Text(text) => stickslip_data::seconds(text).ok_or_else(|| {
@@ -490,7 +489,7 @@ impl<'a> Fields<'a> {
         )
     }
 
-    /// A number or a word from a list, if it is there: `Ok(number)` or `Err(word)`.
+    /// A number or a word from a list, if present: `Ok(number)` or `Err(word)`.
     pub fn number_or_word(
         &self,
         key: Key,
@@ -510,12 +509,12 @@ impl<'a> Fields<'a> {
         )
     }
 
-    /// A word from a list, if it is there.
+    /// A word from a list, if present.
     pub fn word(&self, key: Key, words: &[&'static str]) -> Option<&'static str> {
         self.sound(key, |at| at.word(words, "one of"))
     }
 
-    /// A whole number within a range, if it is there.
+    /// A whole number within a range, if present.
     pub fn whole_if_present(&self, key: Key, range: RangeInclusive<u64>) -> Option<u64> {
         self.sound(key, |at| at.whole(range))
     }
@@ -531,7 +530,7 @@ impl<'a> Fields<'a> {
             .unwrap_or_else(|| default.to_string())
     }
 
-    /// A text that may have line breaks and tabs; none if it is missing or cannot be used, which is
+    /// A text that may have line breaks and tabs; none if it is missing or invalid, which is
     /// reported.
     pub fn lines_if_sound(&self, key: Key) -> Option<String> {
         self.sound(key, |at| {
@@ -539,7 +538,7 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// One line of text, if it is there and not empty.
+    /// One line of text, if present and not empty.
     pub fn line_if_present(&self, key: Key) -> Option<String> {
         Some(self.line_or(key, "")).filter(|text| !text.is_empty())
     }
@@ -591,7 +590,7 @@ impl<'a> Fields<'a> {
 /// The keys of a number by direction: towards larger x, and towards smaller.
 pub(super) const DIRECTIONS: [&str; 2] = ["forward", "backward"];
 
-/// The whole number that a text such as "1e5", "1_000_000", "10k" or "2.5M" means.
+/// The whole number given by a text such as "1e5", "1_000_000", "10k" or "2.5M".
 fn count(text: &str) -> Option<i128> {
     let plain = text.replace('_', "");
     let (digits, unit) = match plain.strip_suffix(['k', 'K', 'M', 'G']) {

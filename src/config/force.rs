@@ -11,17 +11,18 @@ use crate::model::{
 use crate::scenario::{INPUT, Measured, WrittenForce};
 use stickslip_data::excerpt::underlined;
 
-/// What `[force]` makes of a body.
+/// A body with the force of `[force]`.
 pub(super) struct Forced {
     /// The body, with a linear force in its stiffness and its damping.
     pub oscillator: Oscillator,
     /// The force, unless it is linear and friction constant.
     pub force: Option<Force>,
-    /// The force as it is written, and the body without it.
+    /// The force as written, and the body without it.
     pub written: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
-    /// For each parameter that no expression contains, the error if no number names it either.
+    /// For each parameter that does not occur in any expression, the error to report if no number
+    /// names it either.
     pub unused: Vec<(String, Box<Diagnostic>)>,
 }
 
@@ -32,8 +33,8 @@ struct Scope {
     places: Vec<(String, Option<Place>)>,
 }
 
-/// Read `[force]`, if it is there, and what makes friction no constant: its load, its difference
-/// between the directions, forwards and backwards.
+/// Read `[force]`, if present, and everything that makes friction variable: its load, and different
+/// values forwards and backwards.
 pub(super) fn force(
     sources: &Sources<'_>,
     root: &Fields<'_>,
@@ -135,8 +136,7 @@ impl Scope {
         }
     }
 
-    /// Whether all of them have names that an expression can contain; if one has not, this is
-    /// reported.
+    /// Whether all their names are valid in expressions; an invalid name is reported.
     fn check(&self, sources: &Sources<'_>) -> bool {
         let Err(ExpressionError {
             parameter,
@@ -148,7 +148,7 @@ impl Scope {
             return true;
         };
         let wrong = parameter.unwrap_or_default();
-        // The second of two that have one name is wrong.
+        // The second of two equal names is reported.
         let place = self
             .places
             .iter()
@@ -165,7 +165,8 @@ impl Scope {
         false
     }
 
-    /// The error of each parameter that no expression contains. Such an input is reported at once.
+    /// The error of each parameter that does not occur in any expression. Unused inputs are
+    /// reported immediately.
     fn unused(
         &self,
         sources: &Sources<'_>,
@@ -205,7 +206,7 @@ impl Scope {
         Expression::with_inputs(text, &self.parameters, &self.inputs)
     }
 
-    /// The expression at a key, if it is there and sound.
+    /// The expression at a key, if present and valid.
     fn expression(
         &self,
         sources: &Sources<'_>,
@@ -237,7 +238,7 @@ fn with(
         oscillator.stiffness - displacement,
         oscillator.damping - 0.5 * velocity,
     );
-    // The temperature acts on the spring that is written, which is not the spring of the sum.
+    // The temperature acts on the spring as written, not on the total stiffness.
     let is_same = displacement == 0.0;
     let drive = if is_same {
         oscillator.drive
@@ -252,8 +253,8 @@ fn with(
     })
 }
 
-/// The error for an expression, at its place inside the text of the scenario where this can be
-/// told, and with an excerpt of the expression elsewhere.
+/// The error for an expression, at its place inside the text of the scenario if known, and
+/// otherwise with an excerpt of the expression.
 fn diagnostic(
     sources: &Sources<'_>,
     place: Place,

@@ -1,4 +1,4 @@
-//! Every key that a scenario may hold: its table, its symbol, its meaning and its range.
+//! Every key of a scenario: its table, its symbol, its meaning and its range.
 
 use crate::scenario::MAX_PHASE;
 use crate::scheme::TOLERANCES;
@@ -7,17 +7,17 @@ use Allowed::{Any, NonNegative, Phase, Positive, StaticThreshold, Threshold, Tol
 /// The range of numbers that a key accepts. NaN is never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Allowed {
-    /// The key holds no number.
+    /// The value is not a number.
     None,
     Any,
     Positive,
     NonNegative,
-    /// A friction threshold, at least 0. It has no upper limit, because a threshold that no force
-    /// reaches does not enter the computation.
+    /// A friction threshold, at least 0. It has no upper limit, because a threshold that is never
+    /// reached does not enter the computation.
     Threshold,
-    /// A friction threshold that is infinite where it is never reached.
+    /// A friction threshold that may be infinite if it is never reached.
     StaticThreshold,
-    /// A phase in radians that has not lost its digits.
+    /// A phase in radians, small enough to keep its precision.
     Phase,
     Tolerance,
 }
@@ -34,8 +34,7 @@ impl Allowed {
         }
     }
 
-    /// A number within the range, used in place of one that cannot be used so that reading can go
-    /// on.
+    /// A number within the range, used in place of an invalid one so that reading can continue.
     pub fn stand_in(self) -> f64 {
         match self {
             Tolerance => *TOLERANCES.end(),
@@ -56,7 +55,7 @@ impl Allowed {
     }
 }
 
-/// A key of a scenario. Keys that hold no number have no range.
+/// A key of a scenario. Keys without a numeric value have no range.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Key {
     pub name: &'static str,
@@ -65,9 +64,9 @@ pub(super) struct Key {
     pub range: Allowed,
     /// The unit, in words; empty for a number without one.
     pub unit: &'static str,
-    /// What holds if the key is not given; empty if it must be given.
+    /// The default; empty if the key is required.
     pub default: &'static str,
-    /// The values that it may have, where the range does not say it.
+    /// The permitted values, if the range does not give them.
     pub allowed: &'static str,
 }
 
@@ -85,7 +84,7 @@ impl Key {
     }
 }
 
-/// A key that holds a number.
+/// A key with a numeric value.
 const fn number(
     name: &'static str,
     symbol: &'static str,
@@ -99,7 +98,7 @@ const fn number(
     }
 }
 
-/// A key that holds a text, a flag or a whole number.
+/// A key whose value is a text, a flag or a whole number.
 const fn other(name: &'static str, meaning: &'static str) -> Key {
     Key {
         name,
@@ -112,7 +111,7 @@ const fn other(name: &'static str, meaning: &'static str) -> Key {
     }
 }
 
-/// A key that holds a table, or tables.
+/// A key whose value is a table, or several.
 const fn table(name: &'static str) -> Key {
     other(name, "")
 }
@@ -120,8 +119,8 @@ const fn table(name: &'static str) -> Key {
 /// Any key of the table of parameters.
 pub(super) const PARAMETER: Key = number("", "", "a parameter", Any);
 
-/// From one list: a constant for each key, and the tables with their keys. A key without a value is
-/// that of another table.
+/// From one list: a constant for each key, and the tables with their keys. A key without a value
+/// belongs to another table.
 macro_rules! keys {
     ($($table:literal { $($KEY:ident $(= $key:expr)?;)+ })+) => {
         $($($(pub(super) const $KEY: Key = $key;)?)+)+
@@ -283,7 +282,7 @@ keys! {
             .unit("length / time").default("0");
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear stiffness of the bearing", Positive)
+        BEARING_STIFFNESS = number("stiffness", "K_BP", "shear stiffness of the bearing", Positive)
             .unit("force / length").default("a rigid bearing");
         OFFSET = number("offset", "z0", "sensor reading at x = 0", Any)
             .unit("length").default("0");
@@ -346,7 +345,7 @@ keys! {
     }
 }
 
-/// The key that a dotted name stands for, if it holds a number. The index of a harmonic is ignored.
+/// The key with a dotted name, if its value is a number. The index of a harmonic is ignored.
 pub(super) fn of_name(dotted: &str) -> Option<Key> {
     let is_name = |segment: &&str| !segment.bytes().all(|byte| byte.is_ascii_digit());
     let plain = dotted
@@ -375,7 +374,7 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
     keys.iter().map(|key| key.name).collect()
 }
 
-/// Other names that users write for a key, besides the symbol of the paper.
+/// Other names that users write for a key, in addition to the symbol of the paper.
 const SYNONYMS: [(&str, &str); 23] = [
     ("dilation", "oscillator.dilatation"),
     ("gain", "oscillator.force_per_temperature"),
@@ -402,12 +401,12 @@ const SYNONYMS: [(&str, &str); 23] = [
     ("epsilon", "scheme.tolerance"),
 ];
 
-/// The likeness (1 for equal words) from which a key is suggested. It is lower within a table than
-/// across tables, where two words are more often alike by chance.
+/// The similarity (1 for equal words) from which a key is suggested. It is lower within a table
+/// than across tables, where words are more often similar by chance.
 const ALIKE_WITHIN: f64 = 0.75;
 const ALIKE_ACROSS: f64 = 0.85;
 
-/// The key that `key` in `table` probably stands for; dotted if it belongs to another table.
+/// The key probably meant by `key` in `table`; dotted if it belongs to another table.
 pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
     let from_here = |home: &str, name: &str| match home {
@@ -444,8 +443,8 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     best.map(|(_, key)| key)
 }
 
-/// How alike a word and a name are, from 0 to 1. Likeness to a part of a name, such as `frequency`,
-/// counts nearly in full.
+/// The similarity of a word and a name, from 0 to 1. Similarity to a part of a name, such as
+/// `frequency`, counts nearly in full.
 fn likeness(word: &str, name: &str) -> f64 {
     let parts = name
         .split('_')

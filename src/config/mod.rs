@@ -44,8 +44,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// The key of a scenario that a word probably stands for, such as its symbol, and what it means,
-/// which is empty where the key holds no number.
+/// The key of a scenario probably meant by a word, such as its symbol, and its meaning, which is
+/// empty if its value is not a number.
 ///
 /// ```
 /// use stickslip::config::key_meant;
@@ -62,8 +62,8 @@ pub fn key_meant(word: &str) -> Option<(String, String)> {
     Some((key, meaning))
 }
 
-/// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
-/// if the key has none.
+/// The symbol of the paper and the meaning of a dotted key with a numeric value. The symbol is
+/// empty if the key has none.
 ///
 /// ```
 /// use stickslip::config::symbol_and_meaning;
@@ -79,7 +79,7 @@ pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
 /// A key of a scenario, in the words of the documentation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeyDescription {
-    /// The dotted key. Of the harmonics only the first is listed, and `NAME` stands for that of an
+    /// The dotted key. Of the harmonics only the first is listed, and `NAME` denotes that of an
     /// input.
     pub key: String,
     /// The symbol of the paper; empty if there is none.
@@ -88,9 +88,9 @@ pub struct KeyDescription {
     pub meaning: &'static str,
     /// Its unit; empty if it has none.
     pub unit: &'static str,
-    /// What holds if it is not given, or `required`.
+    /// The default, or `required`.
     pub default: &'static str,
-    /// The values that it may have.
+    /// The permitted values.
     pub allowed: &'static str,
 }
 
@@ -129,16 +129,16 @@ pub fn keys() -> Vec<KeyDescription> {
     all.filter(|key| !is_table(key)).collect()
 }
 
-/// Largest scenario file, in bytes. A larger file is taken for a file of another kind.
+/// Largest scenario file, in bytes. A larger file is assumed to be of another kind.
 const MAX_FILE: u64 = 1 << 20;
 
 /// The first bytes of an HDF5 file.
 const HDF5_SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// The path that stands for standard input.
+/// The path that denotes standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// Everything up to one byte more than a scenario may have.
+/// Everything, up to one byte more than the limit of a scenario.
 fn read_all(from: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     from.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
@@ -214,8 +214,8 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     Ok((name, text))
 }
 
-/// All files that a scenario is made from, which nothing may be written over: its own, and those
-/// that it or an override names. Every key that holds a file is called `file`.
+/// All input files of a scenario, which must not be overwritten: its own, and those that it or an
+/// override names. Every key with a file is called `file`.
 pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     let shipped = shipped_at(path);
     let read = || {
@@ -228,10 +228,10 @@ pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     };
     let sources = Sources::new(&name, &text, overrides, MeasuredFrom::Files);
     let sources = shipped.into_iter().fold(sources, Sources::of_shipped);
-    // A text that cannot be read has its errors reported by whoever reads the scenario.
+    // Errors in the text are reported when the scenario is read.
     let tree = tree::read(&sources).ok();
     let named = tree.iter().flat_map(|tree| tree.texts_at(keys::FILE.name));
-    // The data of a shipped scenario are in no file.
+    // The data of a shipped scenario are not in files.
     let named = named
         .filter(|(place, file)| sources.data(file).is_none() || sources.is_override(Some(*place)));
     std::iter::once(path.to_owned())
@@ -266,7 +266,7 @@ impl Scenario {
     }
 
     /// Read a file, apply the overrides in order, and check the result. The name of a shipped
-    /// scenario stands for its file.
+    /// scenario is accepted instead of a file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
         if let Some(found) = shipped_at(path) {
             return found.parse(overrides);
@@ -276,13 +276,13 @@ impl Scenario {
     }
 
     /// Read a text, apply the overrides, and check the result. Messages call the text `name`, and
-    /// the stem of `name` is the default title. A data file that the text names is looked for in
-    /// the folder of `name`.
+    /// the stem of `name` is the default title. Data files named in the text are relative to the
+    /// folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
         parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Files))
     }
 
-    /// The same for a text whose measured values are stored beside it, as in the file of a run, each
+    /// The same for a text whose measured values are stored with it, as in the file of a run, each
     /// named by the table that describes it. No other file is read unless an override names one.
     pub fn parse_stored(
         name: &str,
@@ -298,7 +298,7 @@ impl Scenario {
         ))
     }
 
-    /// The same with given values in place of the tables by whose names they are called, such as
+    /// The same with given values in place of the tables with these names, such as
     /// `temperature.series` or `input.ag`. These may be missing. The file of a run keeps the values
     /// beside the text, like those of a data file.
     pub fn parse_measured(

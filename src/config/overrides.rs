@@ -3,7 +3,7 @@
 use super::error::{Diagnostic, ScenarioError};
 use std::fmt;
 
-/// The tables that do not describe the body and what acts on it.
+/// The tables that do not describe the body and the forces on it.
 const NOT_PHYSICS: [&str; 9] = [
     "title",
     "displacement",
@@ -64,7 +64,7 @@ impl Override {
         }
     }
 
-    /// The override of a flag with a key of its own, such as `--paths`.
+    /// The override of a flag for a single key, such as `--paths`.
     pub fn flag(flag: &str, key: &str, value: &str) -> Self {
         Override {
             shown: format!("{flag} {value}"),
@@ -73,8 +73,8 @@ impl Override {
         }
     }
 
-    /// An override with a number that is computed, for example by a sweep. A whole number is
-    /// written without a decimal point, because counts and seeds must be whole.
+    /// An override with a computed number, for example from a sweep. A whole number is written
+    /// without a decimal point, because counts and seeds must be whole.
     pub fn number(shown: &str, key: &str, value: f64) -> Self {
         let is_whole = value.fract() == 0.0 && value.abs() < 1e15;
         Override::flag(
@@ -99,7 +99,7 @@ impl Override {
         }
     }
 
-    /// `key = value` if the key belongs to the body or to what acts on it; only the key if the value
+    /// `key = value` if the key belongs to the body or the forces on it; only the key if the value
     /// is long.
     pub(super) fn change_of_physics(&self) -> Option<String> {
         let table = self.key.split('.').next().unwrap_or_default();

@@ -11,20 +11,21 @@ use crate::model::{
 };
 use crate::scenario::{Measured, SensorBearing, WhiteNoise, WrittenForce};
 
-/// The model, and where parts of it come from.
+/// The model, and the sources of its parts.
 pub(super) struct Physics {
     pub model: Model,
     /// The measured temperature, if there is one, and then the inputs.
     pub measured: Vec<Measured>,
-    /// Whether x(0) is given as "balanced": where no spring force acts.
+    /// Whether x(0) is given as "balanced": zero spring force.
     pub is_balanced: bool,
-    /// White noise, in whose place the model has none as yet.
+    /// White noise, not yet in the model.
     pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as it is written.
+    /// The user-defined force as written.
     pub written_force: Option<WrittenForce>,
     /// The parameters with their values.
     pub parameters: Vec<(String, f64)>,
-    /// For each parameter that no expression contains, the error if no number names it either.
+    /// For each parameter that does not occur in any expression, the error to report if no number
+    /// names it either.
     pub unused: Vec<(String, Box<Diagnostic>)>,
 }
 
@@ -120,7 +121,7 @@ fn harmonic(table: &Fields<'_>) -> Harmonic {
 
 /// The measured temperature, if there is one.
 fn measured_temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Vec<Measured> {
-    // No run reads this table, but mistakes in it are reported by every command.
+    // Runs do not use this table, but every command reports errors in it.
     let displacement = root.table("displacement").table("series");
     series::source(&displacement, keys::VALUE, None);
     sources
@@ -189,7 +190,7 @@ fn noise(table: &Fields<'_>) -> Noise {
     }
 }
 
-/// White noise, if one of the noises is white. It has no other keys of its own, and is alone.
+/// White noise, if one of the noises is white. It has no other keys, and no other noise beside it.
 fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNoise> {
     let table = noises
         .iter()

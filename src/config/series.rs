@@ -89,8 +89,8 @@ pub(super) fn inputs(
     found
 }
 
-/// Where values are measured, as a table says; what it does not say of the layout is as in another
-/// place, if there is one.
+/// The source of measured values according to a table; missing keys of the layout are taken from
+/// another table, if there is one.
 pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource>) -> ColumnSource {
     let given = Layout {
         time: table.line_if_present(keys::SERIES_TIME),
@@ -133,14 +133,14 @@ impl Reader<'_> {
         self.quantity == ColumnQuantity::Input
     }
 
-    /// What a column is called that is given no name: the quantity, or the input.
+    /// The default name of a column: the quantity, or the input.
     fn word(&self) -> &str {
         self.name
             .strip_prefix(INPUT)
             .unwrap_or(self.quantity.word())
     }
 
-    /// The values that replace those of the table, if there are any.
+    /// Values that replace those of the table, if any.
     fn given(&self) -> Option<Measured> {
         let MeasuredFrom::Given(given) = self.sources.measured_from else {
             return None;
@@ -304,8 +304,8 @@ impl Reader<'_> {
         if measured.max_gap.is_some() || !found.in_seconds || self.is_input() {
             return Ok(found);
         }
-        // It is known only now that times are in seconds. The file is read again with the default
-        // limit, so that a longer gap is an error with its line.
+        // Only now are times known to be in seconds. The file is read again with the default limit,
+        // so that a longer gap is reported with its line.
         measured.max_gap = Some(DEFAULT_MAX_GAP);
         columns(measured)
     }
@@ -326,7 +326,7 @@ impl Reader<'_> {
         ))
     }
 
-    /// Inputs that are converted to SI units need a scenario in these units.
+    /// Inputs converted to SI units need a scenario in SI units.
     fn check_unit(&self, unit: &str) -> Result<(), Wrong> {
         let Some((si, _)) = input_unit(unit).filter(|(si, _)| !si.is_empty()) else {
             return Ok(());

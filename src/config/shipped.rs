@@ -57,13 +57,14 @@ pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
 }
 
-/// The shipped scenario that a path stands for: one without a folder, an ending and a file.
+/// The shipped scenario that a path denotes: one without a folder or an extension that is not an
+/// existing file.
 pub fn shipped_at(path: &Path) -> Option<&'static Shipped> {
     let is_name = path.components().count() == 1 && path.extension().is_none() && !path.exists();
     path.to_str().filter(|_| is_name).and_then(shipped)
 }
 
-/// The name of a shipped scenario that is most like this word; none if none is like it.
+/// The name of the shipped scenario most similar to this word; none if none is similar.
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
     let alike = SHIPPED
         .iter()

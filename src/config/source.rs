@@ -1,4 +1,4 @@
-//! The texts that a scenario is read from: one file, and the overrides of a command line.
+//! The source texts of a scenario: one file, and the overrides of a command line.
 
 use super::Shipped;
 use super::error::{Diagnostic, ScenarioError};
@@ -33,7 +33,7 @@ pub(super) struct Sources<'a> {
     shipped: Option<&'a Shipped>,
     /// The errors found so far.
     diagnostics: RefCell<Vec<Diagnostic>>,
-    /// Whether some value could not be used and was replaced by a valid one.
+    /// Whether an invalid value was replaced by a valid one.
     has_stand_in: Cell<bool>,
     /// The parameters of all expressions, which numbers may name.
     parameters: RefCell<Vec<(String, f64)>>,
@@ -41,14 +41,14 @@ pub(super) struct Sources<'a> {
     named: RefCell<Vec<(String, String)>>,
 }
 
-/// Where measured values come from, each by the name of the table that describes it.
+/// Sources of measured values, each by the name of the table that describes it.
 #[derive(Clone, Copy)]
 pub(super) enum MeasuredFrom<'a> {
     /// From the files that the text names.
     Files,
-    /// These are those that the text describes, as stored in the file of a run.
+    /// From values stored in the file of a run, as described by the text.
     Stored(&'a [NamedSeries]),
-    /// These replace those of the text.
+    /// From values that replace those of the text.
     Given(&'a [NamedSeries]),
 }
 
@@ -86,12 +86,12 @@ impl<'a> Sources<'a> {
         self.shipped.and_then(|shipped| shipped.file(file))
     }
 
-    /// Say which parameters there are.
+    /// Set the parameters.
     pub fn set_parameters(&self, parameters: Vec<(String, f64)>) {
         *self.parameters.borrow_mut() = parameters;
     }
 
-    /// The value of the parameter that the number at a key names, which is kept in mind; or all
+    /// The value of the parameter that the number at a key names, which is recorded; or all
     /// parameters, if it names none.
     pub fn named(&self, key: &str, name: &str) -> Result<f64, Vec<String>> {
         let parameters = self.parameters.borrow();
@@ -114,7 +114,7 @@ impl<'a> Sources<'a> {
         self.named.borrow().clone()
     }
 
-    /// Record that a value is missing or cannot be used; the reader goes on with another value.
+    /// Record that a value is missing or invalid; the reader continues with another value.
     pub fn report(&self, diagnostic: Box<Diagnostic>) {
         self.has_stand_in.set(true);
         let mut diagnostics = self.diagnostics.borrow_mut();
@@ -129,8 +129,8 @@ impl<'a> Sources<'a> {
         read.map_err(|diagnostic| self.report(diagnostic)).ok()
     }
 
-    /// Record that values do not go together. This is ignored after some value was replaced by a
-    /// valid one, because the check is then meaningless.
+    /// Record inconsistent values. This is ignored if an invalid value was replaced, because the
+    /// check is then meaningless.
     pub fn report_check_error(&self, diagnostic: Diagnostic) {
         if !self.has_stand_in.get() {
             self.diagnostics.borrow_mut().push(diagnostic);
@@ -194,8 +194,8 @@ impl Sources<'_> {
         diagnostic.into()
     }
 
-    /// The place of a part of a string in the file, of which `text` is the content; none where
-    /// escapes hide it, or in an override.
+    /// The place of a part of a string in the file whose content is `text`; none if escapes hide
+    /// it, or in an override.
     pub fn within(&self, place: Place, text: &str, part: std::ops::Range<usize>) -> Option<Place> {
         let raw = self
             .text

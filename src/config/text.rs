@@ -1,4 +1,4 @@
-//! A scenario as TOML, with every default and with the symbol of the paper beside every number.
+//! A scenario as TOML, with every default and with the symbol of the paper next to every number.
 
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
@@ -51,7 +51,7 @@ impl Written<'_> {
         (*now == value).then_some(parameter)
     }
 
-    /// The parameter that the number at a dotted key names, whatever its value is now.
+    /// The parameter that the number at a dotted key names, whatever its present value.
     fn name_at(&self, dotted: &str) -> Option<&str> {
         self.named
             .iter()
@@ -59,7 +59,7 @@ impl Written<'_> {
             .map(|(_, name)| name.as_str())
     }
 
-    /// A number, or the parameter that it is.
+    /// A number, or the parameter that it names.
     fn shown(&self, name: &str, value: f64) -> String {
         self.parameter(name, value)
             .map_or_else(|| format!("{value:?}"), string)
@@ -117,7 +117,7 @@ impl Scenario {
 
     /// The whole scenario as TOML that is meant to be edited: every default is written, every key
     /// has a comment, and tables that the scenario does not use are added as comments. Reading it
-    /// gives the same scenario again. Keys that hold only for its samples are left out.
+    /// gives the same scenario again. Keys that apply only to its samples are left out.
     pub fn to_template(&self) -> String {
         let is_of_samples = |line: &&str| {
             ["start = ", "hash = "]
@@ -245,7 +245,7 @@ fn time(text: &mut Written, Time { end, output_step }: Time, scheme: Scheme) {
     text.number(keys::END, end);
     match scheme.step() {
         Some(step) => text.number(keys::STEP, step),
-        // What a scheme without a step ignores is kept, so that the parameter stays in use.
+        // Keys that a scheme without a step ignores are kept, so that the parameter remains in use.
         None => match text.name_at("time.step").map(string) {
             Some(name) => text.other(keys::STEP, name),
             None => text.plain(format!(
@@ -261,7 +261,7 @@ fn scheme(text: &mut Written, Scenario { model, scheme, .. }: &Scenario) {
     text.table("scheme");
     let is_followed = model.force.is_some() && !scheme.kind().has_step();
     let meaning = if is_followed {
-        "from event to event, user-defined force to the tolerance"
+        "event by event, user-defined force integrated to the tolerance"
     } else {
         scheme.kind().meaning()
     };
@@ -370,7 +370,7 @@ fn friction(text: &mut Written, model: &Model) {
 }
 
 /// The `[temperature.harmonics]` and `[temperature.noise]` of a scenario as TOML. A series is left
-/// out, because its samples are in a file of their own.
+/// out, because its samples are in a separate file.
 pub fn temperature_part(temperature: &Temperature) -> String {
     let mut text = Written::default();
     self::temperature(&mut text, temperature, None, None);
@@ -466,7 +466,7 @@ fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &Noise) {
     }
 }
 
-/// Where values are measured; this key names their column.
+/// The source of measured values; this key names their column.
 fn series_of(text: &mut Written, measured: &Measured, column: Key) {
     let Measured {
         table,

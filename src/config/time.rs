@@ -9,7 +9,7 @@ use crate::scenario::Measured;
 use crate::scheme::{CheckError, DEFAULT_TOLERANCE, Kind, Parameter, Scheme};
 use stickslip_data::numbers::tidy;
 
-/// Read `[scheme]` and `[time]`. An output step that is not given is none.
+/// Read `[scheme]` and `[time]`. A missing output step is none.
 pub(super) fn scheme_and_time(
     sources: &Sources<'_>,
     root: &Fields<'_>,
@@ -39,7 +39,7 @@ pub(super) fn scheme_and_time(
     ) {
         (Some(end), _) => end,
         (None, Some(last)) => last_step(last, scheme),
-        // The series could not be read, which is reported already.
+        // The series could not be read, which has been reported.
         (None, None) if is_measured => 0.0,
         (None, None) => table.number(keys::END),
     };
@@ -64,7 +64,7 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
         .unwrap_or(Kind::DiscreteVi);
     let tolerance = table.number_if_present(keys::TOLERANCE);
     // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
-    // it belongs to the scheme that the file chose.
+    // it belongs to the scheme of the file.
     let is_override = |key: Key| sources.is_override(table.place_of(key.name));
     let is_left_behind = is_override(keys::KIND) && !is_override(keys::TOLERANCE);
     match tolerance {

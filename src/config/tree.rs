@@ -15,8 +15,8 @@ pub(super) struct Node {
     pub value: Value,
 }
 
-/// A TOML value. Numbers are kept as they are written, so that none is rounded or overflows before
-/// it is checked.
+/// A TOML value. Numbers are kept as written, so that none is rounded or overflows before it is
+/// checked.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     Text(String),
@@ -99,7 +99,7 @@ impl KeyValue {
 }
 
 impl Value {
-    /// What a message calls such a value.
+    /// The name of such a value in messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Value::Text(_) => "a string",
@@ -138,7 +138,7 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Diagnostic>> {
     Ok(root)
 }
 
-/// Tables that may hold parameters beside their expression, as in `force.parameters`.
+/// Tables that may contain parameters next to their expression, as in `force.parameters`.
 const OTHER_SCOPES: [&str; 2] = ["force", "friction"];
 
 /// The key in the one table of parameters, of a parameter in that of [`OTHER_SCOPES`].
@@ -150,8 +150,8 @@ pub(super) fn in_one_scope(key: &str) -> Option<String> {
     rest.starts_with('.').then(|| format!("{PARAMETERS}{rest}"))
 }
 
-/// Moves the parameters of [`OTHER_SCOPES`] to the one table of parameters. One that is there with
-/// the same value is left out.
+/// Moves the parameters of [`OTHER_SCOPES`] to the one table of parameters. A parameter already
+/// there with the same value is left out.
 fn gather_parameters(root: &mut Node) {
     for home in OTHER_SCOPES {
         let Value::Table(tables) = &mut root.value else {
@@ -347,7 +347,7 @@ fn override_value(this: &Override, number: usize) -> Result<Value, Wrong> {
     let text = &whole(this.value.trim());
     let is_quoted = text.starts_with(['"', '\'']);
     match DeValue::parse(text) {
-        // An expression needs no quotes on a command line, where a shell would take them away.
+        // An expression needs no quotes on a command line, where a shell would remove them.
         _ if EXPRESSIONS.contains(&this.key.trim()) && !is_quoted => {
             Ok(Value::Text(text.to_string()))
         }
@@ -363,10 +363,10 @@ fn override_value(this: &Override, number: usize) -> Result<Value, Wrong> {
     }
 }
 
-/// The table of parameters, each of which is a key by itself.
+/// The table of parameters, each of which is a key.
 pub(super) const PARAMETERS: &str = keys::PARAMETERS.name;
 
-/// A number such as .5 with the zero that TOML wants.
+/// A number such as .5 with the zero that TOML requires.
 fn whole(text: &str) -> Cow<'_, str> {
     let digits = text.trim_start_matches(['-', '+']);
     let begins = digits.starts_with('.') && digits[1..].starts_with(|c: char| c.is_ascii_digit());

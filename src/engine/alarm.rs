@@ -1,22 +1,22 @@
 //! Sets flags when a run is to end, because the caller stops it or its time is up. Unfinished
-//! blocks then get a moment to be completed.
+//! blocks then get a short time to be completed.
 
 use crate::ensemble::Stops;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// `LOOK` is the time between two looks at the clock and the caller's flag. `GRACE` is how long
-/// unfinished blocks may still take when the run is to end.
-const LOOK: Duration = Duration::from_millis(50);
+/// `CHECK_INTERVAL` is the time between two checks of the clock and the caller's flag. `GRACE` is the time
+/// that unfinished blocks may still take when the run is to end.
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 const GRACE: Duration = Duration::from_millis(150);
 
-/// The flags, and what decides when they are set.
+/// The flags, and the conditions for setting them.
 #[derive(Debug)]
 pub(super) struct Alarm<'a> {
     /// Set by the caller.
     stop: &'a AtomicBool,
-    /// When the time for the paths is up, and when the time for the whole run is.
+    /// The time limits for the paths and for the whole run.
     limits: [Option<Instant>; 2],
     /// Set when unfinished blocks are to be given up.
     pub halt: AtomicBool,
@@ -27,7 +27,7 @@ pub(super) struct Alarm<'a> {
 }
 
 impl<'a> Alarm<'a> {
-    /// For a run that ends if `stop` is set. `left` is the time that is left for its paths, and for
+    /// For a run that ends if `stop` is set. `left` is the remaining time for its paths, and for
     /// the whole run; `None` means no limit.
     pub fn new(stop: &'a AtomicBool, left: [Option<Duration>; 2]) -> Self {
         let limits = left.map(|left| left.and_then(|left| Instant::now().checked_add(left)));
@@ -78,14 +78,14 @@ impl<'a> Alarm<'a> {
                 .fetch_or(is_stopped || is_past(self.limits[1]), Ordering::Relaxed);
             is_over = self
                 .over
-                .wait_timeout(is_over, LOOK)
+                .wait_timeout(is_over, CHECK_INTERVAL)
                 .unwrap_or_else(PoisonError::into_inner)
                 .0;
         }
     }
 }
 
-/// Ends the watch when the work is over, also if it has panicked.
+/// Stops the alarm when the work is over, even after a panic.
 struct AlarmOver<'a>(&'a Alarm<'a>);
 
 impl Drop for AlarmOver<'_> {

@@ -1,5 +1,5 @@
-//! What is asked of a run besides its scenario: everything that decides where the run ends and what
-//! is computed from its paths.
+//! The options of a run in addition to its scenario: everything that determines where the run ends
+//! and what is computed from its paths.
 
 use super::Provenance;
 use crate::ensemble::{BLOCK_SIZE, Plan};
@@ -10,8 +10,8 @@ use std::ops::Range;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// What is asked of a run besides its scenario. Unless there is a time limit, it determines every
-/// bit of the outcome together with the scenario.
+/// The options of a run in addition to its scenario. Without a time limit, options and scenario
+/// together determine every bit of the outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
     /// The largest number of paths of the run. If the run is cut into parts, it is that of all
@@ -28,7 +28,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// All of this many paths, whatever time they take, without the bias of the step.
+    /// This many paths, without a time limit and without the bias of the step.
     pub fn paths(paths: u64) -> Self {
         Asked {
             paths,

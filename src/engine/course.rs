@@ -1,5 +1,5 @@
-//! A run while it is simulated: blocks are passed to the sinks, summed and judged, until all are
-//! done or something ends the run earlier.
+//! A run in progress: blocks are passed to the sinks, summed and judged, until all are done or
+//! something ends the run earlier.
 
 use super::ending::{Endings, Judgement};
 use super::{Asked, EndedBy, Moment, Outcome, Progress, RunError, Sink, SinkError};
@@ -30,7 +30,7 @@ impl Elapsed {
     }
 }
 
-/// What a run has come to, and what has ended it.
+/// The progress of a run, and what has ended it.
 pub(super) struct Course<'r, 's, X> {
     pub asked: &'r Asked,
     pub endings: &'r Endings,
@@ -44,17 +44,17 @@ pub(super) struct Course<'r, 's, X> {
     pub ended_by: Option<EndedBy>,
     /// The error of a sink, which ends the run as well.
     pub broken: Option<SinkError>,
-    /// Whether a portion is being taken. After a panic, the totals may then be half done.
+    /// Whether a portion is being taken. After a panic, the totals may then be inconsistent.
     pub is_taking: bool,
 }
 
 impl<X: Merge + Clone> Course<'_, '_, X> {
-    /// The blocks that are left. None are if an earlier process reached the end of the run, and was
-    /// interrupted before it could finish.
+    /// The remaining blocks. There are none if an earlier process reached the end of the run but
+    /// was interrupted before it could finish.
     pub fn left(&mut self) -> Range<u64> {
         let Range { start, end } = self.asked.blocks();
         let first = self.done();
-        match self.look(first) {
+        match self.judge(first) {
             Judgement::Stop(reason) if first > start => {
                 self.ended_by = Some(reason);
                 first..first
@@ -63,8 +63,8 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         }
     }
 
-    /// The number of the first block that is not done. Blocks are done in order, so those that are
-    /// done are the first ones.
+    /// The number of the first block that is not done. Blocks are done in order, so the finished
+    /// ones are the first.
     pub fn done(&self) -> u64 {
         self.totals
             .blocks()
@@ -73,9 +73,9 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
     }
 
     /// Whether the run ends after this many blocks.
-    fn look(&self, blocks: u64) -> Judgement {
-        match self.endings.look(blocks, &self.totals, self.clock.spent()) {
-            // A run of which all blocks are done needs no more time.
+    fn judge(&self, blocks: u64) -> Judgement {
+        match self.endings.judge(blocks, &self.totals, self.clock.spent()) {
+            // A run whose blocks are all done needs no more time.
             Judgement::Stop(EndedBy::TimeLimit { blocks }) if blocks == self.asked.blocks().end => {
                 Judgement::GoOn(None)
             }
@@ -91,7 +91,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
             .saturating_sub(first)
     }
 
-    /// Take the next block, and say whether more are wanted.
+    /// Take the next block, and return whether more are wanted.
     pub fn deliver(&mut self, block: Delivered<X>) -> Result<ControlFlow<()>, RunError> {
         self.is_taking = true;
         let taken = self.take(block);
@@ -120,7 +120,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         if let Some(statistic) = self.progress.watches() {
             self.progress.estimate(&self.totals.estimate(statistic));
         }
-        Ok(match self.look(end) {
+        Ok(match self.judge(end) {
             Judgement::GoOn(needed) => {
                 let all = self.asked.own_paths();
                 self.progress
@@ -139,7 +139,7 @@ impl<X: Merge + Clone> Course<'_, '_, X> {
         ControlFlow::Break(())
     }
 
-    /// Let the sinks save the run as it is after this block.
+    /// Let the sinks save the state of the run after this block.
     fn save(&mut self, end: u64, is_last: bool) -> Result<(), SinkError> {
         let (spent, paths) = (self.clock.spent(), self.paths_before(end));
         let moment = Moment {

@@ -1,4 +1,4 @@
-//! The cycle of a scene without noise: one path is enough, so its own numbers are reported.
+//! The limit cycle of a scenario without noise, computed from its single path.
 
 use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};
@@ -7,7 +7,7 @@ use crate::scheme::{Segment, Simulate as _, Timeline};
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats, Totals};
 use crate::sums::Replicate;
 
-/// The longest cycle that is looked for, in periods of the forcing, or in slips without a forcing.
+/// The longest cycle searched for, in periods of the forcing, or in slips without a forcing.
 const LONGEST: usize = 32;
 
 /// Two states are the same if they differ by no more than this part of the amplitude, in a scheme
@@ -45,7 +45,7 @@ impl LimitCycle {
 /// Times, and x at them.
 type Section = Vec<(f64, f64)>;
 
-/// A cycle, as far as the states say that come back.
+/// The properties of a cycle that follow from its recurring states.
 #[derive(Clone, Copy)]
 struct FoundCycle {
     begin: f64,
@@ -54,7 +54,7 @@ struct FoundCycle {
     forcing_periods: Option<usize>,
 }
 
-/// The one path of a scene without noise, and what it does in the counted time.
+/// The single path of a scenario without noise, in the counted time.
 struct CountedMotion<'a> {
     scenario: &'a Scenario,
     timeline: Timeline,
@@ -65,12 +65,12 @@ struct CountedMotion<'a> {
     events: Vec<Event>,
     /// Two states are the same if they differ by no more than this part of the amplitude.
     same: f64,
-    /// Whether no slip begins any more, and nothing periodic forces the body.
+    /// Whether no further slip begins, and no periodic forcing acts on the body.
     has_ended: bool,
     /// The drift that follows from the model alone.
     known_drift: Option<f64>,
     drift: f64,
-    /// Half the range of x less its drift.
+    /// Half the range of x minus its drift.
     extent: f64,
 }
 
@@ -95,7 +95,7 @@ impl<'a> CountedMotion<'a> {
         let forcing = scenario
             .period()
             .filter(|period| period.source != PeriodSource::Share);
-        // A body that begins no slip any more rests, or slides in an ever steadier way.
+        // Without further slips the body rests, or its sliding approaches a steady state.
         let middle = 0.5 * (after + timeline.end);
         let is_late = |event: &Event| is_slip_start(event) && event.time > middle;
         let has_ended = forcing.is_none() && !events.iter().any(is_late);
@@ -121,7 +121,7 @@ impl<'a> CountedMotion<'a> {
         })
     }
 
-    /// The states at the ends of the periods of the forcing, and the cycle in which they come back.
+    /// The states at the ends of the periods of the forcing, and the cycle in which they recur.
     fn forced_cycle(&self, length: f64) -> (Section, Option<FoundCycle>) {
         let x0 = self.scenario.model.initial_displacement;
         let first = self.timeline.first_period();
@@ -145,7 +145,7 @@ impl<'a> CountedMotion<'a> {
         (times.zip(states).collect(), found)
     }
 
-    /// The states at the beginnings of slips, and the cycle in which they come back.
+    /// The states at the beginnings of slips, and the cycle in which they recur.
     fn autonomous_cycle(&self) -> (Section, Option<FoundCycle>) {
         let is_start = |event: &Event| is_slip_start(event) && !self.has_ended;
         let starts: Vec<Event> = self.events.iter().copied().filter(is_start).collect();
@@ -179,19 +179,20 @@ fn is_slip_start(event: &Event) -> bool {
     matches!(event.kind, EventKind::SlipStarted(_))
 }
 
-/// Places in a segment between which a zero of x' - drift is looked for: a quintic has up to four.
+/// Subintervals of a segment in which a zero of x' - drift is searched for: a quintic has up to
+/// four.
 const PLACES: u32 = 8;
 
 /// Halvings until such a zero has all its digits.
 const HALVINGS: usize = 52;
 
-/// Steps until the slope of a strip has all its digits, each of which leaves two thirds of a range.
+/// Steps until the slope of a strip has all its digits; each leaves two thirds of a range.
 const THIRDS: usize = 100;
 
 impl PathMotion {
-    /// The drift between two times, where nothing else says it: the slope of the narrowest strip that
-    /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A motion that is
-    /// steady, or repeats itself, has that slope.
+    /// The drift between two times, if not known otherwise: the slope of the narrowest strip that
+    /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A steady or
+    /// periodic motion has that slope.
     fn drift(&self, [from, to]: [f64; 2]) -> f64 {
         let inside = || {
             self.segments
@@ -208,7 +209,8 @@ impl PathMotion {
         let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
             (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
         };
-        // The upper and the lower side of the convex hull, which alone decide how wide a strip is.
+        // The upper and the lower side of the convex hull, which alone determine the width of a
+        // strip.
         let mut hull: Vec<[f64; 2]> = Vec::new();
         for side in [1.0, -1.0] {
             let first = hull.len();
@@ -303,13 +305,13 @@ impl PathMotion {
     }
 }
 
-/// How far the body got from the state before the last n to the last one.
+/// The distance between the last state and the one n before it.
 fn advance(states: &[f64], n: usize) -> Option<f64> {
     let last = states.len().checked_sub(1)?;
     Some(states[last] - states[last.checked_sub(n)?])
 }
 
-/// Whether the last n states are those n states before, an advance apart, twice over.
+/// Whether the last n states equal the n states before them up to the advance, twice in a row.
 fn comes_back(states: &[f64], n: usize, advance: f64, same: f64) -> bool {
     let count = states.len();
     count > 2 * n
@@ -320,8 +322,8 @@ fn comes_back(states: &[f64], n: usize, advance: f64, same: f64) -> bool {
         })
 }
 
-/// When the last n slips began, how long they took, and how far the body got, if the n slips before
-/// them took the same time and got as far, one by one.
+/// Start, duration and advance of the last n slips, if the n slips before them have the same
+/// durations and advances, one by one.
 fn autonomous(starts: &[Event], n: usize, same: f64, extent: f64) -> Option<FoundCycle> {
     let last = starts.len().checked_sub(1).filter(|last| *last >= 2 * n)?;
     let (period, advance) = (

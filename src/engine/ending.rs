@@ -13,22 +13,22 @@ use std::fmt;
 use std::time::Duration;
 
 /// Number of blocks before goals are first judged. From 1024 paths on, the relative error of a
-/// standard error is a few per cent, so that chance does not end a run too early.
-const FIRST_LOOK: u64 = 4;
+/// standard error is a few per cent, so a run does not end too early by chance.
+const FIRST_JUDGED: u64 = 4;
 
-/// Number of blocks after which a run gives up a goal, if its statistic does not exist or is zero
+/// Number of blocks after which a run abandons a goal, if its statistic does not exist or is zero
 /// within its error.
 const PATIENCE: u64 = 64;
 
-/// The largest number of paths of a run for which no number is given. It is larger than any file or
-/// waiting time allows.
+/// The largest number of paths of a run if none is given. It is larger than any practical file or
+/// waiting time.
 pub const MOST_PATHS: u64 = 1_000_000_000;
 
 /// The recommended number of paths is this many times the number that a goal needs by the
 /// 1/sqrt(paths) law.
 const MARGIN: f64 = 1.05;
 
-/// What may end a run before its last path.
+/// Conditions that may end a run before its last path.
 #[derive(Clone, Debug)]
 pub(super) struct Endings {
     pub goals: Vec<Goal>,
@@ -58,12 +58,12 @@ pub enum EndedBy {
 /// Why a goal cannot be reached.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hopeless {
-    /// The estimate is zero within its error. A goal that is a share of the estimate can then not
-    /// be reached.
+    /// The estimate is zero within its error. A goal relative to the estimate then cannot be
+    /// reached.
     Zero {
         /// The estimate and its interval.
         estimate: Estimate,
-        /// The number of paths that the estimate is from.
+        /// The number of paths of the estimate.
         paths: u64,
     },
     /// The statistic does not exist.
@@ -105,7 +105,7 @@ pub struct MissedGoal {
     pub goal: Goal,
     /// The number of paths of the run.
     pub paths: u64,
-    /// How the estimate stands with respect to the goal.
+    /// The state of the estimate with respect to the goal.
     pub verdict: Verdict,
 }
 
@@ -123,10 +123,10 @@ impl MissedGoal {
     }
 }
 
-/// What follows from the blocks so far.
+/// The decision after the blocks so far.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Judgement {
-    /// Go on. If it can be estimated, the number is how many paths the run will need in all.
+    /// Continue. The number is the estimated total number of paths, if known.
     GoOn(Option<u64>),
     /// End the run.
     Stop(EndedBy),
@@ -135,13 +135,13 @@ pub(super) enum Judgement {
 impl Endings {
     /// Judge the goals and the time limit after the first `blocks` blocks, with their totals and
     /// the time spent on them.
-    pub fn look<X: Merge + Clone>(
+    pub fn judge<X: Merge + Clone>(
         &self,
         blocks: u64,
         totals: &RunTotals<X>,
         spent: Duration,
     ) -> Judgement {
-        match (self.judge(blocks, totals), self.time) {
+        match (self.judge_goals(blocks, totals), self.time) {
             (Judgement::GoOn(_), Some(limit)) if spent >= limit => {
                 Judgement::Stop(EndedBy::TimeLimit { blocks })
             }
@@ -149,13 +149,13 @@ impl Endings {
         }
     }
 
-    fn judge<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
-        if self.goals.is_empty() || blocks < FIRST_LOOK {
+    fn judge_goals<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
+        if self.goals.is_empty() || blocks < FIRST_JUDGED {
             return Judgement::GoOn(None);
         }
         let paths = blocks * BLOCK_SIZE;
         let is_patient = blocks < PATIENCE;
-        // The goal that needs the most paths, and the ratio of this number to that so far.
+        // The goal that needs the most paths, and the ratio of this number to the present one.
         let mut farthest: Option<(f64, Goal)> = None;
         let mut is_open = false;
         for &goal in &self.goals {
@@ -275,7 +275,7 @@ mod tests {
                     .push(blocks - 1, plan.block(blocks - 1).totals)
                     .expect("once");
                 matches!(
-                    endings.look(blocks, &totals, Duration::ZERO),
+                    endings.judge(blocks, &totals, Duration::ZERO),
                     Judgement::Stop(EndedBy::Goals { .. })
                 )
             });

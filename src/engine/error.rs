@@ -7,7 +7,7 @@ use crate::sums::Overlap;
 /// Why a run has no outcome, or why its outcome could not be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A sink failed. What becomes of the blocks that it received before depends on the sink.
+    /// A sink failed. What happens to the blocks that it received before depends on the sink.
     #[error("{error}")]
     Sink {
         /// The error of the sink.
@@ -15,7 +15,7 @@ pub enum RunError {
         /// The outcome of the paths that were simulated before; `None` if the run had not begun.
         outcome: Option<Box<Outcome>>,
     },
-    /// The system does not start this number of threads. Nothing was begun.
+    /// The system cannot start this number of threads. Nothing was begun.
     #[error("{0}")]
     Threads(#[from] ThreadsError),
     /// A thread has panicked. The blocks before were passed to the sinks like those of a run that is
@@ -27,7 +27,7 @@ pub enum RunError {
         /// The outcome of the paths that were simulated before.
         outcome: Box<Outcome>,
     },
-    /// A block was delivered twice, which is a flaw in this program.
+    /// A block was delivered twice, which is a bug in this program.
     #[error("internal error: {0}")]
     Overlap(#[from] Overlap),
 }

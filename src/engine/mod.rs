@@ -1,13 +1,13 @@
-//! A run, from a scenario to its outcome: it is begun, ended early if its goals are reached or its
-//! time is up, and summed up. The engine reads and writes no files, prints nothing, and does not
-//! depend on TOML.
+//! A run, from a scenario to its outcome: started, ended early if its goals are reached or its time
+//! is up, and summarised. The engine reads and writes no files, prints nothing, and does not depend
+//! on TOML.
 //!
 //! ```text
-//! Run::of(&scenario)            what to simulate; then, if wanted:
+//! Run::of(&scenario)            what to simulate; then, optionally:
 //!     .until(goals)             end when standard errors are small enough         (Goal)
 //!     .within(time)             end when the time is up
 //!     .stopped_by(&flag)        end when the caller sets a flag
-//!     .with_progress(&mut p)    report how far the run has come                   (Progress)
+//!     .with_progress(&mut p)    report the progress of the run                    (Progress)
 //!     .into_sink(&mut sink)     pass on every finished block, and the outcome     (Sink)
 //!     .simulate()               simulate the blocks, sum them along a binary tree, and estimate
 //!                               the bias of the step

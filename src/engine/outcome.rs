@@ -4,10 +4,10 @@ use super::{EndedBy, MissedGoal, Part};
 use crate::bias::NoBias;
 use crate::stats::Summary;
 
-/// How far a run has come.
+/// The status of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Every path that was asked for has been simulated.
+    /// All requested paths have been simulated.
     Complete,
     /// The run ended early at the end of a block, because its goals were reached, one of them
     /// cannot be reached, or its time was up.
@@ -52,7 +52,7 @@ impl Status {
 pub struct BiasReport {
     /// Wall-clock seconds that the estimate took.
     pub seconds: f64,
-    /// Why there is no estimate; `None` if there is one, or if none was asked for.
+    /// Why there is no estimate; `None` if there is one, or if none was requested.
     pub absence: Option<NoBias>,
 }
 
@@ -68,7 +68,7 @@ pub struct Outcome {
     pub paths: u64,
     /// The part of the run that was simulated; `None` means the whole run.
     pub part: Option<Part>,
-    /// What has ended the run before its last path, if anything has.
+    /// What ended the run before its last path, if anything.
     pub ended_by: Option<EndedBy>,
     /// The goals that the run has not reached. Empty if the run was interrupted, or ended because a
     /// goal cannot be reached.
@@ -82,7 +82,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether all simulated paths have diverged or were given up, and there is at least one.
+    /// Whether all simulated paths diverged or were given up, and there is at least one.
     pub fn is_all_lost(&self) -> bool {
         let lost = self.summary.diverged.len() as u64;
         lost > 0 && lost == self.summary.completed_paths

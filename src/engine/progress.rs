@@ -1,8 +1,8 @@
-//! Reports to the caller how far a run has come.
+//! Reports the progress of a run to the caller.
 
 use crate::stats::{Estimate, Statistic};
 
-/// Receives the progress of a run after each block, on the thread that has finished the block. The
+/// Receives the progress of a run after each block, on the thread that finished the block. The
 /// default of every method does nothing.
 ///
 /// ```
@@ -27,9 +27,9 @@ pub trait Progress: Send {
     /// far as it can be estimated now.
     fn paths(&mut self, _done: u64, _expected: u64) {}
 
-    /// The statistic that is to be reported now, if any. This is asked after each block, and an
-    /// estimate takes as long as a few paths, so an implementation that shows it twice a second
-    /// should not ask for it more often.
+    /// The statistic to report now, if any. This is called after each block, and an estimate takes
+    /// as long as a few paths, so an implementation that shows it twice a second should not request
+    /// it more often.
     fn watches(&mut self) -> Option<Statistic> {
         None
     }

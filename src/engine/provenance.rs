@@ -1,5 +1,4 @@
-//! Where the numbers of a run come from: what every file, and every data set in memory, says about
-//! itself.
+//! Provenance: the description of its origin in every file and data set.
 
 use crate::ensemble::BLOCK_SIZE;
 use crate::model::NamedSeries;
@@ -14,27 +13,27 @@ pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 static COMMIT: OnceLock<&str> = OnceLock::new();
 
-/// Say which commit this program was built from, before anything else, and once. The library does
-/// not know it by itself, because it would have to be compiled again after each commit.
+/// Set the commit from which this program was built, first and once. The library does not include
+/// it, because it would have to be compiled again after each commit.
 ///
-/// The command and the package for Python give the hash, or `unknown` outside a repository. Where
-/// that does not say what they were built from, a fingerprint of the sources follows, as in
-/// `0123456789ab-dirty-` and 16 hexadecimal digits.
+/// The command and the package for Python give the hash, or `unknown` outside a repository. If that
+/// does not identify the sources, a fingerprint of them follows, as in `0123456789ab-dirty-` and 16
+/// hexadecimal digits.
 pub fn built_from(commit: &'static str) {
     COMMIT.get_or_init(|| commit);
 }
 
-/// Commit that this program was built from, or `unknown` where it has not said so.
+/// Commit from which this program was built, or `unknown` if it was not set.
 pub fn commit() -> &'static str {
     COMMIT.get().unwrap_or(&"unknown")
 }
 
-/// The program that made numbers, as far as it decides their bits.
+/// The program that computed a result, as far as it determines the bits.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Program {
     /// Version of the program.
     pub version: String,
-    /// Commit that the program was built from.
+    /// Commit from which the program was built.
     pub git_hash: String,
     /// Name of the random number generator and of the normal sampler.
     pub generator: String,
@@ -53,8 +52,8 @@ impl Program {
         }
     }
 
-    /// Says which program has written a file, and that its numbers may therefore differ. None if it
-    /// was this program.
+    /// A sentence about the program that wrote a file, whose numbers may therefore differ. None if
+    /// it was this program.
     pub fn other(&self) -> Option<String> {
         let (
             Program {
@@ -84,10 +83,10 @@ impl fmt::Display for Program {
     }
 }
 
-/// Everything that is needed to repeat a run, and to know which program made it.
+/// Everything needed to repeat a run, and to identify the program that made it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
-    /// The title of the scenario: what it asks, in one line.
+    /// The title of the scenario, one line.
     pub title: String,
     /// The resolved scenario as TOML: running it again gives the same data.
     pub scenario_text: String,
@@ -95,32 +94,32 @@ pub struct Provenance {
     pub scheme: String,
     /// The step h, for schemes with a time step.
     pub step: Option<f64>,
-    /// The shortest slip that the scheme resolves, where the results depend on it.
+    /// The shortest slip that the scheme resolves, if the results depend on it.
     pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
-    /// Number of paths that were asked for.
+    /// Number of requested paths.
     pub paths: u64,
     /// Whether the paths are antithetic pairs: paths 2k and 2k + 1 see the same noise with opposite
     /// signs.
     pub antithetic: bool,
     /// The program that made the run.
     pub program: Program,
-    /// Labels of the units; empty where the scenario is dimensionless.
+    /// Labels of the units; empty if the scenario is dimensionless.
     pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
     /// The measured temperature and inputs of the scenario, each by its table.
     pub samples: Vec<NamedSeries>,
-    /// The time stamp of the first sample of the temperature, as it is written to a file.
+    /// The time stamp of the first sample of the temperature, as written to a file.
     pub series_start: Option<String>,
-    /// The bearing at which a sensor observes the displacement of trajectories, as it is written
-    /// to a file; none if the scenario names no bearing.
+    /// The bearing at which a sensor observes the displacement of trajectories, as written to a
+    /// file; none if the scenario names no bearing.
     pub bearing: Option<SensorBearing>,
 }
 
 impl Provenance {
-    /// The provenance of all paths that a scenario asks for, by this program.
+    /// The provenance of all paths of a scenario, by this program.
     pub fn of(scenario: &Scenario) -> Self {
         Provenance {
             title: scenario.title.clone(),

@@ -1,5 +1,5 @@
-//! One path of an ensemble, simulated again alone, with its events and a trajectory that is as fine
-//! as the scheme allows.
+//! One path of an ensemble, simulated again alone, with its events and a trajectory as fine as the
+//! scheme allows.
 
 use super::{Asked, Provenance};
 use crate::ensemble::Plan;
@@ -79,13 +79,13 @@ impl Replay {
         }
     }
 
-    /// Where its numbers come from: a run of one path, whatever its number in the ensemble.
+    /// Its provenance: a run of one path, whatever its number in the ensemble.
     pub fn provenance(&self) -> Provenance {
         Asked::paths(1).provenance(&self.scenario)
     }
 
-    /// The motion of the path between its events, piece by piece, as the scheme knows it; nothing if
-    /// the path is lost. The path is simulated for it once more.
+    /// The motion of the path between its events, segment by segment; nothing if the path is lost.
+    /// The path is simulated again for this.
     pub fn motion(&self) -> Vec<Segment> {
         self.rows
             .plan(&self.scenario, Record::NOTHING)
@@ -100,7 +100,7 @@ impl Replay {
 }
 
 impl ReplayRows {
-    /// What simulates the path of a replay with these rows.
+    /// The plan that simulates the path of a replay with these rows.
     fn plan(self, scenario: &Scenario, record: Record) -> Plan {
         let plan = Plan {
             record,
@@ -108,7 +108,7 @@ impl ReplayRows {
         };
         match self {
             ReplayRows::Steps { .. } => plan,
-            ReplayRows::Finer(refinement) => plan.looked_at_closer(refinement),
+            ReplayRows::Finer(refinement) => plan.with_additional_rows(refinement),
         }
     }
 }
@@ -141,8 +141,8 @@ fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
 }
 
 /// The smallest number of steps between rows that gives at most `most` rows besides the first one.
-/// If a number up to twice as large divides `steps`, it is taken instead, so that the last row is
-/// at the end of the path.
+/// If a number up to twice as large divides `steps`, it is used instead, so that the last row is at
+/// the end of the path.
 fn stride(steps: u64, most: u64) -> u64 {
     let least = steps.div_ceil(most).max(1);
     (least..=2 * least)

@@ -1,5 +1,5 @@
-//! The run itself: what is asked of it, its beginning and its end. [`super::course`] is what
-//! happens in between.
+//! The run itself: its options, its beginning and its end. [`super::course`] is the part in
+//! between.
 
 use super::alarm::Alarm;
 use super::course::{Course, Elapsed};
@@ -16,9 +16,9 @@ use std::time::{Duration, Instant};
 
 /// A run of a scenario, set up by the methods below and started by [`Run::simulate`].
 ///
-/// The outcome is a function of the scenario and of what is asked of the run: its bits do not
-/// depend on threads, progress or sinks. Only a time limit and a stop by the caller depend on the
-/// machine. They end a run after some block, and the outcome contains the number of its paths.
+/// The outcome is a function of the scenario and of the options of the run: its bits do not depend
+/// on threads, progress or sinks. Only a time limit and a stop by the caller depend on the machine.
+/// They end a run after some block, and the outcome contains the number of its paths.
 ///
 /// ```
 /// use stickslip::engine::Run;
@@ -55,8 +55,8 @@ pub struct SoFar {
 const BIAS_SHARE: f64 = 0.15;
 
 impl<'a> Run<'a> {
-    /// A run of all paths that the scenario asks for, on one thread for each core, with an estimate
-    /// of the bias of the step.
+    /// A run of all paths of the scenario, on one thread for each core, with an estimate of the
+    /// bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
         Run {
             scenario,
@@ -73,7 +73,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What is asked of the run besides its scenario.
+    /// The options of the run in addition to its scenario.
     pub fn question(&self) -> Asked {
         self.asked.clone()
     }
@@ -84,13 +84,13 @@ impl<'a> Run<'a> {
         Run { threads, ..self }
     }
 
-    /// Replace everything that is asked of the run by what was asked when it was begun.
+    /// Replace all options of the run by those with which it was begun.
     pub fn asked(self, asked: Asked) -> Self {
         Run { asked, ..self }
     }
 
-    /// Simulate at most this many paths, whatever the scenario asks for. The number is rounded up
-    /// to whole pairs if paths are antithetic.
+    /// Simulate at most this many paths, whatever the number in the scenario. The number is rounded
+    /// up to whole pairs if paths are antithetic.
     pub fn paths(mut self, paths: u64) -> Self {
         let is_paired = self.scenario.ensemble.antithetic;
         self.asked.paths = if is_paired {
@@ -113,8 +113,7 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// End the run such that the paths and the estimate of the bias together keep this limit of
-    /// wall-clock time.
+    /// Limit the wall-clock time of the paths and the estimate of the bias together.
     pub fn within(mut self, time: Option<Duration>) -> Self {
         self.asked.max_time = time;
         self
@@ -127,7 +126,7 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// End the run when this flag is set. Unfinished blocks then get a moment to be completed.
+    /// End the run when this flag is set. Unfinished blocks then get a short time to be completed.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
         Run {
             stop: Some(stop),
@@ -135,7 +134,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Report how far the run has come.
+    /// Report the progress of the run.
     pub fn with_progress(self, progress: &'a mut dyn Progress) -> Self {
         Run {
             progress: Some(progress),
@@ -162,13 +161,12 @@ impl<'a> Run<'a> {
         self.go_on(so_far)
     }
 
-    /// Simulate the rest of a run. The outcome has the same bits as that of a run which was never
-    /// interrupted.
+    /// Simulate the rest of a run. The outcome has the same bits as that of an uninterrupted run.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
         Ok(self.simulate_beside(&(), so_far.totals, so_far.spent)?.0)
     }
 
-    /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
+    /// Simulate the run, and compute a user-defined statistic in addition to those of the program.
     pub fn tallied<T: Tally<N>, const N: usize>(
         self,
         tally: &T,
@@ -183,7 +181,8 @@ impl<'a> Run<'a> {
         Ok((outcome, tally.estimate(&means)))
     }
 
-    /// Simulate the blocks that `totals` do not contain, with a auxiliary that observes each of them.
+    /// Simulate the blocks that `totals` do not contain, with an auxiliary that observes each of
+    /// them.
     fn simulate_beside<C: AuxiliaryObserver>(
         mut self,
         auxiliary: &C,
@@ -328,20 +327,20 @@ impl<X: Merge + Clone + Send> Session<'_, '_, X> {
             && !self.has_failed()
             && !self.is_stopped()
         {
-            // Only the time limit remains as a reason for which blocks were given up.
+            // The only remaining reason to give up blocks is the time limit.
             self.course.ended_by = Some(EndedBy::TimeLimit { blocks });
         }
         self.course.settle(blocks);
         Ok(blocks)
     }
 
-    /// Estimate the bias of the step, if it is asked for and nothing has failed.
+    /// Estimate the bias of the step, if requested and nothing has failed.
     fn estimate_bias(&mut self, summary: &mut Summary) -> BiasReport {
         let asked = &self.run.asked;
         if self.has_failed() || !asked.with_bias || asked.part.is_some() {
             return BiasReport::default();
         }
-        // The alarm looks at the flag only from time to time, so it is checked here as well.
+        // The alarm checks the flag only from time to time, so it is checked here as well.
         let end = &self.alarm.end;
         end.fetch_or(self.is_stopped(), Ordering::Relaxed);
         let paths = summary.completed_paths;
@@ -377,7 +376,7 @@ impl<X: Merge + Clone + Send> Session<'_, '_, X> {
         mut summary: Summary,
         bias: BiasReport,
     ) -> Result<(Outcome, X), RunError> {
-        // It takes one path more, for which a run that is interrupted does not wait.
+        // It takes one more path, which an interrupted run does not simulate.
         if self.course.broken.is_none() && !self.is_stopped() {
             summary.cycle = LimitCycle::of(self.run.scenario);
         }

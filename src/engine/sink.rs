@@ -45,9 +45,8 @@ pub trait Sink: Send {
         Ok(())
     }
 
-    /// All blocks that the sink has received are summed up. This is called after each block, and
-    /// once more when the paths are done. A sink that saves the run should do so only from time to
-    /// time.
+    /// All received blocks are summed up. This is called after each block, and again when the paths
+    /// are done. A sink that saves the run should do so only from time to time.
     fn save(&mut self, _moment: &Moment<'_>) -> Result<(), SinkError> {
         Ok(())
     }
@@ -62,7 +61,7 @@ pub trait Sink: Send {
 pub struct Moment<'a> {
     /// Wall-clock time spent so far, including that before an interruption.
     pub spent: Duration,
-    /// Number of paths that are summed up, including those before an interruption.
+    /// Number of summed paths, including those before an interruption.
     pub paths: u64,
     /// Whether no more blocks follow.
     pub is_last: bool,
@@ -77,8 +76,8 @@ impl Moment<'_> {
     }
 }
 
-/// Keeps the rows of a run in memory, block by block. The scenario states in `record` which rows
-/// there are.
+/// Keeps the rows of a run in memory, block by block. `record` in the scenario determines which
+/// rows there are.
 ///
 /// ```
 /// use stickslip::engine::{Memory, Run};

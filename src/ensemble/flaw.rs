@@ -1,5 +1,5 @@
-//! A panic as an error. It is a flaw in this program, which may cost a run the block in which it
-//! happens, and neither the blocks before nor the process.
+//! Panics as errors. A panic is a bug in this program; a run loses at most the block in which it
+//! happens.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
@@ -7,12 +7,12 @@ use std::fmt;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-/// A panic, and what was being done.
+/// A panic, and the operation in which it happened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Flaw {
-    /// What was being done; empty if that is not known.
+    /// The operation; empty if not known.
     pub doing: String,
-    /// What the panic says.
+    /// The message of the panic.
     pub message: String,
     /// The file and the line of the panic.
     pub place: String,
@@ -40,7 +40,7 @@ impl fmt::Display for Flaw {
 }
 
 thread_local! {
-    /// How many calls of [`guarded`] this thread is in.
+    /// The nesting depth of [`guarded`] in this thread.
     static GUARDS: Cell<usize> = const { Cell::new(0) };
     /// The place of its last panic.
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
@@ -48,7 +48,7 @@ thread_local! {
 
 /// Does some work. A panic in it becomes an error, and is not printed.
 ///
-/// What the work has changed may be half done after a panic, and must not be used.
+/// After a panic, data changed by the work may be inconsistent and must not be used.
 pub fn guarded<R>(work: impl FnOnce() -> R) -> Result<R, Flaw> {
     note_places();
     GUARDS.set(GUARDS.get() + 1);
@@ -57,7 +57,7 @@ pub fn guarded<R>(work: impl FnOnce() -> R) -> Result<R, Flaw> {
     done.map_err(flaw)
 }
 
-/// Does some work. A panic in it goes on to the caller as a [`Flaw`] that says what was being done.
+/// Does some work. A panic in it is passed to the caller as a [`Flaw`] with the operation.
 pub(super) fn naming<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> R {
     guarded(work).unwrap_or_else(|mut flaw| {
         if flaw.doing.is_empty() {
@@ -67,7 +67,7 @@ pub(super) fn naming<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R
     })
 }
 
-/// The flaw that a panic carries, or the one that it is.
+/// The flaw carried by a panic, or made from it.
 fn flaw(panic: Box<dyn Any + Send>) -> Flaw {
     let panic = match panic.downcast::<Flaw>() {
         Ok(flaw) => return *flaw,
@@ -84,8 +84,8 @@ fn flaw(panic: Box<dyn Any + Send>) -> Flaw {
     }
 }
 
-/// The place of a panic is known to the hook of the process only. Panics of other threads, and those
-/// outside of [`guarded`], are left to the hook that was there before.
+/// Only the hook of the process receives the place of a panic. Panics outside of [`guarded`] are
+/// passed to the previous hook.
 fn note_places() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -97,7 +97,7 @@ fn note_places() {
             let place = info
                 .location()
                 .map_or_else(|| "an unknown place".to_string(), ToString::to_string);
-            // A package names its files from its own folder on.
+            // File names are relative to the folder of the package.
             PLACE.set(place.rsplit("../").next().unwrap_or_default().to_string());
         }));
     });

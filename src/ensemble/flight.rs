@@ -1,8 +1,8 @@
 //! Neighbouring blocks that are simulated together. Each block has its own observer.
 //!
-//! Some schemes advance all their paths together over one macro step after the other. Such a
-//! scheme fills its registers better with more paths than a block has. The sums and files of a
-//! block do not depend on whether it is simulated with others.
+//! Some schemes advance all their paths together, one macro step after the other. More paths than
+//! in a block fill the registers better. The sums and files of a block do not depend on whether it
+//! is simulated with others.
 
 use crate::model::Event;
 use crate::scheme::{Instant, Observer, Segment, Snapshot};

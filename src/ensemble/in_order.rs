@@ -6,17 +6,17 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How many pieces each thread may be ahead of the oldest unfinished one. This limits the memory of
-/// a run.
+/// The number of pieces by which each thread may be ahead of the oldest unfinished one. It limits
+/// the memory of a run.
 pub(super) const PIECES_AHEAD: u64 = 8;
 
 /// Make the pieces `0 .. count` on `threads` threads, [`MOST_THREADS`] at most, and deliver each in
 /// order, until all are delivered, `deliver` breaks or fails, or `stop` is set. Returns the number
 /// of delivered pieces. The only errors are those of `deliver`.
 ///
-/// When `deliver` breaks, the piece that it was given is the last one, although other pieces may be
-/// finished too: the end of a run is then as reproducible as the pieces themselves. When the caller
-/// sets `stop`, the unfinished pieces are completed and delivered, so that no work is lost.
+/// When `deliver` breaks, the piece that it received is the last one, although other pieces may be
+/// finished too. This makes the end of a run reproducible. When the caller sets `stop`, the
+/// unfinished pieces are completed and delivered, so that no work is lost.
 pub fn in_order<R: Send, E: Send>(
     count: u64,
     threads: usize,
@@ -69,8 +69,8 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
 }
 
 /// Finished pieces that wait for their turn to be delivered. The thread that finishes the next
-/// piece in order delivers it and those that wait for it, also those that other threads finish
-/// meanwhile. No thread is there only for delivery, and none waits for a delivery to end.
+/// piece in order delivers it and those waiting for it, including those that other threads finish
+/// in the meantime. No thread is reserved for delivery, and none waits for a delivery to end.
 struct OrderedQueue<'a, R, E> {
     state: Mutex<Delivery<'a, R, E>>,
     moved: Condvar,
@@ -107,7 +107,7 @@ impl<'a, R, E> OrderedQueue<'a, R, E> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The number of the next piece to make. This waits until that piece is near enough to the
+    /// The number of the next piece to make. This waits until that piece is close enough to the
     /// oldest unfinished one. Returns `None` when no piece is left or the work has ended.
     fn take(&self, count: u64, ahead: u64, stop: &AtomicBool) -> Option<u64> {
         let mut state = self.lock();
@@ -161,8 +161,8 @@ impl<'a, R, E> OrderedQueue<'a, R, E> {
     }
 }
 
-/// Gives up when its thread panics. Otherwise the other threads would wait for ever for the piece
-/// of that thread, and the panic would not reach the caller.
+/// Gives up when its thread panics. Otherwise the other threads would wait forever for its piece,
+/// and the panic would not reach the caller.
 struct LeaveOnPanic<'a, 'b, R, E>(&'b OrderedQueue<'a, R, E>);
 
 impl<R, E> Drop for LeaveOnPanic<'_, '_, R, E> {

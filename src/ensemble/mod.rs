@@ -3,9 +3,9 @@
 //!
 //! A run is the sequence of its blocks: block k contains the paths `k BLOCK_SIZE .. (k + 1)
 //! BLOCK_SIZE`, for any number of threads and on any machine. The result of a block does not depend
-//! on other blocks, and results can be merged. Since blocks are delivered in order, whoever sums or
-//! writes them receives the same sequence every time, and a run that is stopped consists of the
-//! first blocks, with none missing in between.
+//! on other blocks, and results can be merged. Since blocks are delivered in order, sums and files
+//! receive the same sequence every time, and a stopped run consists of the first blocks, without
+//! gaps.
 
 mod flaw;
 mod flight;
@@ -31,9 +31,9 @@ use piece::PathRange;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Number of paths in a block. They fill the registers many times over, and they are few, so that a
-/// large run loses little if unfinished blocks are given up. Results depend on this number: with
-/// another one the last bits of every mean change.
+/// Number of paths in a block. It is large enough to fill the registers many times over, and small
+/// enough that little is lost if unfinished blocks are given up. Results depend on this number:
+/// with another one the last bits of every mean change.
 pub const BLOCK_SIZE: u64 = 256;
 
 /// A thread simulates several blocks together only if every thread still gets at least this many
@@ -61,7 +61,7 @@ pub struct Plan {
     pub antithetic: bool,
 }
 
-/// The path numbers from which these paths take their random numbers. In an ensemble of antithetic
+/// The path numbers that determine the random numbers of these paths. In an ensemble of antithetic
 /// pairs these are the even path of each pair and its mirror image, and otherwise the paths
 /// themselves.
 pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
@@ -77,7 +77,7 @@ pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
         .collect()
 }
 
-/// What is seen of a path: its events, and its motion between them.
+/// The observed path: its events, and its motion between them.
 #[derive(Default)]
 pub(crate) struct PathMotion {
     pub events: Vec<Event>,
@@ -98,19 +98,19 @@ impl Observer for PathMotion {
     }
 }
 
-/// Why a path is given up, and until where it was followed.
+/// Why a path was given up, and how far it got.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{why}, after t = {time:.4e} at x = {displacement:.4e}")]
 pub struct GivenUp {
     /// The reason.
     pub why: Unresolved,
-    /// The end of the last piece of its motion that was found, a time.
+    /// The end of the last segment of its motion, a time.
     pub time: f64,
     /// x there, a length.
     pub displacement: f64,
 }
 
-/// Where a path was seen last.
+/// The last observed state of a path.
 struct SeenLast([f64; 2]);
 
 impl Observer for SeenLast {
@@ -149,12 +149,12 @@ impl Plan {
         self.piece(first, BLOCK_SIZE.min(self.paths - first))
     }
 
-    /// The same ensemble with a finer output grid, of which every `closeness`-th row is one of the
-    /// run and the others are only for a closer look
-    /// ([`crate::scheme::Simulate::looked_at_closer`]).
-    pub fn looked_at_closer(self, closeness: usize) -> Self {
+    /// The same ensemble with a finer output grid, of which every `row_stride`-th row is one of the
+    /// run and the others are only intermediate observation times
+    /// ([`crate::scheme::Simulate::with_additional_rows`]).
+    pub fn with_additional_rows(self, row_stride: usize) -> Self {
         Plan {
-            simulation: self.simulation.looked_at_closer(closeness),
+            simulation: self.simulation.with_additional_rows(row_stride),
             ..self
         }
     }
@@ -172,8 +172,8 @@ impl Plan {
         lost.is_empty().then_some(motion.segments)
     }
 
-    /// Why path number `path` of the ensemble is given up, for which it is simulated again until
-    /// `stop` stops it; none if it is not, and where lost paths have diverged.
+    /// Why path number `path` of the ensemble was given up. The path is simulated again, until
+    /// `stop` is set. None if it was not given up, or for schemes whose lost paths have diverged.
     pub fn why_lost(&self, path: u64, stop: impl Observer) -> Option<GivenUp> {
         let drawn = drawn(&[path], self.antithetic);
         let mut observers = (SeenLast([0.0, self.model().initial_displacement]), stop);
@@ -199,7 +199,7 @@ impl Plan {
         }
     }
 
-    /// The same. Returns `None` if `stop` is set meanwhile.
+    /// The same. Returns `None` if `stop` is set in the meantime.
     pub(crate) fn piece_until(
         &self,
         first: u64,
@@ -210,8 +210,8 @@ impl Plan {
         Some(self.piece_with_auxiliary(piece, &(), stop)?.0)
     }
 
-    /// Simulate block `index`, which an auxiliary observes too. Returns `None` if `halt` is set
-    /// meanwhile.
+    /// Simulate block `index`, also observed by an auxiliary. Returns `None` if `halt` is set in
+    /// the meantime.
     pub(crate) fn block_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         index: u64,
@@ -228,7 +228,7 @@ impl Plan {
     }
 
     /// Simulate neighbouring blocks together. Only the last block of the run may be less than full.
-    /// Returns `None` if `halt` is set meanwhile.
+    /// Returns `None` if `halt` is set in the meantime.
     fn flight_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         blocks: Range<u64>,
@@ -286,8 +286,7 @@ impl Plan {
         Some(delivered)
     }
 
-    /// Simulate these paths. Returns the lanes of those that are lost. A panic says which paths
-    /// they were.
+    /// Simulate these paths. Returns the lanes of lost paths. A panic names the paths.
     fn simulated(&self, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         let doing = || match paths {
             [first, .., last] => format!("in the simulation of paths {first} to {last}"),
@@ -301,8 +300,8 @@ impl Plan {
     }
 
     /// How many blocks are in memory at a time, at most: those that are simulated, and finished
-    /// ones that wait to be delivered in order. Where each thread has a processor, none waits for
-    /// long, and where there is one thread, none waits.
+    /// ones that wait to be delivered in order. If each thread has a processor, none waits for
+    /// long; a single thread never waits.
     pub fn blocks_held(&self, threads: usize) -> u64 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let pieces = match threads {
@@ -315,7 +314,8 @@ impl Plan {
         of_threads.min(self.blocks())
     }
 
-    /// How many blocks a thread simulates together, given the number of all blocks and of threads.
+    /// The number of blocks that a thread simulates together, given the numbers of blocks and
+    /// threads.
     fn blocks_in_flight(&self, blocks: u64, threads: usize) -> u64 {
         if self.timeline().rows() > MOST_ROWS {
             return 1;
@@ -347,12 +347,12 @@ impl Plan {
         (own, auxiliary.observer(&piece.kept))
     }
 
-    /// Simulate the paths of a piece, which an auxiliary observes too. Returns `None` if `halt` is
-    /// set meanwhile.
+    /// Simulate the paths of a piece, also observed by an auxiliary. Returns `None` if `halt` is
+    /// set in the meantime.
     ///
     /// A path that diverges is left out, together with the other path of its pair, and the others
-    /// are simulated again without it. They do not depend on it, so this happens at most once for
-    /// each block.
+    /// are simulated again without it. They do not depend on it, so this happens at most once per
+    /// block.
     fn piece_with_auxiliary<C: AuxiliaryObserver>(
         &self,
         mut piece: PathRange,
@@ -403,7 +403,7 @@ impl Plan {
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 
-    /// The same for these blocks only. A auxiliary observes every block too, and `stops` may also
+    /// The same for these blocks only. An auxiliary also observes every block, and `stops` may also
     /// give up unfinished blocks. Returns the number of delivered blocks.
     pub fn run_beside<C: AuxiliaryObserver, E: Send>(
         &self,
@@ -443,7 +443,7 @@ pub struct Stops<'a> {
     pub halt: &'a AtomicBool,
 }
 
-/// A block that was simulated, as it is delivered.
+/// A simulated block, as delivered.
 #[derive(Clone, Debug)]
 pub struct Delivered<S> {
     /// The number of the block.

@@ -6,7 +6,7 @@ use super::Lanes;
 /// c0 + c1 x + .. + c7 x^7, given x, x^2 and x^4.
 ///
 /// The sum follows Estrin's scheme, in which three operations wait for each other instead of seven:
-/// where lanes are worked on, most of the time is spent waiting for such chains.
+/// in lanes, most of the time is spent waiting for such chains.
 #[inline(always)]
 fn eight_terms<L: Lanes>(powers: [L; 3], [c0, c1, c2, c3, c4, c5, c6, c7]: [f64; 8]) -> L {
     let high = four_terms(powers, [c4, c5, c6, c7]);

@@ -1,13 +1,13 @@
-//! Lanes: several numbers, each of another path, in one processor register. They are a type with
-//! ordinary operators, so that formulas stay readable.
+//! Lanes: several numbers, each of a different path, in one processor register. They are a type
+//! with ordinary operators, so that formulas stay readable.
 //!
 //! [`Lanes`] is the arithmetic that noise and schemes need, so that a formula is written once for
 //! one path and for many. It is implemented by eight lanes of AVX-512, by four lanes of AVX2 with
-//! FMA, by a pair of registers as one, and by `f64` as a single lane, which is all that other
-//! processors have: it takes the least time to build. All of them compute the same bits: IEEE 754
-//! defines the correct rounding of every operation that is used, and a fused multiply-add is
-//! written out where it is wanted and never left to the compiler. Each run chooses the widest lanes
-//! that the processor has ([`InstructionSet::detect`], [`InstructionSet::run`]).
+//! FMA, by a pair of registers as one, and by `f64` as a single lane, for all other processors; it
+//! takes the least time to build. All of them compute the same bits: IEEE 754 defines the correct
+//! rounding of every operation that is used, and a fused multiply-add is written out where it is
+//! wanted and never left to the compiler. Each run chooses the widest lanes that the processor has
+//! ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
 //! only wrap intrinsics of one instruction set, and code that uses them can only be reached through
@@ -69,7 +69,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Numbers in a [`Row`]: as many as fill a cache line of 64 bytes.
 pub const ROW: usize = 8;
 
-/// The numbers that belong to one lane, in a cache line of their own.
+/// The numbers of one lane, in their own cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Row(pub [f64; ROW]);

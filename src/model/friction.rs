@@ -18,7 +18,7 @@ impl Friction {
         excess.map(|excess| self.static_force + excess)
     }
 
-    /// The threshold that stands for an infinite one: out of reach, and its fourth power is finite.
+    /// The threshold used for an infinite one: out of reach, and its fourth power is finite.
     pub const NEVER: f64 = 1e70;
 
     /// Of friction forwards and backwards, that with the smaller f_s, which is made finite.
@@ -40,7 +40,8 @@ impl Friction {
     }
 }
 
-/// The direction in which a body at rest is let go, where the force b exceeds a limit, up or down.
+/// The direction in which a body at rest starts to slip, if the force b exceeds a limit, up or
+/// down.
 #[inline(always)]
 pub fn let_go(b: f64, [up, down]: [f64; 2]) -> Option<Sign> {
     if b > up {

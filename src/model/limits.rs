@@ -13,7 +13,7 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
     sizes.iter().all(|size| *size <= LARGEST)
 }
 
-/// The number of standard deviations that v is taken never to exceed: beyond 40, exp(-40^2/2) is
+/// The number of standard deviations that v is assumed never to exceed: beyond 40, exp(-40^2/2) is
 /// below the smallest double.
 const FARTHEST_SD: f64 = 40.0;
 
@@ -49,8 +49,8 @@ impl Model {
         )
     }
 
-    /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken
-    /// off alpha; none without a spring, or where it does not grow.
+    /// The amplitude A beyond which a body with negative damping runs away, where `added` is
+    /// subtracted from alpha; none without a spring, or without growth.
     ///
     /// In a half-cycle of the unforced body the amplitude grows by q = e^{-pi z/sqrt(1 - z^2)}, z =
     /// alpha/(m w0) < 0, while friction takes (1 + q) f_d/K of it, so the two balance at
@@ -101,9 +101,8 @@ impl Model {
     }
 
     /// The drift velocity in the long run, where it follows from the spring: the body stays within
-    /// some distance of beta T, whose mean has a constant slope. None where nothing binds the body,
-    /// where nothing takes its energy, where a user-defined force acts, and where T is
-    /// measured.
+    /// some distance of beta T, whose mean has a constant slope. None without a spring, without
+    /// dissipation, with a user-defined force, or with a measured T.
     pub fn long_run_drift(&self) -> Option<f64> {
         let Model {
             oscillator,

@@ -4,13 +4,13 @@
 //! There are only pure functions and plain values here; no random number is drawn.
 //!
 //! ```text
-//! m x'' + F(x') = b(x, x', t),   x(0) = x0, x'(0) = 0
+//! m x'' + F(x') = b(x, x', t),   x(0) = x0, x'(0) = v0
 //! b = K (beta T(t) - x) - 2 alpha x' + g(x, x', t)
 //! T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
 //!
-//! S is the measured temperature, and g a user-defined force. Where the temperature is a
-//! force, c T stands in place of K beta T.
+//! S is the measured temperature, and g a user-defined force. If the temperature acts as a force, c
+//! T replaces K beta T.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
@@ -76,7 +76,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// b(x, x', t), where the temperature has this value: the sum of all forces except friction.
+    /// b(x, x', t) at this temperature: the sum of all forces except friction.
     pub fn total_force(
         &self,
         time: f64,
@@ -89,8 +89,8 @@ impl Model {
             .map_or(linear, |own| linear + own)
     }
 
-    /// The direction in which a body at rest at x is let go, where the temperature has this value;
-    /// none where friction holds it.
+    /// The direction in which a body at rest at x starts to slip, at this temperature; none if
+    /// friction holds it.
     pub fn let_go(&self, time: f64, temperature: f64, displacement: f64) -> Option<Sign> {
         let linear = self.oscillator.force(temperature, displacement, 0.0);
         let hold = self
@@ -114,7 +114,7 @@ impl Model {
         direction.value() * size.unwrap_or(self.friction.dynamic_force)
     }
 
-    /// The same at eight x, x' and t at once, which takes hardly longer than at one.
+    /// The same at eight x, x' and t at once, hardly slower than at one.
     pub fn sliding_frictions(&self, direction: Sign, at: [&[f64; 8]; 3]) -> [f64; 8] {
         let sides = self.force.as_ref().and_then(Force::sides);
         let sizes = sides.map_or([self.friction.dynamic_force; 8], |sides| {

@@ -1,4 +1,4 @@
-//! The oscillator: a mass, with a spring or without one, that the temperature drives.
+//! The oscillator: a mass, with or without a spring, driven by the temperature.
 
 /// m, K, alpha of the model, and how the temperature drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Oscillator {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// gamma = alpha/m, the rate at which damping takes the amplitude away.
+    /// gamma = alpha/m, the rate at which damping reduces the amplitude.
     pub fn damping_rate(&self) -> f64 {
         self.damping / self.mass
     }

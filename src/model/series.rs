@@ -1,8 +1,8 @@
-//! Measured values: samples in order of time, and straight lines between them.
+//! Measured values: samples in order of time, interpolated linearly.
 
 use std::sync::Arc;
 
-/// Values S at the times t_0 = 0 < t_1 < ..., with straight lines in between.
+/// Values S at the times t_0 = 0 < t_1 < ..., interpolated linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     times: Vec<f64>,
@@ -21,7 +21,7 @@ pub struct NamedSeries {
 /// The error for numbers that are not a valid series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "a series takes two samples or more, as many values as times, all finite, and times that begin at 0 and increase"
+    "a series needs at least two samples, one finite value for each time, and increasing times that begin at 0"
 )]
 pub struct NoSeries;
 
@@ -69,8 +69,8 @@ impl Series {
         self.times[self.times.len() - 1]
     }
 
-    /// The number of the piece that contains a time. Piece i lasts from t_i to t_{i+1}; the last
-    /// one also contains all later times.
+    /// The number of the segment that contains a time. Segment i lasts from t_i to t_{i+1}; the
+    /// last one also contains all later times.
     pub fn piece(&self, t: f64) -> usize {
         self.times
             .partition_point(|time| *time <= t)
@@ -78,12 +78,12 @@ impl Series {
             - 1
     }
 
-    /// S at a time in a piece. At the start of the piece it is exactly the sample.
+    /// S at a time in a segment. At the start of the segment it is exactly the sample.
     pub fn on(&self, piece: usize, t: f64) -> f64 {
         self.values[piece] + self.slope(piece) * (t - self.times[piece])
     }
 
-    /// S' in a piece.
+    /// S' in a segment.
     pub fn slope(&self, piece: usize) -> f64 {
         (self.values[piece + 1] - self.values[piece]) / (self.times[piece + 1] - self.times[piece])
     }
@@ -156,8 +156,7 @@ impl Series {
     }
 }
 
-/// The median time between two of these, of which there are two or more; of two middle ones the
-/// longer.
+/// The median time between two of these, at least two; of two middle ones the longer.
 pub fn usual_spacing(times: &[f64]) -> f64 {
     let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = spacings.len() / 2;

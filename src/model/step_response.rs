@@ -21,17 +21,17 @@
 //! r*}, where y'' = 0 for the second time: w_d r* = pi + arccos zeta.
 //!
 //! **At critical damping and above** (zeta >= 1) the body approaches the equilibrium without ever
-//! coming to rest: q = 0. The swing is taken to end after the settling time, when the fraction
+//! coming to rest: q = 0. The swing is defined to end after the settling time, when the fraction
 //! [`SETTLED`] of the distance is left.
 
 use super::complex::Complex;
 use super::{ImpulseResponse, Oscillator};
 use std::f64::consts::PI;
 
-/// The fraction of the distance to the equilibrium that is left when a swing without overshoot is
-/// taken to end. It is as large as the error that the schemes without a step may leave in any
-/// statistic by default. A smaller fraction would make the swing longer, by ln 10 of the slow time
-/// scale for each digit, without changing the motion noticeably.
+/// The fraction of the distance to the equilibrium that is left at the defined end of a swing
+/// without overshoot. It equals the default error of statistics in the schemes without a step. A
+/// smaller fraction would make the swing longer, by ln 10 of the slow time scale for each digit,
+/// without changing the motion noticeably.
 pub const SETTLED: f64 = 1e-3;
 
 /// The response of an oscillator at rest to a constant force that sets in.

@@ -75,13 +75,13 @@ pub struct Temperature {
     /// Whether v is zero at every sample of the series. The noise then describes what the
     /// temperature may have done between the samples, at which it is known.
     pub is_pinned: bool,
-    /// The noises as they are given, independent of each other, two at most. With two noises, the
-    /// temperature can have one memory of hours and one of days. A noise that is zero at all times
-    /// is kept here, but not in [`Temperature::effective_noises`].
+    /// The noises as they are given, independent of each other, two at most. Two noises allow for
+    /// one correlation time of hours and one of days. A noise that is zero at all times is kept
+    /// here, but not in [`Temperature::effective_noises`].
     pub noises: Vec<Noise>,
 }
 
-/// The largest number of cycles of the slowest harmonic for which the forcing period is looked for.
+/// The largest number of cycles of the slowest harmonic in the search for the forcing period.
 pub const MOST_CYCLES: u32 = 1000;
 
 /// The largest relative distance from a whole number at which a number of cycles counts as whole.

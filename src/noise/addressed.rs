@@ -1,9 +1,9 @@
-//! Random numbers of a path, each at an address of its own.
+//! Random numbers of a path, each at its own address.
 //!
-//! A stream returns its numbers in turn, so one number more changes all that come after it. Here a
-//! number is a function of (seed, path, macro step, place) alone, and what a path does in one macro
-//! step of time leaves the numbers of the next macro step unchanged. Therefore two scenes can see
-//! the same noise, and a path can be observed without being changed.
+//! A stream returns its numbers in turn, so one extra number changes all later ones. Here a number
+//! is a function of (seed, path, macro step, place) alone, and events in one macro step do not
+//! affect the numbers of the next. Therefore two scenarios can have the same noise, and a path can
+//! be observed without being changed.
 //!
 //! The generator is SplitMix64 at the counter `macro_step 2^32 + place` (Steele, Lea and Flood,
 //! *Fast splittable pseudorandom number generators*, OOPSLA 2014). It has a second key of 64 bits
@@ -30,23 +30,22 @@ pub struct AddressedDraws {
 }
 
 /// The first place of a macro step whose numbers are only used for observing a path.
-const LOOKING: u64 = 1 << 31;
+const OBSERVING: u64 = 1 << 31;
 
 /// The number of places that belong to one instant at which paths are observed. The most that are
 /// needed are two for each of the 1000 attempts to draw a bridge inside the band.
-const PER_LOOK: u64 = 1 << 11;
+const PER_OBSERVATION: u64 = 1 << 11;
 
-/// The first place of the numbers for observing a path at an instant inside a macro step, on which
-/// no event depends. `ordinal` is the number of the instant among those in the macro step that
-/// belong to the run, or, for a closer look, among the others. More instants in a macro step than
-/// there are places for use the same numbers again.
-pub fn looking_place(ordinal: u64, is_closer: bool) -> u64 {
-    let half = LOOKING / 2;
-    LOOKING + u64::from(is_closer) * half + ordinal * PER_LOOK % half
+/// The first place of the numbers for observing a path at an instant inside a macro step. No event
+/// depends on them. `ordinal` is the number of the instant among those of the run in the macro
+/// step, or among the additional ones. If there are more instants than places, numbers are reused.
+pub fn observation_place(ordinal: u64, is_additional: bool) -> u64 {
+    let half = OBSERVING / 2;
+    OBSERVING + u64::from(is_additional) * half + ordinal * PER_OBSERVATION % half
 }
 
 /// The place, in macro step 0, of the numbers for the initial state of a path.
-const START: u64 = LOOKING - 1;
+const START: u64 = OBSERVING - 1;
 
 impl AddressedDraws {
     /// The numbers of path `path` of the ensemble with this seed, from the first place of macro
@@ -61,8 +60,8 @@ impl AddressedDraws {
         }
     }
 
-    /// Numbers that belong to this path and that no scheme draws, for a statistic of a user's own.
-    /// A mirror image has numbers of its own, not those of the other path of its pair.
+    /// Numbers of this path that no scheme draws, for a user-defined statistic. A mirror image has
+    /// its own numbers, not those of the other path of its pair.
     pub fn auxiliary(seed: u64, path: u64) -> Self {
         AddressedDraws {
             origin: path_word(seed, path, 6),
@@ -131,8 +130,8 @@ fn mixed<L: Lanes>(z: L::Bits, key: L::Bits) -> L::Bits {
 }
 
 /// The random numbers of several paths in one macro step; in each lane they are those of
-/// [`AddressedDraws`]. A draw does not change this value: the argument `after` says how many places
-/// after the next one the number is.
+/// [`AddressedDraws`]. A draw does not change this value: the argument `after` is the number of
+/// places after the next one.
 #[derive(Clone, Copy)]
 pub struct LaneDraws<L: Lanes> {
     /// The state of SplitMix64 at the next number of each path.

@@ -1,4 +1,4 @@
-//! The first time at which a Brownian bridge meets a threshold that is slightly bent.
+//! The first time at which a Brownian bridge meets a slightly curved threshold.
 //!
 //! In the notation of [`super::first_passage`], the threshold deviates by e(u) = b u (1 - u)/2 from
 //! a straight line, at a fraction u of the duration S. Both laws below are exact to first order in
@@ -88,7 +88,8 @@ impl<L: Lanes> BentThreshold<L> {
             .or_at_least(L::splat(1.0 / MOST_MOVED))
             .or_at_most(L::splat(MOST_MOVED));
         let place = meeting_place((d0, d1 * moved.sqrt()), duration, normal, uniform);
-        // ln of the ratio of the densities on both thresholds, less its value at the typical place.
+        // ln of the ratio of the densities on both thresholds, minus its value at the typical
+        // place.
         let rest = (one - place).or_at_least(L::splat(1e-15));
         let tilt = (place - typical) * (d1.abs() * across * (one - moved) / rest + slope);
         let ratio =

@@ -1,4 +1,4 @@
-//! Antithetic pairs: paths 2k and 2k + 1 see the same noise and its mirror image (Hammersley and
+//! Antithetic pairs: paths 2k and 2k + 1 have the same noise and its mirror image (Hammersley and
 //! Morton, *A new Monte Carlo technique: antithetic variates*, Mathematical Proceedings of the
 //! Cambridge Philosophical Society 52 (1956)).
 //!

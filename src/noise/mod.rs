@@ -11,7 +11,7 @@ mod rng;
 mod stream;
 
 pub use addressed::AddressedDraws;
-pub use addressed::{LaneDraws, looking_place};
+pub use addressed::{LaneDraws, observation_place};
 pub use bent_threshold::BentThreshold;
 pub use first_passage::{
     Distances, first_meeting_probability, meeting_probability, misses_other, no_meeting_probability,
@@ -26,6 +26,6 @@ pub use ornstein_uhlenbeck::{
 pub use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 
-/// The description of the random numbers that is written to files.
+/// The description of the random numbers in files.
 pub const GENERATOR: &str = "schemes with a step: xoshiro256+, one stream a path seeded by SplitMix64 from (seed, path); \
     others: SplitMix64 with two keys from (seed, path), at addresses (cell, place); normals by inversion";

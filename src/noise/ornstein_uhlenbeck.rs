@@ -43,7 +43,7 @@ pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
 }
 
 /// The process over a time h, given both ends, as a Brownian bridge with the same ends. The
-/// fraction of the bridge that has passed at the time t is
+/// fraction of the bridge that has elapsed at time t is
 ///
 /// ```text
 /// u = (1 + tanh(theta (t - h/2))/tanh(theta h/2))/2 = X/(shrink X + stretch),   X = e^{2 theta t} - 1

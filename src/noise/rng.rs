@@ -1,5 +1,5 @@
 //! Normals and uniform numbers from the words of a path, and these words as generators of
-//! `rand_core`, so that any law of `rand_distr` can be drawn from them.
+//! `rand_core`, for drawing from any distribution of `rand_distr`.
 //!
 //! A generator gives the bare words: a mirror image has the same ones. Only the normals of this
 //! library have the opposite sign there.

@@ -1,10 +1,9 @@
-//! The parts of a scenario that a study of measurements needs. A run needs more, but such a study
-//! simulates nothing.
+//! The parts of a scenario that a study of measurements needs.
 
 use stickslip_data::ColumnSource;
 
-/// A bearing as a scenario describes it: where the search for its parameters begins, and how its
-/// data are read.
+/// A bearing as described by a scenario: starting values for its parameters, and the sources of its
+/// data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeScene {
     /// Title, one line.
@@ -25,8 +24,8 @@ pub struct BridgeScene {
     pub displacement: Option<f64>,
     /// Where the temperatures are measured; the file is relative to the folder of the scenario.
     pub temperature_source: ColumnSource,
-    /// Where the displacements are measured. What `[displacement.series]` does not say is as for
-    /// the temperatures, except for the file, the column and the unit.
+    /// Where the displacements are measured. Keys missing in `[displacement.series]` are as for the
+    /// temperatures, except for the file, the column and the unit.
     pub displacement_source: ColumnSource,
     /// The text of the scenario.
     pub text: String,

@@ -1,5 +1,4 @@
-//! Checks of values against each other. The range of each single value is checked by whoever reads
-//! it.
+//! Consistency checks. The range of each single value is checked when it is read.
 
 use super::limits::MAX_PHASE;
 use super::time::check_end;
@@ -15,12 +14,12 @@ use stickslip_data::numbers::short;
 const CLOSEST: f64 = 1e-12;
 
 impl Scenario {
-    /// Check that the values go together. Each of them must already be in its own range.
+    /// Check that the values are consistent. Each of them must already be in its range.
     pub fn check(&self) -> Result<(), CheckError> {
         self.check_errors().into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// All values that do not go together, so far as each can be judged beside the others.
+    /// All inconsistent values, as far as each can be checked independently.
     pub(crate) fn check_errors(&self) -> Vec<CheckError> {
         let Scenario {
             model,
@@ -41,7 +40,7 @@ impl Scenario {
         }
         found.extend(self.series());
         found.extend(check_end(*scheme, time.end));
-        // These use many values, so they mean something only if the values before them go together.
+        // These use many values, so they are meaningful only if the previous checks pass.
         if found.is_empty() {
             let so_far = phases(model, time.end).or_else(|| check_extent(model, time.end));
             let so_far = so_far.or_else(|| scheme.check(model, time.end).err());
@@ -55,7 +54,7 @@ impl Scenario {
             .collect()
     }
 
-    /// A measured temperature and every input has samples up to t_end, which are not too close.
+    /// A measured temperature and every input need samples up to t_end that are not too close.
     fn series(&self) -> Option<CheckError> {
         let end = self.time.end;
         let temperature = self
@@ -99,8 +98,7 @@ impl Scenario {
         Some(CheckError::new(&[("time.end", end)], problem, remedy))
     }
 
-    /// An error of the stiffness or the damping is one of a linear force, if that made it what it
-    /// is.
+    /// An error of the stiffness or the damping is attributed to a linear force that changed it.
     fn as_written(&self, check_error: CheckError) -> CheckError {
         let Some(WrittenForce {
             expression,
@@ -131,7 +129,7 @@ impl Scenario {
     }
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that
-    /// scheme does not go with the rest.
+    /// scheme is inconsistent with the rest.
     ///
     /// ```
     /// use stickslip::scenario::Scenario;
@@ -236,12 +234,12 @@ fn noise(noise: &Noise) -> Option<CheckError> {
     ))
 }
 
-/// There are two noises at most.
+/// There are at most two noises.
 fn third_noise(temperature: &Temperature) -> Option<CheckError> {
     let third = temperature.noises.get(2)?;
     let remedy =
         "keep two of them, or merge those with similar relaxation rates (their variances add)";
-    let problem = "is one noise too many; at most two are supported";
+    let problem = "is a third noise; at most two are supported";
     Some(CheckError::new(
         &[("temperature.noise.2.intensity", third.intensity)],
         problem,
@@ -310,7 +308,7 @@ fn forces(model: &Model, end: f64) -> Option<CheckError> {
          {LARGEST:e}"
     );
     let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
-    // The largest factor is named first, because it is the one that is most probably wrong.
+    // The largest factor is named first, because it is most probably wrong.
     let drive = match oscillator.drive {
         Drive::Dilatation(beta) => ("oscillator.dilatation", beta),
         Drive::Force(c) => ("oscillator.force_per_temperature", c),
@@ -368,8 +366,7 @@ pub(crate) fn reduced(phase: f64) -> f64 {
     libm::atan2(sin, cos)
 }
 
-/// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
-/// sample.
+/// Pinned noise needs a series of samples, must be the only noise, and is zero at the first sample.
 fn pinned(temperature: &Temperature) -> Option<CheckError> {
     let noise = temperature
         .noises
@@ -405,7 +402,7 @@ fn pinned(temperature: &Temperature) -> Option<CheckError> {
 /// |x| and |x'| stay small enough for a double up to `end`.
 fn check_extent(model: &Model, end: f64) -> Option<CheckError> {
     // The bound is that of motion without friction, because friction does not drive the body.
-    // Negative damping does, but friction may confine what it drives, and paths that run away are
+    // Negative damping does, but friction may confine the motion, and paths that run away are
     // counted.
     let mut free = model.clone();
     (free.friction.static_force, free.force) = (0.0, None);

@@ -7,7 +7,7 @@ pub const MAX_PATHS: u64 = 1 << 40;
 pub const MAX_TRAJECTORIES: u64 = 1_000_000;
 
 /// Largest number of rows of the output grid. The quantile bands keep the value of every path of a
-/// block at every row, so memory grows with the rows. One row every ten minutes makes 52 561 in a
+/// block at every row, so memory grows with the rows. One row every ten minutes gives 52 561 in a
 /// year.
 pub const MAX_ROWS: usize = 100_000;
 

@@ -1,5 +1,4 @@
-//! The measured parts of a scenario: its temperature and its inputs, and how a sensor at the bearing
-//! sees the body.
+//! The measured parts of a scenario: its temperature and its inputs, and the sensor at the bearing.
 
 use super::Scenario;
 use crate::model::{NamedSeries, Series};
@@ -9,10 +8,10 @@ use stickslip_data::Layout;
 /// The table of a measured temperature.
 pub const TEMPERATURE_SERIES: &str = "temperature.series";
 
-/// What comes before the name of an input in the name of its table.
+/// The prefix of the table of an input, before its name.
 pub const INPUT: &str = "input.";
 
-/// Measured values, and where they come from, as the scenario states it.
+/// Measured values, and their source as stated in the scenario.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// The table that describes them, such as `temperature.series` or `input.ag`.
@@ -23,11 +22,12 @@ pub struct Measured {
     pub file: String,
     /// The name of the column of values; empty if the file has no columns.
     pub value: String,
-    /// The unit in the file: of temperatures if the scenario gives it, of an input if anything does.
+    /// The unit in the file, if given: for temperatures by the scenario, for inputs by the scenario
+    /// or the file.
     pub unit: Option<String>,
-    /// What a column of numbers has as its first time, which is t = 0.
+    /// The first time in a column of numbers, which is t = 0.
     pub begin: f64,
-    /// How the file is laid out, with the name of the column of times.
+    /// The layout of the file, with the name of the time column.
     pub layout: Layout,
     /// The longest time allowed between two samples; `None` for no limit.
     pub max_gap: Option<f64>,
@@ -74,12 +74,11 @@ impl Scenario {
     }
 }
 
-/// How a sensor at the bearing sees the body: z = z0 + x + F/K_B. The bearing does not act on the
-/// body.
+/// The sensor at the bearing: z = z0 + x + F/K_BP. The bearing does not act on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorBearing {
-    /// K_B > 0, the stiffness with which the bearing is sheared by the friction force F; `None` for
-    /// a rigid bearing.
+    /// K_BP > 0, the shear stiffness of the bearing under the friction force F; `None` for a rigid
+    /// bearing.
     pub stiffness: Option<f64>,
     /// z0, the reading at x = 0 and F = 0.
     pub offset: f64,

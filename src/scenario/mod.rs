@@ -1,10 +1,10 @@
-//! A scenario: one physical question as plain data, the checks of its values against each other,
-//! and the ensemble that answers it.
+//! A scenario: one physical question as plain data, the consistency checks of its values, and its
+//! ensemble.
 //!
 //! ```text
 //! Scenario   title, Model, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
-//! check      whether all values go together
+//! check      whether all values are consistent
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
 //! written    a force as the user wrote it
 //! measured   measured temperatures and inputs with where they come from, and how a sensor sees the body
@@ -41,8 +41,8 @@ use crate::model::Model;
 use crate::scheme::Scheme;
 use crate::stats::Record;
 
-/// A scenario. One that was read from a file is checked: every number in it is finite and in range.
-/// After a change in memory, call [`Scenario::check`].
+/// A scenario. Scenarios read from files are checked: every number is finite and in range. After a
+/// change in memory, call [`Scenario::check`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// The question of the scenario, one line.
@@ -55,14 +55,14 @@ pub struct Scenario {
     pub parameters: Vec<(String, f64)>,
     /// The numbers that are written as the name of a parameter: the dotted key, and the name.
     pub named: Vec<(String, String)>,
-    /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
+    /// Whether x(0) is given as "balanced": it is then beta E T(0), at zero spring force.
     pub is_balanced: bool,
-    /// White noise, if the scenario asks for it; the model has a fast noise in its place.
+    /// White noise, if the scenario has it; the model contains a fast noise instead.
     pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as it is written, if there is one. A linear one is in the
-    /// stiffness and the damping of the model.
+    /// The user-defined force as written, if there is one. A linear one is in the stiffness and the
+    /// damping of the model.
     pub written_force: Option<WrittenForce>,
-    /// How a sensor at the bearing sees the body, if there is one.
+    /// The sensor at the bearing, if there is one.
     pub bearing: Option<SensorBearing>,
     /// Duration and output grid.
     pub time: Time,
@@ -74,15 +74,15 @@ pub struct Scenario {
     pub ensemble: Ensemble,
     /// What is recorded of single paths.
     pub record: Record,
-    /// Labels of the units. They appear in tables and attributes and are never used to compute.
+    /// Labels of the units. They appear in tables and attributes but do not affect the computation.
     pub units: Units,
 }
 
 /// Which part of a path the statistics count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// The time from which the statistics count: 0 <= after < t_end, or 0. The motion before it is
-    /// a burn-in, in which the motion forgets its initial state.
+    /// The time from which the statistics count: 0 <= after < t_end, or 0. The time before it is a
+    /// burn-in, in which the motion forgets its initial state.
     pub after: f64,
     /// P, the time between the instants at which x is compared, if the scenario gives it
     /// ([`Scenario::period`]).

@@ -1,4 +1,4 @@
-//! The ensemble that a scenario asks for.
+//! The ensemble of a scenario.
 
 use super::limits::MAX_PERIODS;
 use super::{Scenario, Time};
@@ -6,8 +6,7 @@ use crate::bias::{BiasPlan, NoBias};
 use crate::ensemble::Plan;
 use crate::scheme::{Resolution, Timeline};
 
-/// Where nothing periodic forces the body, x is compared this many times in the time that is
-/// counted.
+/// Without periodic forcing, x is compared this many times in the counted time.
 const INSTANTS: f64 = 10.0;
 
 /// P, the time between the instants n P at which x is compared.
@@ -15,23 +14,23 @@ const INSTANTS: f64 = 10.0;
 pub struct Period {
     /// P.
     pub length: f64,
-    /// Where P comes from.
+    /// The source of P.
     pub source: PeriodSource,
 }
 
-/// Where the time between the instants at which x is compared comes from.
+/// The source of the time between the instants at which x is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PeriodSource {
     /// `statistics.period`.
     Given,
     /// The shortest time after which every harmonic of the temperature repeats itself.
     Forcing,
-    /// A tenth of the time that is counted.
+    /// A tenth of the counted time.
     Share,
 }
 
 impl PeriodSource {
-    /// Where P comes from, in words.
+    /// The source of P, in words.
     pub fn words(self) -> &'static str {
         match self {
             PeriodSource::Given => "from statistics.period",
@@ -42,9 +41,9 @@ impl PeriodSource {
 }
 
 impl Scenario {
-    /// The time between the instants at which x is compared, and where it comes from. It is the one
-    /// that the scenario gives, or else the common period of the harmonics. Where nothing periodic
-    /// forces the body, it is a share of the time that is counted. None if the run has no duration.
+    /// The time between the instants at which x is compared, and its source. It is given by the
+    /// scenario, or else the common period of the harmonics. Without periodic forcing, it is a
+    /// fraction of the counted time. None if the run has no duration.
     pub fn period(&self) -> Option<Period> {
         let counted = self.time.end - self.statistics.after;
         let given = self.statistics.period.map(|length| Period {
@@ -94,7 +93,7 @@ impl Scenario {
         self.scheme.resolution(&self.model, &self.timeline())
     }
 
-    /// The ensemble that this scenario asks for.
+    /// The ensemble of this scenario.
     pub fn plan(&self) -> Plan {
         Plan {
             simulation: self.scheme.simulation(&self.model, &self.timeline()),
@@ -106,7 +105,7 @@ impl Scenario {
     }
 
     /// The simulations from which the discretisation bias of a run of `paths` paths is estimated;
-    /// an error if the scenario allows no such estimate.
+    /// an error if the scenario does not allow an estimate.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
         let plan = BiasPlan::new(
             self.scheme,

@@ -1,12 +1,12 @@
-//! White noise of the temperature, which is simulated as a fast Ornstein-Uhlenbeck process.
+//! White noise of the temperature, approximated by a fast Ornstein-Uhlenbeck process.
 
 use crate::model::{Friction, InitialNoise, Model, Noise};
 use crate::scheme::{CheckError, Scheme};
 
 /// White noise sqrt(2 D) xi(t) of the temperature, with xi of unit intensity.
 ///
-/// In its place is simulated v with dv = theta (xi - v) dt, whose memory 1/theta is short against
-/// the memory of the body, and which has the same D.
+/// It is approximated by v with dv = theta (xi - v) dt, whose correlation time 1/theta is short
+/// compared with the velocity relaxation time of the body, and which has the same D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteNoise {
     /// D > 0, in the square of the unit of temperature times the unit of time.
@@ -16,21 +16,21 @@ pub struct WhiteNoise {
 }
 
 impl WhiteNoise {
-    /// The noise that is simulated: with rho = sqrt(2 D) and sigma = theta, rho v has the strength D
-    /// at every theta. A theta that is not given is so large that its memory is the tolerance as a
-    /// share of the body's.
+    /// The noise that is simulated: with rho = sqrt(2 D) and sigma = theta, rho v has the strength
+    /// D at every theta. By default, theta is chosen such that the correlation time is the
+    /// tolerance times the velocity relaxation time of the body.
     ///
     /// # Errors
     ///
-    /// If theta is not given, and the scheme has no tolerance to choose it by.
+    /// If theta is not given and the scheme has no tolerance to determine it.
     pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, CheckError> {
         let strength = ("temperature.noise.strength", self.strength);
         let memory = self.memory_of_body(model);
         if memory.is_none() && self.relaxation_rate.is_none() {
-            let problem = "is white noise, and the time in which the body forgets its velocity is unknown, because \
-                           only `force.expression` acts on it";
-            let remedy = "write a `relaxation_rate` of the noise that is large against that of the body, e.g. \
-                          `relaxation_rate = 1000`";
+            let problem = "is white noise, but the velocity relaxation time of the body is \
+                           unknown, because only `force.expression` acts on it";
+            let remedy = "give the noise a `relaxation_rate` much larger than that of the body, \
+                          e.g. `relaxation_rate = 1000`";
             return Err(CheckError::new(&[strength], problem, remedy));
         }
         let shortest = memory.unwrap_or(end).min(end);
@@ -56,7 +56,7 @@ impl WhiteNoise {
         })
     }
 
-    /// Under white noise the force on a body at rest passes every threshold at once.
+    /// Under white noise the force on a body at rest exceeds every threshold immediately.
     pub(super) fn check_error(&self, model: &Model) -> Option<CheckError> {
         let rubs = |friction: &Friction| friction.static_force > friction.dynamic_force;
         let of = model.friction_by_direction().into_iter().find(rubs)?;
@@ -74,8 +74,9 @@ impl WhiteNoise {
         ))
     }
 
-    /// The memory of the noise as a share of the body's, which is how far statistics are from those
-    /// under white noise, in order of magnitude; none if that of the body is unknown.
+    /// The correlation time of the noise relative to the velocity relaxation time of the body,
+    /// which is the order of magnitude of the relative error of statistics; none if the latter is
+    /// unknown.
     pub fn share(&self, model: &Model) -> Option<f64> {
         let memory = self
             .memory_of_body(model)
@@ -83,9 +84,9 @@ impl WhiteNoise {
         Some(1.0 / (model.temperature.noises.first()?.relaxation_rate * memory))
     }
 
-    /// The shortest time in which the body forgets its velocity: by friction, c^2 D/f_d^2; by the
-    /// spring, sqrt(m/K); by damping, m/(2 alpha). A user-defined force is not in it, and the
-    /// time is unknown if there is no other.
+    /// The shortest velocity relaxation time of the body: by friction, c^2 D/f_d^2; by the spring,
+    /// sqrt(m/K); by damping, m/(2 alpha). User-defined forces are not included; without any other
+    /// force the time is unknown.
     fn memory_of_body(&self, model: &Model) -> Option<f64> {
         let oscillator = &model.oscillator;
         let force = oscillator.force_per_temperature();

@@ -2,12 +2,12 @@
 
 use crate::model::{Expression, Oscillator};
 
-/// A user-defined force as a scenario states it.
+/// A user-defined force as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenForce {
     /// The expression, with its parameters.
     pub expression: Expression,
-    /// The body as it is written, if the force is linear: the model then has the force in its
-    /// stiffness and its damping.
+    /// The body as written, if the force is linear: the force is then part of the stiffness and
+    /// damping of the model.
     pub without: Option<Oscillator>,
 }

@@ -45,9 +45,9 @@ macro_rules! schemes {
                 match self { $(Kind::$Scheme => $Scheme::PARAMETER,)+ }
             }
 
-            /// How pictures distinguish the scheme from the others.
-            pub fn look(self) -> Look {
-                match self { $(Kind::$Scheme => $Scheme::LOOK,)+ }
+            /// The appearance of the scheme in pictures.
+            pub fn appearance(self) -> Appearance {
+                match self { $(Kind::$Scheme => $Scheme::APPEARANCE,)+ }
             }
 
             /// The scheme with this step or tolerance.
@@ -75,7 +75,7 @@ macro_rules! schemes {
                 }
             }
 
-            /// How the error that its discretisation leaves in the statistics is known.
+            /// How its discretisation error can be measured.
             pub fn discretisation(self) -> Discretisation {
                 match self { $(Scheme::$Scheme(scheme) => scheme.discretisation(),)+ }
             }
@@ -138,10 +138,10 @@ macro_rules! schemes {
                 }
             }
 
-            fn looked_at_closer(self, closeness: usize) -> Self {
+            fn with_additional_rows(self, row_stride: usize) -> Self {
                 match self {
                     $(Simulation::$Scheme(simulation) => {
-                        Simulation::$Scheme(Box::new(simulation.looked_at_closer(closeness)))
+                        Simulation::$Scheme(Box::new(simulation.with_additional_rows(row_stride)))
                     })+
                 }
             }
@@ -213,8 +213,8 @@ mod tests {
         for (i, one) in Kind::ALL.iter().enumerate() {
             for other in &Kind::ALL[..i] {
                 assert_ne!(one.name(), other.name());
-                assert_ne!(one.look().colour, other.look().colour);
-                assert_ne!(one.look().dash, other.look().dash);
+                assert_ne!(one.appearance().colour, other.appearance().colour);
+                assert_ne!(one.appearance().dash, other.appearance().dash);
             }
         }
     }

@@ -5,8 +5,8 @@ use std::fmt;
 /// The reason why a scenario cannot be simulated, and the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct CheckError {
-    /// The values concerned, by their dotted keys in a scenario. The first one is named as the
-    /// cause, unless another one was set on the command line.
+    /// The values concerned, by their dotted keys in a scenario. The first one is reported, unless
+    /// another one was set on the command line.
     pub about: Vec<(&'static str, f64)>,
     /// What is wrong: either the rest of a sentence that begins with the first key and its value,
     /// or a whole sentence that names them.

@@ -6,7 +6,7 @@ use crate::lanes::{Lanes, ROW};
 /// x, x', T and whether the path is static.
 pub(super) type Seen = (f64, f64, f64, bool);
 
-/// The state that an observer sees of a path that was given up.
+/// The observed state of a path that was given up.
 pub(super) const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
 /// The state of every path at one time, one entry a lane.

@@ -1,11 +1,11 @@
-//! What a scheme has to define ([`Method`]), and what it can do on a model ([`Simulate`]).
+//! The definition of a scheme ([`Method`]), and its simulation of a model ([`Simulate`]).
 
 use super::{CheckError, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
 use crate::model::Model;
 
-/// A scheme with its one parameter, and its properties. Each scheme is a type in a file of its own,
-/// which implements this trait. The list in [`crate::scheme`] makes the enums of all schemes from
-/// these types.
+/// A scheme with its one parameter, and its properties. Each scheme is a type in its own file that
+/// implements this trait. The list in [`crate::scheme`] makes the enums of all schemes from these
+/// types.
 pub trait Method: Copy {
     /// The name in scenarios, tables, JSON and files.
     const NAME: &'static str;
@@ -13,8 +13,8 @@ pub trait Method: Copy {
     const MEANING: &'static str;
     /// Which parameter the scheme has.
     const PARAMETER: Parameter;
-    /// How pictures distinguish the scheme from the others.
-    const LOOK: Look;
+    /// The appearance of the scheme in pictures.
+    const APPEARANCE: Appearance;
     /// The scheme on one model and one timeline.
     type Simulation: Simulate;
 
@@ -27,7 +27,7 @@ pub trait Method: Copy {
     /// The scheme on this model, observed on this timeline.
     fn simulation(self, model: &Model, timeline: &Timeline) -> Self::Simulation;
 
-    /// How the error that its discretisation leaves in the statistics is known.
+    /// How its discretisation error can be measured.
     fn discretisation(self) -> Discretisation;
 
     /// The limit beyond which slips grow without bound; none for a scheme without a step.
@@ -56,8 +56,8 @@ pub trait Simulate: Sized {
     /// The instants at which the paths are observed.
     fn timeline(&self) -> &Timeline;
 
-    /// Simulates these paths of the ensemble with this seed. What the observer received of the
-    /// paths that diverged or had to be given up is no result.
+    /// Simulates these paths of the ensemble with this seed. Data of paths that diverged or were
+    /// given up must be discarded.
     fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer)
     -> Simulated;
 
@@ -67,8 +67,8 @@ pub trait Simulate: Sized {
         self.simulate_counting(seed, paths, observer).lost
     }
 
-    /// Why this path of the ensemble is given up, for which it is simulated again. None if it is not,
-    /// and for a scheme with a step, where every lost path has diverged.
+    /// Why this path of the ensemble was given up; it is simulated again. None if it was not, and
+    /// for a scheme with a step, where every lost path has diverged.
     fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
         match self.step() {
             Some(_) => None,
@@ -82,8 +82,8 @@ pub trait Simulate: Sized {
         None
     }
 
-    /// The number of paths that are best simulated together, if there are as many. The result of a
-    /// path does not depend on this number.
+    /// The best number of paths to simulate together. The result of a path does not depend on this
+    /// number.
     fn vectorised_paths(&self) -> usize {
         1
     }
@@ -107,18 +107,17 @@ pub trait Simulate: Sized {
         self
     }
 
-    /// The same simulation of the same paths, where every `closeness`-th row of the output grid
-    /// belongs to the run (`closeness` >= 1), and the rows between are for a closer look at a path.
-    /// The states in the rows of the run are the same with and without rows between them. A scheme
-    /// with a step is not changed, nor is a simulation without noise, because the states are known
-    /// at every time there.
-    fn looked_at_closer(self, _closeness: usize) -> Self {
+    /// The same simulation of the same paths, where every `row_stride`-th row of the output grid
+    /// belongs to the run (`row_stride` >= 1), and the rows in between are additional. The states in
+    /// the rows of the run are the same with and without them. A scheme with a step is not changed,
+    /// nor is a simulation without noise, because the states are known at every time there.
+    fn with_additional_rows(self, _row_stride: usize) -> Self {
         self
     }
 
-    /// The same simulation, where each path is given up after `limit` evaluations instead of
-    /// those of some seconds.
-    /// A scheme with a step is not changed, because its work is its number of steps.
+    /// The same simulation, where each path is given up after `limit` evaluations instead of the
+    /// default, which takes a few seconds. A scheme with a step is not changed, because its work is
+    /// its number of steps.
     fn with_work_limit(self, _limit: u64) -> Self {
         self
     }
@@ -127,8 +126,8 @@ pub trait Simulate: Sized {
 /// The one parameter of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
-    /// The time step h. A trade starts at the largest step that suits the model and halves it again
-    /// and again.
+    /// The time step h. A trade starts at the largest step that suits the model and halves it
+    /// repeatedly.
     Step,
     /// The relative error that discretisation may leave in the statistics.
     Tolerance {
@@ -137,7 +136,7 @@ pub enum Parameter {
     },
 }
 
-/// How the error that a scheme's discretisation leaves in the statistics is known.
+/// How the discretisation error of a scheme can be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Discretisation {
     /// The scheme has a step. The error falls with a power of the step and can be extrapolated from
@@ -152,19 +151,19 @@ pub enum Discretisation {
         /// h.
         h: f64,
     },
-    /// The scheme keeps to a tolerance: relative errors are at most about as large. Without noise
-    /// there is no error.
+    /// The scheme has a tolerance, which relative errors do not exceed by much. Without noise there
+    /// is no error.
     Tolerance {
         /// The tolerance, a relative error.
         tolerance: f64,
     },
-    /// The error is that of an approximation of the model, which no parameter makes smaller.
+    /// The error is that of an approximation of the model, independent of any parameter.
     Approximation,
 }
 
-/// How pictures distinguish a scheme from the others.
+/// The appearance of a scheme in pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
+pub struct Appearance {
     /// A colour as SVG writes it. The colours can be distinguished by colour-blind readers (Okabe
     /// and Ito).
     pub colour: &'static str,

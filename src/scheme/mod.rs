@@ -7,10 +7,10 @@
 //!                       timeline
 //! ```
 //!
-//! A scheme does not know of statistics, files or threads. A path is a function of the seed and its
-//! number alone; it does not depend on the paths that are simulated with it. The properties of a
-//! scheme (its name, its parameter, how its error is known, when it is stable) are in its own file,
-//! as a [`Method`]. The list of the schemes is the call of `schemes!` below.
+//! A scheme is independent of statistics, files and threads. A path is a function of the seed and
+//! its number alone; it does not depend on the paths that are simulated with it. The properties of
+//! a scheme (its name, its parameter, how its error is known, when it is stable) are in its own
+//! file, as a [`Method`]. The list of the schemes is the call of `schemes!` below.
 
 #[macro_use]
 mod any;
@@ -36,7 +36,7 @@ pub use event_driven::{
 };
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use method::{Discretisation, Look, Method, Parameter, Simulate};
+pub use method::{Appearance, Discretisation, Method, Parameter, Simulate};
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
 pub use segment::{Along, Course, Segment};
 pub use stability::Stability;
@@ -48,7 +48,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 
 /// Receives the events and states of the simulated paths. `lane` is the position of a path in the
-/// list of paths that are simulated. What an observer does not implement, it ignores.
+/// list of paths that are simulated. Methods that an observer does not implement do nothing.
 ///
 /// ```
 /// use stickslip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
@@ -86,20 +86,21 @@ pub trait Observer {
     /// happened until then.
     fn snapshot(&mut self, _instant: Instant, _snapshot: Snapshot<'_>) {}
 
-    /// Whether the motion between the events is wanted: a scheme then reports the [`Segment`]s of every
-    /// path. It asks once, before the paths begin.
+    /// Whether the motion between the events is wanted: a scheme then reports the [`Segment`]s of
+    /// every path. This is called once, before the paths begin.
     fn follows(&self) -> bool {
         false
     }
 
-    /// A piece of the motion of one path. Those of a path arrive in time order, each before the
-    /// state at [`Instant::End`]. A piece is as it is wherever the path is observed: it may begin
-    /// before an instant and end after it, may arrive before or after the state at an instant within
-    /// or before it, and the last ones may lie beyond the end. A step arrives before all later states.
+    /// A segment of the motion of one path. The segments of a path arrive in time order, each
+    /// before the state at [`Instant::End`]. Segments do not depend on the instants of observation:
+    /// one may begin before an instant and end after it, may arrive before or after the state at an
+    /// instant within or before it, and the last ones may extend beyond the end. A step arrives
+    /// before all later states.
     fn segment(&mut self, _lane: usize, _segment: &Segment) {}
 
     /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the
-    /// observer must discard what it has received of these paths.
+    /// observer must discard the data of these paths.
     fn is_stopped(&self) -> bool {
         false
     }

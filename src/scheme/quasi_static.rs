@@ -1,9 +1,9 @@
 //! The quasi-static scheme: the paper's approximation for slow forcing (its section on the bridge),
 //! with damping.
 //!
-//! During a slip the temperature is taken to be constant. At the exit |b| = f_s, so the body starts
-//! from rest towards an equilibrium at a distance of (f_s - f_d)/K, and swings beyond it until it
-//! is at rest again ([`StepResponse`]). The cascade is then a recursion:
+//! During a slip the temperature is assumed to be constant. At the exit |b| = f_s, so the body
+//! starts from rest towards an equilibrium at a distance of (f_s - f_d)/K, and swings beyond it
+//! until it is at rest again ([`StepResponse`]). The cascade is then a recursion:
 //!
 //! ```text
 //! tau_{j+1/2} = inf{t > tau_j : |b(x_j, t)| > f_s},      tau_{j+1} = tau_{j+1/2} + pi/w_d,
@@ -16,19 +16,19 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
-//! **A body that starts outside the stick band**, |b| > f_s at t = 0, swings from the b that it has.
-//! Its x(0) or a noise that starts stationary may put it there. The equilibrium is (|b| - f_d)/K
-//! away, and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the
-//! body swings back at once, in a further sub-phase. With f_s for |b| it would come to rest on
+//! **A body that starts outside the stick band**, |b| > f_s at t = 0, swings from its actual b.
+//! This may be due to x(0) or a stationary initial noise. The equilibrium is (|b| - f_d)/K away,
+//! and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing also ends outside, the body
+//! swings back immediately, in a further sub-phase. With f_s for |b| it would come to rest on
 //! another lattice, and stay on it. Later b reaches f_s continuously.
 //!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
-//! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
-//! cover the whole distance. A slip must end, or the recursion would stop at the first one. Any end
-//! at which nearly all of the distance is covered gives the same sticks and jumps where the forcing
-//! is slow, and the recursion is only meant for slow forcing. The settling time is also about how
-//! long such a slip lasts in the model, where noise ends it as soon as the noise moves x' more than
-//! the rest of the swing does (docs/event-driven.md).
+//! The slip is defined to last the settling time, until a thousandth of the distance is left, and
+//! to cover the whole distance. A slip must end, or the recursion would stop at the first one. Any
+//! end at which nearly all of the distance is covered gives the same sticks and jumps where the
+//! forcing is slow, and the recursion is only meant for slow forcing. The settling time is also
+//! about how long such a slip lasts in the model, where noise ends it as soon as the noise moves x'
+//! more than the rest of the swing does (docs/event-driven.md).
 //!
 //! **Limits of the approximation.** If the forcing moves the equilibrium faster than the body would
 //! swing back, K |beta| |T'| > (f_s - f_d) w0 [`StepResponse::return_speed`], x' has no zero: the
@@ -37,17 +37,17 @@
 //! slightly below 1.
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
-//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
-//! is false because the temperature moved on, the stick that begins there is empty.
+//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; if this is
+//! false because the temperature has changed, the stick that begins there is empty.
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, End, ExactTime, Glance, Known, MacroStep, Noiseless, Path, PathSegment,
-    PathSegments, Resolved, Route, ScalarPaths, Scene, Simulated, StepRules, Watch, WatchedPiece,
-    Watching, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, Known, MacroStep, Noiseless, ObservationTime, ObservedSegment,
+    Path, PathObserver, PathSegment, PathSegments, Propagation, Resolved, ScalarPaths, Scene,
+    SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
 };
 use super::{
-    Along, CheckError, DEFAULT_TOLERANCE, Discretisation, Look, Method, Observer, Parameter,
+    Along, Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
     Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
@@ -69,7 +69,7 @@ impl Method for QuasiStatic {
     const PARAMETER: Parameter = Parameter::Tolerance {
         grid: &[DEFAULT_TOLERANCE],
     };
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#CC79A7",
         dash: "2 3",
     };
@@ -91,7 +91,7 @@ impl Method for QuasiStatic {
         Discretisation::Approximation
     }
 
-    /// The recursion takes a slip for one swing of the spring, which ends at rest.
+    /// The recursion treats a slip as one swing of the spring, which ends at rest.
     fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
         let Oscillator {
             stiffness, damping, ..
@@ -175,8 +175,8 @@ struct Swing {
 }
 
 impl Swing {
-    /// By how much |b| exceeds f_s as a slip begins with this event: 0 except in the slip of a body
-    /// that starts outside the band, and in its further sub-phases.
+    /// The excess of |b| over f_s when a slip begins with this event: 0 except in the slip of a
+    /// body that starts outside the band, and in its further sub-phases.
     fn excess(&self, event: &Event) -> f64 {
         let is_from_outside = match event.kind {
             EventKind::SlipStarted(_) => event.time == 0.0,
@@ -206,11 +206,11 @@ impl Swing {
         direction: Sign,
         excess: f64,
         [from, until]: [f64; 2],
-        mut tell: impl FnMut(Segment),
+        mut report: impl FnMut(Segment),
     ) {
         let response = &self.response;
         let reach = self.way(direction, excess) / (1.0 + response.overshoot);
-        // The pull of the spring and of the temperature, which is held, less the damping.
+        // The force of the spring and of the constant temperature, minus the damping.
         let Oscillator {
             mass,
             stiffness,
@@ -221,7 +221,7 @@ impl Swing {
             let (x, v) = self.at(0.0, direction, excess, since);
             [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
         };
-        // With |b| at the start, the temperature that is held.
+        // The constant temperature follows from |b| at the start.
         let pull = direction.value() * (self.threshold + excess) + stiffness * x0;
         let temperature =
             Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
@@ -234,11 +234,11 @@ impl Swing {
             let (start, end) = (at(i), at(i + 1.0));
             let mut there = state(end);
             if end >= response.duration {
-                // A slip at critical damping and above is taken to cover the rest at once.
+                // A slip at critical damping and above covers the rest immediately.
                 let all = self.way(direction, excess);
                 there = [all, 0.0, stiffness * (reach - all) / mass];
             }
-            tell(Segment {
+            report(Segment {
                 start: began + start,
                 length: end - start,
                 displacement: x0 + here[0],
@@ -253,8 +253,8 @@ impl Swing {
         }
     }
 
-    /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick,
-    /// or the swing back of a body that swung out of the band.
+    /// The event at the end of a swing that began with this excess, where b is `force`: a stick, or
+    /// the swing back of a body that swung out of the band.
     fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
         let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
         if is_back {
@@ -421,12 +421,12 @@ impl PathSegments for NoiselessRecursion {
         })
     }
 
-    /// The whole slip, so that its pieces do not depend on the end of the run.
-    fn segments(&self, part: &Part, _: f64, tell: impl FnMut(Segment)) -> Resolved<()> {
+    /// The whole slip, so that its segments do not depend on the end of the run.
+    fn segments(&self, part: &Part, _: f64, report: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let whole = [0.0, self.slip.response.duration];
             self.slip
-                .segments(part.start.value(), x, direction, excess, whole, tell);
+                .segments(part.start.value(), x, direction, excess, whole, report);
         }
         Ok(())
     }
@@ -436,7 +436,7 @@ impl PathSegments for NoiselessRecursion {
 #[derive(Clone, Debug)]
 struct NoisyRecursion {
     scene: Scene,
-    route: Route,
+    propagation: Propagation,
     slip: Swing,
 }
 
@@ -444,8 +444,12 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let route = Route::new(&scene, timeline, rules, longest, 1);
-        NoisyRecursion { scene, route, slip }
+        let propagation = Propagation::new(&scene, timeline, rules, longest, 1);
+        NoisyRecursion {
+            scene,
+            propagation,
+            slip,
+        }
     }
 }
 
@@ -459,8 +463,8 @@ impl Cascade for NoisyRecursion {
         &self.scene
     }
 
-    fn route(&self) -> &Route {
-        &self.route
+    fn propagation(&self) -> &Propagation {
+        &self.propagation
     }
 
     fn scratch(&self) {}
@@ -472,13 +476,13 @@ impl Cascade for NoisyRecursion {
         direction: Sign,
         end_noise: f64,
         _: &mut (),
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>> {
         path.work.spend()?;
         let x0 = path.displacement;
         let (began, excess) = (path.motion.0 - macro_step.start, path.motion.1);
         let end = began + self.slip.response.duration;
-        let mut piece = SwingPiece {
+        let mut piece = SwingSegment {
             slip: &self.slip,
             began,
             displacement: x0,
@@ -492,9 +496,9 @@ impl Cascade for NoisyRecursion {
                 noise_between(&self.scene, piece.ends, end, &mut path.draws),
             );
         }
-        watch.look(&self.scene, || piece);
+        observer.observe(&self.scene, || piece);
         let began_at = path.motion.0;
-        if watch.follows() {
+        if observer.follows() {
             let from = macro_step.start + path.after - began_at;
             let until = if end < macro_step.length {
                 self.slip.response.duration
@@ -503,7 +507,7 @@ impl Cascade for NoisyRecursion {
             };
             self.slip
                 .segments(began_at, x0, direction, excess, [from, until], |segment| {
-                    watch.segment(segment)
+                    observer.segment(segment)
                 });
         }
         (path.after, path.noise) = piece.ends[1];
@@ -525,7 +529,7 @@ impl Cascade for NoisyRecursion {
         (event.time, self.slip.excess(event))
     }
 
-    fn look(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
+    fn end_state(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => self.slip.at(
@@ -540,7 +544,7 @@ impl Cascade for NoisyRecursion {
 
 /// A piece of a slip. The body moves as without noise, and n is a bridge.
 #[derive(Clone, Copy)]
-struct SwingPiece<'a> {
+struct SwingSegment<'a> {
     slip: &'a Swing,
     /// The time at which the slip began, after the start of the macro step, and x and the excess of
     /// |b| at that time.
@@ -552,7 +556,7 @@ struct SwingPiece<'a> {
     ends: [Known; 2],
 }
 
-impl WatchedPiece for SwingPiece<'_> {
+impl ObservedSegment for SwingSegment<'_> {
     fn end(&self) -> f64 {
         self.ends[1].0
     }
@@ -560,10 +564,10 @@ impl WatchedPiece for SwingPiece<'_> {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
-        let time = glance.time;
+        let time = instant.time;
         let noise = noise_between(scene, self.ends, time, draws);
         let (x, v) = self.slip.at(
             self.displacement,
@@ -571,15 +575,15 @@ impl WatchedPiece for SwingPiece<'_> {
             self.excess,
             time - self.began,
         );
-        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
+        let seen = (x, v, scene.temperature(instant.forcing, noise), false);
         let ([first, last], here) = (self.ends, (time, noise));
         (
             seen,
-            SwingPiece {
+            SwingSegment {
                 ends: [first, here],
                 ..*self
             },
-            SwingPiece {
+            SwingSegment {
                 ends: [here, last],
                 ..*self
             },
@@ -596,8 +600,7 @@ impl Simulate for QuasiStaticSimulation {
         &self.timeline
     }
 
-    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
-    /// number.
+    /// A path is given up if it exceeds its number of evaluations, or if a value is NaN.
     fn simulate_counting(
         &self,
         seed: u64,
@@ -606,7 +609,7 @@ impl Simulate for QuasiStaticSimulation {
     ) -> Simulated {
         match &self.exits {
             Exits::Noisy(cascade) => {
-                let observer = Watching::new(observer);
+                let observer = SharedObserver::new(observer);
                 let (is_stopped, follows) = (
                     || observer.borrow().is_stopped(),
                     observer.borrow().follows(),
@@ -623,15 +626,15 @@ impl Simulate for QuasiStaticSimulation {
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.exits {
-            Exits::Noisy(cascade) => cascade.route.work_limit = limit,
+            Exits::Noisy(cascade) => cascade.propagation.work_limit = limit,
             Exits::Noiseless(cascade) => cascade.exits.work_limit = limit,
         }
         self
     }
 
-    fn looked_at_closer(mut self, closeness: usize) -> Self {
+    fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.route.closeness = closeness;
+            cascade.propagation.row_stride = row_stride;
         }
         self
     }

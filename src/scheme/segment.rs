@@ -1,11 +1,11 @@
-//! The motion of a path between its events, piece by piece, for an observer that follows it.
+//! The motion of a path between its events, segment by segment, for an observer that follows it.
 //!
-//! A scheme cuts the motion where it knows it: an event-driven path at its own steps and at what
-//! it bisected them to, a path without noise where its closed form is close to a polynomial, a
-//! path with a step at its steps. No piece depends on the instants at which a path is observed, so who
-//! observes a part of the time takes a part of a piece.
+//! A scheme divides the motion where it is known: an event-driven path at its steps and their
+//! bisections, a path without noise where its closed form is close to a polynomial, a path with a
+//! step at its steps. Segments do not depend on the instants of observation, so an observer of part
+//! of the time takes part of a segment.
 
-/// A piece of the motion of one path within a sub-phase.
+/// A segment of the motion of one path within a sub-phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// When it begins, a time.
@@ -14,16 +14,16 @@ pub struct Segment {
     pub length: f64,
     /// x at its start, a length.
     pub displacement: f64,
-    /// How far x gets, a length with the sign of x'. It is kept apart from x, of which it may be
-    /// less than the last digit.
+    /// The change of x, a length with the sign of x'. It is separate from x, because it may be less
+    /// than the rounding of x.
     pub way: f64,
     /// x' at both ends, a length per time.
     pub velocity: [f64; 2],
-    /// What the body does in between.
+    /// The motion in between.
     pub along: Along,
 }
 
-/// What a body does in a [`Segment`].
+/// The motion of a body in a [`Segment`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Along {
     /// x is the quintic that has x, x' and x'' of both ends. Under noise it is the mean of x given
@@ -31,8 +31,7 @@ pub enum Along {
     Smooth {
         /// x'' at both ends, a length per time squared.
         acceleration: [f64; 2],
-        /// T, in units of temperature, if the scheme holds it throughout; none if the body feels it
-        /// change.
+        /// T, in units of temperature, if the scheme keeps it constant; none if it varies.
         temperature: Option<f64>,
     },
     /// A step of a scheme with a step: all forces are those at its start.
@@ -51,8 +50,8 @@ impl Segment {
         self.start + self.length
     }
 
-    /// x and x' at a time from its start on. Behind its end the body is at rest. A time that differs
-    /// from the end by rounding is the end.
+    /// x and x' at a time from its start on. After its end the body is at rest. A time that differs
+    /// from the end by rounding counts as the end.
     pub fn state(&self, time: f64) -> [f64; 2] {
         let behind = time - self.end();
         let rounding = 4.0 * f64::EPSILON * time;
@@ -109,7 +108,7 @@ impl Segment {
         else {
             return [0.0, way, 0.0, 0.0, 0.0, 0.0];
         };
-        // In units of the length: x'' at the start, and what the other end demands beyond it.
+        // In units of the length: x'' at the start, and the correction for the other end.
         let bend = h * h * a0;
         let [d, e, f] = [
             way - h * v0 - 0.5 * bend,
@@ -160,7 +159,7 @@ impl Segment {
                 high = middle
             }
         }
-        // Where a segment is very short its polynomial is rounding, which this bounds.
+        // The polynomial of a very short segment is rounding, which this bounds.
         let most = ends + self.length * first.abs().max(last.abs());
         ends.max((direction * self.at(low)[1]).min(most))
     }
@@ -256,7 +255,7 @@ impl Course {
             places: [from; 9],
             count: 1,
         };
-        // Mostly neither turns: x'' lies between its four coefficients in Bernstein's form.
+        // Mostly neither turns: x'' lies between its four Bernstein coefficients.
         let [a, b, c, d, ..] = chain[1];
         let hull = [a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d];
         let [start, end] = self.ends.map(|state| state[1]);

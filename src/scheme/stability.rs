@@ -4,13 +4,13 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stability {
     /// The explicit step of an undamped oscillator adds energy to a slip, however short the step
-    /// is. Above the critical amplitude, friction takes away less energy than the step adds.
+    /// is. Above the critical amplitude, friction dissipates less energy than the step adds.
     Undamped {
         /// A_c = 4 f_d / (pi w0 h K), a length.
         critical_amplitude: f64,
     },
-    /// The damping is negative, so the body grows above the amplitude at which friction takes what
-    /// the damping adds, and with it the explicit step.
+    /// The damping is negative, so the amplitude grows above the one at which friction dissipates
+    /// the energy that the damping adds, also with the explicit step.
     Growing {
         /// A of [`Model::runaway_amplitude`](crate::model::Model::runaway_amplitude), a length.
         critical_amplitude: f64,

@@ -14,7 +14,7 @@ pub struct Timeline {
     pub after: f64,
 }
 
-/// Why the paths are observed at an instant.
+/// The reason for observing the paths at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instant {
     /// Row `k` of the output grid, t = k output_step.
@@ -32,7 +32,7 @@ pub enum Instant {
 pub struct Stop {
     /// t, a time.
     pub time: f64,
-    /// Why the paths are observed at this time.
+    /// The reason for observing the paths at this time.
     pub instant: Instant,
 }
 

@@ -3,8 +3,8 @@
 use super::need::Need;
 use super::{Estimate, PhaseLaw, Statistic, Summary};
 
-/// Whether the summary shows that a need is not met. A need that a summary cannot show comes
-/// last in a row, and is what remains as the reason.
+/// Whether the summary shows that a need is not met. A need that a summary cannot show comes last
+/// in a row, and is the default reason.
 fn is_missing(need: Need, summary: &Summary) -> bool {
     match need {
         Need::Stick => summary.stick_durations.completed == 0,
@@ -26,7 +26,7 @@ fn is_missing(need: Need, summary: &Summary) -> bool {
     }
 }
 
-/// Whether a statistic is one of how much paths differ.
+/// Whether a statistic measures the spread over paths.
 fn is_spread(statistic: Statistic) -> bool {
     ["_sd", "_cv", "_correlation", "_coefficient"]
         .iter()

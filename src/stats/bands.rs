@@ -138,7 +138,7 @@ impl Codec for BandSums {
 /// lower of [`VALUES_PER_SKETCH`] applies instead.
 const VALUES_TOGETHER: usize = 4_500_000;
 
-/// The least and the largest number of values that one sketch keeps.
+/// The smallest and the largest number of values that one sketch keeps.
 const VALUES_PER_SKETCH: [usize; 2] = [256, 2048];
 
 /// Blocks wait until they have this many paths or this many values together. Then each sketch
@@ -163,8 +163,8 @@ impl BlockValues {
     }
 }
 
-/// Which values each variable takes at each time, and how many paths are static: the part of the
-/// bands that consists of counts and merges exactly.
+/// The values of each variable at each time, and the number of static paths: the part of the bands
+/// that consists of counts and merges exactly.
 #[derive(Clone, Debug)]
 pub(super) struct BandCounts {
     rows: [Vec<Sketch>; VARIABLES],
@@ -251,7 +251,7 @@ impl BandCounts {
         }
     }
 
-    /// Counts what waits to be counted ([`Sketch::settle`]).
+    /// Counts the waiting values ([`Sketch::settle`]).
     pub fn settle(&mut self) {
         self.count_waiting();
         self.rows.iter_mut().flatten().for_each(Sketch::settle);
@@ -385,7 +385,7 @@ fn band(
     }
 }
 
-/// Whether all paths that agree on a variable in a row do so by the law of the scene and not by
+/// Whether agreement of all paths on a variable in a row follows from the scenario and not from
 /// chance. At t = 0 each is at rest at x0. The temperature of two paths is the same where it is
 /// known, at a sample of a pinned series or at t = 0, and nowhere else.
 fn agrees_by_law(variable: usize, row: usize, deterministic: Deterministic) -> bool {

@@ -1,5 +1,5 @@
-//! What every run measures of the cascade: sticks, slips, sub-phases, jumps, the time at rest, the
-//! sliding path and its work, and x at the end.
+//! Measures of every run: sticks, slips, sub-phases, jumps, the time at rest, the sliding path and
+//! its work, and x at the end.
 
 use super::Statistic;
 use super::law::{LawSums, rare_mean, rare_ratio};

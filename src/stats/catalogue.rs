@@ -1,6 +1,5 @@
-//! The list of reported statistics: one row for each, from which tables, files, pictures and the
-//! bias of the step take what they say of it. Its formula is in the file of its measure
-//! ([`super::measure`]).
+//! The list of reported statistics: one row for each, used by tables, files, pictures and the bias
+//! of the step. The formulas are in the files of the measures ([`super::measure`]).
 
 use super::deterministic::Deterministic;
 use super::dimension::Dimension;
@@ -8,7 +7,7 @@ use super::law::PhaseLaw;
 use super::need::Need;
 use crate::sums::range::Range;
 
-/// What is known of a statistic before any path is simulated.
+/// The properties of a statistic, independent of any simulation.
 #[derive(Clone, Copy)]
 pub(crate) struct CatalogueRow {
     /// Its name in tables, JSON and HDF5.
@@ -22,13 +21,13 @@ pub(crate) struct CatalogueRow {
     pub range: Range,
     pub over: Over,
     pub step_error: StepError,
-    /// Whether the scene alone decides the statistic.
+    /// Whether the scenario alone determines the statistic.
     is_deterministic: fn(Deterministic) -> bool,
     /// Why it may not exist: the first of these needs that is not met.
     pub needs: &'static [Need],
     /// The law whose median it is, if it is a median.
     pub median_of: Option<PhaseLaw>,
-    /// What a run measures only on request, if the statistic belongs to it.
+    /// The optional measure to which the statistic belongs, if any.
     pub asked_by: Option<Extra>,
 }
 
@@ -44,7 +43,7 @@ impl CatalogueRow {
     }
 }
 
-/// What a run measures only on request.
+/// Measures on request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extra {
     /// `record.laws`.
@@ -55,7 +54,7 @@ pub(crate) enum Extra {
     Levels,
 }
 
-/// What a statistic is a mean over, or a number of.
+/// The population over which a statistic is a mean, or which it counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Over {
     /// Completed sticks, the first one apart.
@@ -73,8 +72,8 @@ pub(crate) enum Over {
 }
 
 impl Over {
-    /// Whether phases are counted or averaged over. There are infinitely many of them where slips
-    /// of all sizes occur. Total times, the first stick and positions are not affected by that.
+    /// Whether phases are counted or averaged over. There are infinitely many of them if slips of
+    /// all sizes occur, which does not affect total times, the first stick and positions.
     pub fn counts_phases(self) -> bool {
         matches!(
             self,
@@ -86,9 +85,9 @@ impl Over {
 /// How the error of the time step depends on the step h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StepError {
-    /// As sqrt(h): thresholds are checked only once a step.
+    /// As sqrt(h): thresholds are checked only once per step.
     Root,
-    /// Likewise, and it suffers most from the short slips that a long step misses.
+    /// Likewise, and most affected by the short slips that a long step misses.
     RootOfRare,
     /// As h, or as sqrt(h), whichever is observed.
     FirstOrRoot,
@@ -167,7 +166,7 @@ const OF_LAWS: CatalogueRow = CatalogueRow {
     asked_by: Some(Extra::Laws),
     ..OF_SLIPS
 };
-/// How much those of slips differ.
+/// Spreads of quantities of slips.
 const OF_SLIP_SPREADS: CatalogueRow = CatalogueRow {
     needs: &[Need::Slip, Need::TwoSlips],
     ..OF_LAWS
@@ -416,18 +415,18 @@ catalogue! {
     /// Mean over paths of the work of a user-defined force, the integral of g x' dt.
     UserForceWorkMean: OF_ENERGY.called(
         "own_force_work_mean", "mean work of the user-defined force", "mean work of the user-defined force on the body"),
-    /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
+    /// Mean over paths of the energy dissipated by damping, the integral of 2 alpha x'^2 dt.
     DampingWorkMean: OF_ENERGY.called(
         "damping_work_mean", "mean work of damping", "mean work done against damping"),
     /// Mean over paths of the change of m x'^2/2 + K x^2/2.
     StoredEnergyMean: OF_ENERGY.called(
         "stored_energy_change_mean", "mean change of stored energy",
         "mean change of kinetic and spring energy"),
-    /// Mean over paths of what is left of the energy balance.
+    /// Mean over paths of the residual of the energy balance.
     EnergyResidualMean: OF_ENERGY.called(
         "energy_residual_mean", "mean residual of the energy balance",
         "mean residual of the energy balance, a numerical error"),
-    /// Standard deviation over paths of what is left of the energy balance.
+    /// Standard deviation over paths of the residual of the energy balance.
     EnergyResidualSd: CatalogueRow {
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths],
@@ -478,7 +477,7 @@ impl Statistic {
         &ROWS[self.index()]
     }
 
-    /// Whether the scene alone decides the statistic, so that all paths must agree on it.
+    /// Whether the scenario alone determines the statistic, so that all paths must agree on it.
     pub(super) fn is_decided_by(self, scene: Deterministic) -> bool {
         scene.everything || (self.row().is_deterministic)(scene)
     }

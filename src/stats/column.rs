@@ -1,5 +1,4 @@
-//! Columns of values, and what is known of a variable before it has any: its name, its axes, its
-//! unit and its meaning.
+//! Columns of values, and the descriptions of variables: name, axes, unit and meaning.
 
 use super::{Dimension, Units};
 use crate::sums::{Damaged, Reader};
@@ -351,7 +350,7 @@ fn numbers<T, const N: usize>(bytes: &[u8], of: fn([u8; N]) -> T) -> Vec<T> {
 pub trait Columns: Default {
     /// The values of a row.
     type Row;
-    /// A row of which nothing is known.
+    /// A row without data.
     const MISSING: Self::Row;
     /// Every column in the order of the table, with the type of its values.
     const VARIABLES: &'static [(Variable, ElementType)];

@@ -1,4 +1,4 @@
-//! An estimate less the bias of the step, as far as that bias is known.
+//! An estimate corrected for the bias of the step, if that bias is known.
 
 use super::{Bias, Estimate};
 
@@ -6,7 +6,7 @@ use super::{Bias, Estimate};
 /// the value at zero step, in the unit of the statistic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
-    /// The estimate less [`Bias::weight`] times its bias.
+    /// The estimate minus [`Bias::weight`] times its bias.
     pub estimate: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -15,17 +15,17 @@ pub struct Corrected {
 }
 
 impl Bias {
-    /// The share of the bias that is worth subtracting: max(0, 1 - (uncertainty/bias)^4).
+    /// The share of the bias to subtract: max(0, 1 - (uncertainty/bias)^4).
     ///
-    /// Where zero is within the uncertainty of the bias, nothing is subtracted, because that would
-    /// add more noise than it removes bias. Where the bias is three times its uncertainty, 99 % of
-    /// it is subtracted. Between these the share grows without a jump. (With the second power this
-    /// is L. Breiman's garrote, *Better subset regression using the nonnegative garrote*,
-    /// Technometrics 37 (1995). It leaves a ninth of a bias of three times its uncertainty.)
+    /// If zero is within the uncertainty of the bias, nothing is subtracted, because that would add
+    /// more noise than it removes bias. If the bias is three times its uncertainty, 99 % of it is
+    /// subtracted. In between, the share grows continuously. (With the second power this is L.
+    /// Breiman's garrote, *Better subset regression using the nonnegative garrote*, Technometrics
+    /// 37 (1995). It leaves a ninth of a bias of three times its uncertainty.)
     ///
     /// In units of the uncertainty, and for normal errors, its root-mean-square error exceeds that
-    /// of the plain estimate by at most 0.15, and that of the estimate less all of its bias by at
-    /// most 0.4.
+    /// of the plain estimate by at most 0.15, and that of the fully corrected estimate by at most
+    /// 0.4.
     pub fn weight(&self) -> f64 {
         if self.estimate.abs() > self.uncertainty {
             1.0 - (self.uncertainty / self.estimate).powi(4)
@@ -36,14 +36,13 @@ impl Bias {
 }
 
 impl Estimate {
-    /// The statistic without the error of the step, as far as that is known; none where there is no
-    /// bias or no finite interval.
+    /// The statistic without the error of the step; none without a bias or a finite interval.
     ///
-    /// The interval is that of the estimate less all of its bias, whatever share is subtracted. It
-    /// covers the truth with a probability of 95 %, however large the bias is in truth. The
-    /// probability is higher where the bias was measured against a reference run, because the error
-    /// of the estimate then counts twice. The corrected estimate always lies in the interval, and
-    /// in its middle only where nearly all of the bias is subtracted.
+    /// The interval is that of the fully corrected estimate, whatever share is subtracted. It
+    /// covers the true value with a probability of 95 %, whatever the true bias. The probability is
+    /// higher if the bias was measured against a reference run, because the error of the estimate
+    /// then counts twice. The corrected estimate always lies in the interval, and in its middle
+    /// only if nearly all of the bias is subtracted.
     ///
     /// The corrected estimate is an estimate of the value in the model. So the corrected median of
     /// durations that are multiples of the step is not a multiple of the step.

@@ -1,19 +1,19 @@
-//! What the path of a scene without noise does in the end.
+//! The long-term motion of a scenario without noise.
 
-/// The most states at phase zero that are kept.
+/// The maximum number of stored states at phase zero.
 const STATES: usize = 64;
 
-/// What the path of a scene without noise does in the end.
+/// The long-term motion of a scenario without noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitCycle {
-    /// x less its drift since t = 0, at the times n P, the last of them, where something periodic
-    /// forces the body, and at the beginnings of the last slips elsewhere. A length.
+    /// x minus its drift since t = 0, at the times n P, the last of them, with periodic forcing,
+    /// and otherwise at the beginnings of the last slips. A length.
     pub section: Vec<f64>,
-    /// Half the range of x less its drift: of the motion in the last cycle if there is one, in the
-    /// last half of the counted time if no slip begins there and nothing periodic forces the body,
-    /// and in all the counted time otherwise. 0 where the body rests or slides steadily. A length.
+    /// Half the range of x minus its drift: of the motion in the last cycle if there is one, in the
+    /// last half of the counted time if no slip begins there and there is no periodic forcing, and
+    /// otherwise in all the counted time. 0 if the body rests or slides steadily. A length.
     pub amplitude: f64,
-    /// The cycle; none if no state comes back.
+    /// The cycle; none if no state recurs.
     pub repeats: Option<Repeats>,
 }
 
@@ -22,9 +22,9 @@ pub struct LimitCycle {
 pub struct Repeats {
     /// The time after which the motion repeats itself.
     pub period: f64,
-    /// How many periods P of the forcing that is; none without a forcing.
+    /// The number of periods P of the forcing; none without a forcing.
     pub forcing_periods: Option<usize>,
-    /// How far the body gets in that time.
+    /// The advance of the body in that time.
     pub advance: f64,
     /// The slips that begin in that time.
     pub slips: usize,
@@ -32,7 +32,7 @@ pub struct Repeats {
     pub sticks: usize,
     /// The share of that time at rest.
     pub at_rest: f64,
-    /// Whether half a cycle later the motion is its own mirror image.
+    /// Whether the motion half a cycle later is its mirror image.
     pub is_symmetric: bool,
 }
 

@@ -1,14 +1,14 @@
-//! The share of the counted time that the body spends in each part of its phase plane.
+//! The fraction of the counted time that the body spends in each part of its phase plane.
 //!
 //! Times are those along the motion ([`Segment`]) and in sticks, from the end of the burn-in on, of
 //! all paths; they do not depend on the output grid. A body in a stick has x' = 0 exactly, so its
-//! time is an atom of the law of x', which is kept apart. The density of x' and that of (x, x') are
-//! those of the time in motion, and their integrals are its share. The density of x is that of all
-//! time.
+//! time is an atom of the law of x', which is stored separately. The density of x' and that of (x,
+//! x') are those of the time in motion, and their integrals are its share. The density of x is that
+//! of all time.
 //!
-//! A piece of the motion is a polynomial, and the time that it spends in a bin is that between its
-//! passages of the edges. Passages are rounded to whole ticks before they are subtracted, so times are
-//! whole numbers of ticks, which merge exactly in any order, and bins into coarser bins.
+//! A segment of the motion is a polynomial, and the time that it spends in a bin is that between
+//! its passages of the edges. Passages are rounded to whole ticks before they are subtracted, so
+//! times are whole numbers of ticks, which merge exactly in any order, and bins into coarser bins.
 
 use super::motion::counted_part;
 use super::{Densities, DensityCurve};
@@ -28,8 +28,8 @@ const TWO: [usize; 2] = [64, 64];
 /// Ticks of the counted time of a path.
 const TICKS: f64 = (1u64 << 38) as f64;
 
-/// A bin that fewer batches of paths have visited than this has no interval: where bodies wander,
-/// a few visits do not show how many there may be.
+/// A bin visited by fewer batches of paths than this has no interval: if bodies wander, a few
+/// visits do not show how many there may be.
 const FEWEST: usize = 8;
 
 sums! {
@@ -69,8 +69,8 @@ impl DensityCounts {
             let edges = grid.axes()[0].edges();
             let widths: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let share = |counts: &[u64]| {
-                // In units of the time of a path, so that a share that is never taken has the interval
-                // of so many paths.
+                // In units of the time of a path, so that a share of zero has the interval of this
+                // many paths.
                 Share::of(
                     counts
                         .iter()
@@ -198,8 +198,8 @@ impl DensityFold {
         }
     }
 
-    /// Add a piece of the motion: the time that it spends in each bin. A step is in the bin of its
-    /// start.
+    /// Add a segment of the motion: the time that it spends in each bin. A step is in the bin of
+    /// its start.
     pub fn segment(&mut self, lane: usize, segment: &Segment) {
         let counted = counted_part(&self.timeline, segment);
         if let Along::Step { .. } = segment.along {

@@ -1,7 +1,7 @@
-//! What the scene alone decides, so that all paths must agree on it.
+//! Quantities determined by the scenario alone, on which all paths must agree.
 //!
-//! Where all paths of a random scene agree on a number by chance, its interval says that other
-//! paths may differ ([`crate::sums::range`]). Where they cannot differ, it is a single point.
+//! If all paths of a random scenario agree on a number by chance, its interval allows for other
+//! paths to differ ([`crate::sums::range`]). If they cannot differ, it is a single point.
 
 use crate::model::{InitialNoise, Model, Noise};
 use crate::scheme::Timeline;
@@ -9,7 +9,7 @@ use crate::scheme::Timeline;
 /// The numbers that are the same for all paths of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Deterministic {
-    /// Every number: nothing is random, or nothing has time to happen.
+    /// Every number: nothing is random, or the duration is zero.
     pub everything: bool,
     /// Whether a path is static at t = 0, because v(0) is given.
     pub start: bool,
@@ -17,9 +17,9 @@ pub(crate) struct Deterministic {
     pub first_stick: bool,
     /// Nothing ever sticks, because f_s = 0.
     pub never_sticks: bool,
-    /// Friction takes no work, because f_d = 0.
+    /// Friction dissipates no work, because f_d = 0.
     pub frictionless: bool,
-    /// The drift velocity in the long run, where the spring and the temperature alone decide it.
+    /// The long-term drift velocity, if the spring and the temperature alone determine it.
     pub drift: Option<f64>,
 }
 

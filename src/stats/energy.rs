@@ -43,7 +43,7 @@ impl EnergySums {
 
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
-        // What is stored is a square, whose law has long tails where few bodies move.
+        // Stored energy is a square, whose law has long tails if few bodies move.
         let mean = |of: &FourMoments| {
             Measured::mean_of_four(of).of_few(self.moving, of.two.count, FEWEST_FOR_SPREAD)
         };

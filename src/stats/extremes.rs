@@ -1,4 +1,4 @@
-//! How far and how fast the body gets, and when it first passes a level, on request.
+//! Largest displacement and speed, and first passages of levels, on request.
 
 use super::law_counts::LawCounts;
 use super::measure::{Measure, Sampled};
@@ -102,7 +102,7 @@ impl ExtremeCounts {
             .for_each(|(counts, largest)| counts.completed(unit, largest));
     }
 
-    /// What is reported. `random_units` is the number of units, if these are random.
+    /// The reported numbers. `random_units` is the number of units, if these are random.
     pub fn summary(&self, random_units: Option<u64>, sample: Sample) -> Extremes {
         let [displacement, velocity] = self
             .largest

@@ -1,5 +1,5 @@
 //! The folds of paths that are simulated together: of the cascade of each path, and of its laws and
-//! its motion where they are asked for. A run, its bias and a sweep read these and no others.
+//! its motion if requested. A run, its bias and a sweep use only these.
 
 use super::Record;
 use super::cascade::CascadeSums;
@@ -63,7 +63,7 @@ impl PathFolds {
         self.paths[lane].event(event)
     }
 
-    /// Add a piece of the motion.
+    /// Add a segment of the motion.
     pub fn segment(&mut self, lane: usize, segment: &Segment) {
         if let Some(motion) = &mut self.motion {
             match self.record.has_motion() {

@@ -29,23 +29,23 @@ pub struct Goal {
 /// An upper bound of a standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// This share of the estimate.
+    /// Relative to the estimate.
     Relative(f64),
     /// This number, in the unit of the statistic.
     Absolute(f64),
 }
 
-/// How an estimate stands with respect to a goal.
+/// The state of an estimate with respect to a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// The standard error is below the bound. It is zero if all paths agree, and then every goal is
     /// reached.
     Reached,
-    /// The standard error is not yet below the bound. Since it falls like 1/sqrt(paths), about this
-    /// many times as many paths are needed.
+    /// The standard error is not yet below the bound. Since it falls like 1/sqrt(paths), the number
+    /// of paths must grow by about this factor.
     Ahead(f64),
-    /// The estimate is within two of its standard errors of zero, so that a share of it is no
-    /// sensible bound.
+    /// The estimate is within two of its standard errors of zero, so a relative bound is not
+    /// sensible.
     Zero,
     /// The statistic does not exist, or has no standard error.
     Missing,
@@ -92,7 +92,7 @@ pub enum GoalError {
     /// The word before the `<` names no statistic.
     #[error("unknown statistic \"{0}\"")]
     UnknownStatistic(String),
-    /// What follows the `<` is not a number above zero.
+    /// The text after the `<` is not a number above zero.
     #[error("\"{0}\" is not a number above zero, such as 0.5% or 0.01")]
     NoBound(String),
 }

@@ -1,8 +1,8 @@
-//! The paths of a run in groups. The values of its statistics without each group show how uncertain
-//! a number is that is computed from several runs.
+//! The paths of a run in groups. The values of its statistics without each group give the
+//! uncertainty of numbers computed from several runs.
 //!
 //! In every run, a path is in the group of its number modulo [`GROUPS`], and an antithetic pair in
-//! that of the pair's number. Where path n of two runs sees the same noise, so do all paths of a
+//! that of the pair's number. If path n of two runs has the same noise, so have all paths of a
 //! group, and the effects of a group on both runs are kept together. The errors of differences and
 //! ratios of runs then follow by the jackknife ([`crate::sums::jackknife`]). Groups hold whole
 //! paths, so the phases of a path may depend on each other in any way.
@@ -58,7 +58,7 @@ impl Groups {
         } = run;
         let some = &self.0[..GROUPS.min(counts.units as usize)];
         let empty = PhaseSums::empty(timeline, &counts.record);
-        // The median is taken from the run, because computing it for every group would take long.
+        // The median is taken from the run, because computing it for every group would be slow.
         let is_no_median = |statistic: Statistic| statistic.row().median_of.is_none();
         let of = |sums: &PhaseSums| sums.values(timeline, counts, is_no_median);
         let (_, mut without) = leaving_one_out(&empty, some, of);

@@ -285,7 +285,7 @@ pub(super) fn rare_mean<const N: usize>(
 }
 
 /// A measured number with the interval of one that few units may contribute to. The tails are those
-/// of so many units.
+/// of this many units.
 fn rare<const N: usize>(
     measured: Measured,
     units: &JointMoments<N>,

@@ -22,8 +22,8 @@ use std::borrow::Cow;
 /// The level of the bins of the public histogram: 8 bins per octave.
 const PUBLIC: i32 = -3;
 
-/// The level of the bins of survival curves: 256 bins per octave. Where a batch has so many
-/// durations that its own bins are wider, it is theirs.
+/// The level of the bins of survival curves: 256 bins per octave. If the bins of a batch are wider,
+/// because it has many durations, its width is used.
 const FINE: i32 = -8;
 
 /// Below this share of the scale of a law, values are binned evenly instead of logarithmically. They
@@ -115,7 +115,7 @@ impl LawCounts {
         self.listed = listed;
     }
 
-    /// Counts what waits to be counted ([`Sketch::settle`]).
+    /// Counts the waiting values ([`Sketch::settle`]).
     pub fn settle(&mut self) {
         count(
             &mut self.batches,
@@ -169,8 +169,8 @@ impl LawCounts {
         }
     }
 
-    /// Everything that is reported of the durations, which `ordered` holds in order.
-    /// `random_units` is the number of units with a completed stick, if these are random.
+    /// All reported numbers of the durations, given in order by `ordered`. `random_units` is the
+    /// number of units with a completed stick, if these are random.
     pub fn summary(&self, ordered: &OrderedLaw, random_units: Option<u64>) -> Distribution {
         let batches = self.batches();
         let level = batches

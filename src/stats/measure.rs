@@ -1,5 +1,5 @@
-//! What a run measures: a list of measures, each of which has its sums over paths in a file of its
-//! own, and knows the statistics that follow from them.
+//! The measures of a run. Each has its sums over paths in its own file, and computes its statistics
+//! from them.
 //!
 //! ```text
 //! cascade     sticks, slips, jumps and work        periods     x from period to period
@@ -14,11 +14,11 @@ use crate::sums::interval::Measured;
 
 /// Sums over paths from which some of the statistics follow.
 pub(super) trait Measure {
-    /// A statistic with its interval; none if it is of another measure.
+    /// A statistic with its interval; none if it belongs to another measure.
     fn measured(&self, statistic: Statistic, of: &Sampled) -> Option<Measured>;
 }
 
-/// What the paths that were summed have in common.
+/// Common properties of the summed paths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sampled<'a> {
     pub timeline: &'a Timeline,

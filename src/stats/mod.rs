@@ -6,7 +6,7 @@
 //!   -> BlockResult   the result of the block: Totals, and what is kept of each path on request
 //!        -> RunTotals     the tree of sums over blocks: push, merge, write, read
 //!             -> Totals::summary -> Summary   estimates, intervals, bands, histograms
-//! Tally            a statistic of a user's own, folded beside them
+//! Tally            a user-defined statistic, folded with them
 //! ```
 //!
 //! Floating-point sums are formed path by path in time order, then over the paths of a block in

@@ -1,5 +1,5 @@
 //! The motion of paths between their events ([`Segment`]): the energy that each force gives to the
-//! body, and the farthest and the fastest it gets. Nothing here depends on the output grid.
+//! body, and its largest displacement and speed. Nothing here depends on the output grid.
 //!
 //! x' has one sign on a sub-phase, so the work of friction without a load is f_d times the sliding
 //! path, and x is farthest at an event or at the end: both are exact. The other works are integrals
@@ -12,12 +12,13 @@
 //!
 //! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a
 //! scheme with a step by the forces at its start times the way of the step, since these are the
-//! forces that move the body. What is left of the energy balance is then what the scheme creates.
+//! forces that move the body. The residual of the energy balance is then the energy created by the
+//! scheme.
 //!
-//! Under noise T is not smooth within a segment, but its work follows from what it does: it is the
+//! Under noise T is not smooth within a segment, but its work follows from the balance: it is the
 //! change of the kinetic energy and of that of the spring, plus the works of damping and friction,
-//! less that of g. The balance then closes up to rounding, and contains no information. Where a scheme
-//! holds T during a segment, its work is that of the T that is held.
+//! minus that of g. The balance then closes up to rounding, and contains no information. If a
+//! scheme keeps T constant during a segment, its work is that of this T.
 //!
 //! A segment counts as far as it lies in the counted time, whenever it arrives. A step counts whole, if
 //! it lies between the states at the end of the burn-in and at the end, which are those at steps.
@@ -31,7 +32,7 @@ use crate::scheme::{Along, Instant, Segment, Timeline};
 pub(super) struct Works {
     pub temperature: f64,
     pub user_force: f64,
-    /// These are taken. That of friction without a load is known at the end, from the events.
+    /// These are dissipated. That of friction without a load is known at the end, from the events.
     pub damping: f64,
     friction: f64,
     /// Kinetic energy and that of the spring, at the beginning and at the end.
@@ -92,7 +93,7 @@ impl MotionFold {
         self.largest[0] = self.largest[0].max((x - self.start).abs());
     }
 
-    /// Add a piece of the motion, as far as it lies on the timeline.
+    /// Add the part of a segment of the motion that lies on the timeline.
     pub fn segment(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
         let [from, to] = counted_part(timeline, segment);
         if segment.start < timeline.end {
@@ -149,7 +150,7 @@ impl MotionFold {
         self.is_balanced |= held.is_none() && !is_followed;
     }
 
-    /// Add of a piece of the motion only the work of friction with a load.
+    /// Add only the work of friction with a load of a segment of the motion.
     pub fn friction(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
         let parts = counted_part(timeline, segment);
         if self.counts(segment, parts) {
@@ -157,7 +158,7 @@ impl MotionFold {
         }
     }
 
-    /// Whether a piece of the motion is counted, whose counted part is this one.
+    /// Whether a segment of the motion is counted, given its counted part.
     fn counts(&self, segment: &Segment, [from, to]: [f64; 2]) -> bool {
         if let Along::Step { .. } = segment.along {
             self.is_counted
@@ -190,7 +191,7 @@ impl MotionFold {
         }
     }
 
-    /// What is left of the balance.
+    /// The residual of the balance.
     pub fn residual(&self) -> f64 {
         let Works {
             temperature,
@@ -204,8 +205,8 @@ impl MotionFold {
 }
 
 /// The integrals over a part of a segment, each by its end and its sign: that from the start until
-/// `from` is taken off that until `to`, so that parts add up to the whole also where Gauss's rule is
-/// not exact.
+/// `from` is subtracted from that until `to`, so that parts add up to the whole even if Gauss's
+/// rule is not exact.
 fn integrals([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
     [(to, 1.0), (from, -1.0)]
         .into_iter()

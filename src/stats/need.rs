@@ -1,6 +1,6 @@
-//! What statistics need in order to exist.
+//! Conditions for statistics to exist.
 
-/// What a statistic needs in order to exist.
+/// A condition for a statistic to exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Need {
     /// A completed stick, the first one apart.
@@ -24,7 +24,7 @@ pub(crate) enum Need {
 }
 
 impl Need {
-    /// What to say where the need is not met.
+    /// The message if the condition is not met.
     pub fn words(self) -> &'static str {
         match self {
             Need::Stick => "no stick after the first ended",

@@ -1,5 +1,5 @@
-//! The observer of one block of paths. It yields the totals of the block, and what a run keeps of
-//! single paths.
+//! The observer of one block of paths. It yields the totals of the block, and the records of single
+//! paths.
 
 use super::column::Columns as _;
 use super::density::DensityFold;
@@ -25,7 +25,7 @@ pub struct BlockObserver {
     folds: PathFolds,
     totals: Totals,
     periods: PeriodFold,
-    /// What is asked for of the output grid.
+    /// The requested measures on the output grid.
     density: Option<DensityFold>,
     spectrum: Option<SpectrumFold>,
     /// Events of each lane, if they are kept.
@@ -34,7 +34,7 @@ pub struct BlockObserver {
     trajectories: Vec<TrajectoryRows>,
 }
 
-/// A path on the output grid of which nothing is known.
+/// A path on the output grid without data.
 fn unknown(path: u64, rows: usize) -> TrajectoryRows {
     let mut table = TrajectoryRows {
         path: vec![path],

@@ -1,9 +1,9 @@
 //! One path of the cascade, folded as its events arrive.
 //!
 //! With a burn-in, a phase is counted if it begins at the end of the burn-in or later. So each
-//! phase has one chance to be counted, however long it lasts. The phases that run at a given
-//! instant would be a biased sample, because long ones are too frequent among them. Times and
-//! distances are counted from the end of the burn-in on, whatever phase they fall in.
+//! phase is equally likely to be counted, whatever its duration. The phases running at a given
+//! instant would be a biased sample, because long ones are overrepresented. Times and distances are
+//! counted from the end of the burn-in on, whatever phase they fall in.
 
 use super::law::Folded;
 use crate::model::{Event, EventKind, Sign};

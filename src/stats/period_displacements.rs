@@ -1,4 +1,4 @@
-//! How far the body moves from one period to the next.
+//! Displacements from one period to the next.
 //!
 //! From the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, each path contributes the means
 //!
@@ -46,7 +46,7 @@ impl PeriodDisplacements {
         }
     }
 
-    /// A number that only bodies that move change. Their periods do not show how rare they are.
+    /// A number that depends only on moving bodies. Their periods do not show how rare they are.
     pub fn moved(&self, measured: Measured, fewest: u64) -> Measured {
         measured.of_few(self.moving, self.paths.count, fewest)
     }

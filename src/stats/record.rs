@@ -1,4 +1,4 @@
-//! What a run keeps of single paths, on request.
+//! Records of single paths, on request.
 
 use super::Totals;
 use super::column::{
@@ -106,7 +106,7 @@ fn number(sign: Sign) -> i8 {
     }
 }
 
-/// The axes of what is kept of a path on the output grid.
+/// The axes of the records of a path on the output grid.
 pub const ON_THE_GRID: &[&str] = &["trajectory", "time"];
 
 columns! {
@@ -135,7 +135,7 @@ columns! {
     }
 }
 
-/// What is kept of consecutive paths.
+/// The records of consecutive paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockRows {
     /// Number of the first path.
@@ -154,7 +154,7 @@ pub struct BlockRows {
 /// neighbours.
 #[derive(Clone, Debug)]
 pub struct BlockResult {
-    /// Which paths these are, and what is kept of each.
+    /// The numbers of these paths, and the records of each.
     pub rows: BlockRows,
     /// Numbers of the diverged paths.
     pub diverged: Vec<u64>,

@@ -1,10 +1,9 @@
-//! What is asked of a run: what it keeps of single paths, and what it measures besides the
-//! statistics of every run.
+//! The requests of a run: records of single paths, and measures in addition to those of every run.
 
 use super::Statistic;
 use super::catalogue::Extra;
 
-/// What a run keeps besides the statistics of the ensemble.
+/// The records of a run in addition to the statistics of the ensemble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// Whether scalars of every path are kept.
@@ -70,7 +69,7 @@ impl Record {
         levels: PassageLevels::NONE,
     };
 
-    /// Whether this is asked for.
+    /// Whether this is requested.
     pub(super) fn asks_for(&self, extra: Extra) -> bool {
         match extra {
             Extra::Laws => self.laws,
@@ -84,7 +83,7 @@ impl Record {
         self.asks_for(Extra::Energy) || self.asks_for(Extra::Levels)
     }
 
-    /// What is asked for that is a curve and no statistic: its key. A sweep does not keep it.
+    /// The key of a requested curve, if any. A sweep does not store curves.
     pub fn curve(&self) -> Option<&'static str> {
         let curves = [
             (self.density, "record.density"),
@@ -95,7 +94,7 @@ impl Record {
             .find_map(|(is_asked, key)| is_asked.then_some(key))
     }
 
-    /// The same with what this statistic needs; none if that needs a value of its own, the levels
+    /// The same with the request that this statistic needs; none if that needs values, the levels
     /// (`statistics.levels`).
     pub fn asking_for(self, statistic: Statistic) -> Option<Record> {
         match statistic.row().asked_by {
@@ -109,7 +108,7 @@ impl Record {
         }
     }
 
-    /// The same statistics, without anything of single paths or of the output grid.
+    /// The same statistics, without records of single paths or the output grid.
     pub fn of_no_path(&self) -> Record {
         Record {
             laws: self.laws,

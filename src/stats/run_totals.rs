@@ -1,5 +1,5 @@
-//! The state of a run after some of its blocks. It is all that is needed to continue the run, to
-//! join it with other parts, and to compute its statistics.
+//! The state of a run after some of its blocks. It suffices to continue the run, to join it with
+//! other parts, and to compute its statistics.
 
 use super::totals::PhaseSums;
 use super::{Counts, Estimate, Record, Statistic, Sums, Totals};
@@ -21,7 +21,7 @@ const VERSION: u64 = 5;
 /// takes about 7 kB for 121 rows of the output grid, and 0.5 MB for 10 000), not with the number of
 /// paths.
 ///
-/// `X` are sums of a user's own ([`super::Tally`]), which are folded along the same tree.
+/// `X` are user-defined sums ([`super::Tally`]), which are folded along the same tree.
 ///
 /// ```
 /// use stickslip::scenario::Scenario;
@@ -73,7 +73,7 @@ impl RunTotals {
 }
 
 impl<X: Merge + Clone> RunTotals<X> {
-    /// The totals of no blocks, with empty sums of the user's own.
+    /// The totals of no blocks, with empty user-defined sums.
     pub fn with(own: X, model: &Model, timeline: &Timeline, record: &Record) -> Self {
         RunTotals {
             timeline: *timeline,
@@ -83,7 +83,7 @@ impl<X: Merge + Clone> RunTotals<X> {
         }
     }
 
-    /// Add block number `block` with the user's own sums of this block. A block that is already
+    /// Add block number `block` with the user-defined sums of this block. A block that is already
     /// there is an [`Overlap`].
     pub fn push_with(&mut self, block: u64, totals: Totals, own: X) -> Result<(), Overlap> {
         let Totals { sums, counts, .. } = totals;
@@ -92,7 +92,7 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
-    /// Counts what waits to be counted. This changes no result. It is done once at the end of a
+    /// Counts the waiting values. This does not change results. It is done once at the end of a
     /// run, because otherwise the state and each estimate would do it again.
     pub fn settle(&mut self) {
         self.counts.settle();
@@ -137,7 +137,7 @@ impl<X: Merge + Clone> RunTotals<X> {
         }
     }
 
-    /// The user's own sums over all paths that have been added.
+    /// The user-defined sums over all paths that have been added.
     pub fn own(&self) -> X {
         self.tree
             .total(|(_, own)| own)
@@ -145,7 +145,7 @@ impl<X: Merge + Clone> RunTotals<X> {
     }
 
     /// The state as bytes, from which [`RunTotals::read`] restores the same bits. They do not
-    /// contain the user's own sums.
+    /// contain the user-defined sums.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         VERSION.write(&mut bytes);

@@ -1,11 +1,11 @@
 //! Whether x has settled.
 //!
-//! The spring binds the body to beta T. So where noise and harmonics are stationary about a
-//! straight line, the law of x - beta trend t at one phase becomes the same in every period. Then
+//! The spring binds the body to beta T. So if noise and harmonics are stationary about a straight
+//! line, the law of x - beta trend t at one phase becomes the same in every period. Then
 //! `drift_velocity` is beta trend and `diffusion_coefficient` zero. Each of the two is tested
 //! against this limit at the level of 0.5 %, so that together they raise a false alarm in at most 1
-//! % of all runs (Bonferroni). Without a spring, or under a user-defined force, a body may
-//! drift and spread for ever, and no limit is known.
+//! % of all runs (Bonferroni). Without a spring, or under a user-defined force, a body may drift
+//! and spread forever, and no limit is known.
 
 use super::{Statistic, Summary};
 use crate::sums::interval::student_quantile;
@@ -26,9 +26,9 @@ impl Summary {
             .saturating_sub(1)
     }
 
-    /// Which of `drift_velocity` and `diffusion_coefficient` differ from their limits by more than
-    /// chance explains. None where the limits are not known, or where one of the two cannot be
-    /// tested, because it has no estimate or no spread.
+    /// Those of `drift_velocity` and `diffusion_coefficient` that differ significantly from their
+    /// limits. None if the limits are not known, or if one of the two cannot be tested, because it
+    /// has no estimate or no spread.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
         let drift = self.periods.drift_limit?;
         let paths = self.completed_paths - self.diverged.len() as u64;

@@ -1,10 +1,10 @@
 //! Autocovariance and power spectrum of x and x' on the output grid.
 //!
 //! Let y_n be x or x' at row n of a segment of L rows, a time s apart, and y_n' its deviation from
-//! the mean over paths at the same time. So what the forcing does to all paths alike is left out:
-//! it is a line spectrum of its own ([`Line`]). The spectrum is the mean over paths and segments,
-//! which overlap by half, of the periodograms of tapered segments (P. D. Welch, *The use of fast
-//! Fourier transform for the estimation of power spectra*, IEEE Transactions on Audio and
+//! the mean over paths at the same time. So the common response of all paths to the forcing is
+//! excluded: it is a separate line spectrum ([`Line`]). The spectrum is the mean over paths and
+//! segments, which overlap by half, of the periodograms of tapered segments (P. D. Welch, *The use
+//! of fast Fourier transform for the estimation of power spectra*, IEEE Transactions on Audio and
 //! Electroacoustics 15 (1967)), which cannot be negative. With Hann's taper h_n,
 //!
 //! ```text

@@ -1,4 +1,4 @@
-//! How many sub-phases the dynamic phases have.
+//! The distribution of the number of sub-phases of dynamic phases.
 
 use super::SubPhaseCounts;
 use crate::sums::batches::{BATCHES, Share, batch_of};

@@ -153,12 +153,12 @@ pub struct DensityCurve {
     pub ends: Ends,
 }
 
-/// The share of the counted time that the body spends in each part of its phase plane.
+/// The fraction of the counted time that the body spends in each part of its phase plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Densities {
     /// Of x, at all times.
     pub displacement: DensityCurve,
-    /// Of x' in motion. Its integral is one less the share of the time at rest.
+    /// Of x' in motion. Its integral is one minus the share of the time at rest.
     pub velocity: DensityCurve,
     /// The edges of the cells of `joint`: those of x, and those of x'.
     pub joint_edges: [Vec<f64>; 2],
@@ -174,8 +174,8 @@ pub struct Densities {
 /// ([`crate::stats::Spectrum`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fluctuations {
-    /// The autocovariance at each lag; NaN, as all that follows, where all paths are alike at every
-    /// row, so that nothing fluctuates.
+    /// The autocovariance at each lag; NaN, like the following fields, if all paths are equal at
+    /// every row, so that nothing fluctuates.
     pub autocovariance: Vec<f64>,
     /// Interval of each autocovariance.
     pub autocovariance_ends: Ends,
@@ -196,8 +196,8 @@ pub struct Line {
     pub velocity: f64,
 }
 
-/// How x and x' fluctuate about their means over paths, on the rows of the output grid that are
-/// counted. The spectrum S(w) is the integral of the autocovariance C(t) times e^{-i w t}: its
+/// The fluctuations of x and x' about their means over paths, on the counted rows of the output
+/// grid. The spectrum S(w) is the integral of the autocovariance C(t) times e^{-i w t}: its
 /// integral over all frequencies, positive and negative, divided by 2 pi, is the variance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
@@ -228,14 +228,14 @@ pub struct Passages {
     pub survival_ends: Ends,
 }
 
-/// How far and how fast the body gets.
+/// The largest displacement and speed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extremes {
     /// The distribution over paths of the largest |x - x0|.
     pub displacement: Distribution,
     /// The distribution over paths of the largest |x'|.
     pub velocity: Distribution,
-    /// The first passages of each level that was asked for.
+    /// The first passages of each requested level.
     pub passages: Vec<Passages>,
 }
 
@@ -253,8 +253,8 @@ pub struct SubPhaseCounts {
     pub censored: u64,
 }
 
-/// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]. The
-/// first stick is not part of it, because it has statistics of its own in any case.
+/// What the statistics exclude because it was before [`crate::scenario::Statistics::after`]. The
+/// first stick is not part of it, because it has separate statistics in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transient {
     /// The end of the burn-in.
@@ -270,9 +270,8 @@ pub struct Transient {
 /// Moments of x at the whole periods.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeriodMoments {
-    /// The drift velocity in the long run, where the spring binds the body to beta T and T has a
-    /// constant slope or none. The diffusion coefficient is then zero in the long run. None where
-    /// neither is known.
+    /// The long-term drift velocity, if the spring binds the body to beta T and T has a constant
+    /// slope or none. The long-term diffusion coefficient is then zero. None if neither is known.
     pub drift_limit: Option<f64>,
     /// Ends n P of the periods, n = 1, 2, ...
     pub time: Vec<f64>,
@@ -299,26 +298,26 @@ pub struct Summary {
     pub stick_durations: Distribution,
     /// First sticks.
     pub first_sticks: FirstSticks,
-    /// The other laws, where they were asked for, in the order of [`PhaseLaw::ASKED`].
+    /// The other laws, if requested, in the order of [`PhaseLaw::ASKED`].
     pub laws: Option<[Distribution; PhaseLaw::ASKED.len()]>,
     /// Distribution of the number of sub-phases of a dynamic phase.
     pub sub_phases: SubPhaseCounts,
-    /// What the burn-in leaves out, if there is one.
+    /// What the burn-in excludes, if there is one.
     pub transient: Option<Transient>,
     /// x at the whole periods, those of the burn-in included.
     pub periods: PeriodMoments,
     /// The variables on the output grid.
     pub bands: Bands,
-    /// The densities of x and x', where they were asked for.
+    /// The densities of x and x', if requested.
     pub densities: Option<Densities>,
-    /// Autocovariance and spectrum of x and x', where they were asked for.
+    /// Autocovariance and spectrum of x and x', if requested.
     pub spectrum: Option<Spectrum>,
-    /// How far and how fast the body gets, where levels were asked for.
+    /// The largest displacement and speed, if levels were requested.
     pub extremes: Option<Extremes>,
-    /// What the path does in the end, where nothing is random. It takes a path of its own.
+    /// The long-term motion, if nothing is random. It takes a separate path.
     pub cycle: Option<LimitCycle>,
-    /// The statistics that were asked for, in the order of tables and files. The estimates of the
-    /// others are NaN.
+    /// The requested statistics, in the order of tables and files. The estimates of the others are
+    /// NaN.
     pub asked: Vec<Statistic>,
 }
 
@@ -328,7 +327,7 @@ impl Summary {
         &self.estimates[statistic.index()]
     }
 
-    /// The distribution of a law; none if it was not asked for.
+    /// The distribution of a law; none if it was not requested.
     pub fn law(&self, law: PhaseLaw) -> Option<&Distribution> {
         match law {
             PhaseLaw::Stick => Some(&self.stick_durations),
@@ -336,7 +335,7 @@ impl Summary {
         }
     }
 
-    /// The estimates of the statistics that were asked for, in the order of tables and files.
+    /// The estimates of the requested statistics, in the order of tables and files.
     pub fn reported(&self) -> impl Iterator<Item = &Estimate> {
         self.asked.iter().map(|statistic| self.estimate(*statistic))
     }
@@ -350,8 +349,8 @@ impl Summary {
     /// most certain first.
     ///
     /// A bias is more certain the larger it is relative to its uncertainty. The ratio to the
-    /// interval would not do, because the interval of a median of durations that are multiples of
-    /// the step has almost no width.
+    /// interval is not suitable, because the interval of a median of durations that are multiples
+    /// of the step has almost no width.
     pub fn dominated_by_bias(&self) -> Vec<Estimate> {
         let certainty = |e: &Estimate| {
             e.bias

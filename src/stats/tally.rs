@@ -1,4 +1,4 @@
-//! A statistic of a user's own: a few numbers of each path, and an estimate from their means over
+//! A user-defined statistic: a few numbers of each path, and an estimate from their means over
 //! paths.
 //!
 //! ```text
@@ -45,11 +45,11 @@ impl PathState {
     }
 }
 
-/// N numbers of each path, and an estimate from their means. A tally is folded beside the
+/// N numbers of each path, and an estimate from their means. A tally is folded together with the
 /// statistics of the program, block by block, and gives the same bits on any number of threads. It
-/// observes the whole path: if it is to leave out what is before
-/// [`after`](crate::scenario::Statistics::after), as the statistics of the program do, it must do
-/// so itself.
+/// observes the whole path: if it is to exclude the time before
+/// [`after`](crate::scenario::Statistics::after), like the statistics of the program, it must do so
+/// itself.
 ///
 /// ```
 /// use stickslip::engine::Run;
@@ -79,13 +79,13 @@ impl PathState {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Tally<const N: usize>: Sync {
-    /// The state that is kept for a path while it is simulated.
+    /// The state of the tally for a path while it is simulated.
     type Path: Clone + Send;
 
     /// The state at the start of a path, which is at rest at x0. `draws` are random numbers of this
-    /// path which its noise does not use, for a statistic that needs chance of its own. They are a
-    /// generator of `rand_core`: `rand_distr` draws any law from them. The two paths of an
-    /// antithetic pair have different ones.
+    /// path that its noise does not use, for a statistic that needs its own. They are a generator
+    /// of `rand_core`: `rand_distr` draws any law from them. The two paths of an antithetic pair
+    /// have different ones.
     fn start(&self, draws: AddressedDraws) -> Self::Path;
 
     /// Takes an event of the path. Events arrive in time order. By default nothing is done.
@@ -154,8 +154,9 @@ impl<const N: usize> PathMeans<N> {
     /// The mean of number `top` divided by the mean of number `bottom`. This is the mean of a pool
     /// if `top` is the sum of what a path contributes to the pool and `bottom` is the number of
     /// these contributions. The interval is that of a ratio estimator (W. G. Cochran, *Sampling
-    /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information on it. Where
-    /// `top` is a part of `bottom` in every path, the ratio is a share, and its interval ends at 0 and 1.
+    /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information about
+    /// it. Where `top` is a part of `bottom` in every path, the ratio is a share, and its interval
+    /// ends at 0 and 1.
     pub fn ratio(&self, top: usize, bottom: usize) -> Measurement {
         let found =
             Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement();
@@ -169,8 +170,8 @@ impl<const N: usize> PathMeans<N> {
     }
 }
 
-/// Observes each block beside the statistics of the program. `()` observes nothing and takes no
-/// time.
+/// Observes each block in addition to the statistics of the program. `()` observes nothing and
+/// takes no time.
 pub trait AuxiliaryObserver: Sync {
     /// The observer of one block of paths.
     type Observer: Observer;

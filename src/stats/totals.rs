@@ -43,7 +43,7 @@ sums! {
     pub struct Sums {
         pub(super) phases: PhaseSums,
         bands: BandSums,
-        /// If it is asked for.
+        /// If requested.
         pub(super) spectrum: Option<Box<SpectrumSums>>,
     }
 }
@@ -54,7 +54,7 @@ sums! {
     pub(super) struct PhaseSums {
         pub cascade: CascadeSums,
         pub periods: PeriodSums,
-        /// The moments of laws, energies and extremes, if they are asked for.
+        /// The moments of laws, energies and extremes, if requested.
         pub laws: Option<Box<LawsSums>>,
         pub energy: Option<Box<EnergySums>>,
         pub extremes: Option<Box<ExtremeSums>>,
@@ -64,7 +64,7 @@ sums! {
 /// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Counts {
-    /// What is asked for, and what all paths must agree on, which follow from the scenario.
+    /// The requests, and the numbers on which all paths must agree, both from the scenario.
     pub(super) record: Record,
     deterministic: Deterministic,
     /// Number of paths folded, without the diverged ones.
@@ -82,7 +82,7 @@ pub struct Counts {
     early_sticks: u64,
     early_slips: u64,
     bands: BandCounts,
-    /// If they are asked for.
+    /// If requested.
     pub(super) density: Option<Box<DensityCounts>>,
     pub(super) extremes: Option<Box<ExtremeCounts>>,
 }
@@ -187,14 +187,14 @@ impl Counts {
         of_time.for_each(|(counts, _)| counts.set_step(step));
     }
 
-    /// The median of a law without each batch; NaN where it was not asked for.
+    /// The median of a law without each batch; NaN if it was not requested.
     pub(super) fn medians_without_each_batch(&self, law: PhaseLaw) -> [f64; BATCHES] {
         self.laws
             .get(law as usize)
             .map_or([f64::NAN; BATCHES], LawCounts::medians_without_each_batch)
     }
 
-    /// Counts what waits to be counted.
+    /// Counts the waiting values.
     pub(super) fn settle(&mut self) {
         self.laws.iter_mut().for_each(LawCounts::settle);
         self.extremes
@@ -347,7 +347,7 @@ impl Totals {
         Estimate::new(statistic, self.measured(statistic))
     }
 
-    /// One statistic with what is known of its error.
+    /// One statistic with the data for its error.
     pub(crate) fn measured(&self, statistic: Statistic) -> Measured {
         let Totals {
             sums,
@@ -396,7 +396,7 @@ impl PhaseSums {
         }
     }
 
-    /// The moments of a law; none if it was not asked for.
+    /// The moments of a law; none if it was not requested.
     fn law(&self, law: PhaseLaw) -> Option<&LawSums> {
         match law {
             PhaseLaw::Stick => Some(&self.cascade.sticks),
@@ -404,7 +404,7 @@ impl PhaseSums {
         }
     }
 
-    /// The measures: those of every run, and those that were asked for.
+    /// The measures: those of every run, and the requested ones.
     fn measures(&self) -> impl Iterator<Item = &dyn Measure> {
         let PhaseSums {
             cascade,

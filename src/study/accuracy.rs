@@ -1,8 +1,8 @@
 //! Choosing the scheme, its step or tolerance, and the number of paths for a given error.
 //!
-//! A pilot of some seconds measures the [`Trade`] of the scenario. The choice is the cheapest of
+//! A pilot of a few seconds measures the [`Trade`] of the scenario. The choice is the cheapest of
 //! its settings for which the relative root mean square error is at most the target in every
-//! statistic that is asked for.
+//! requested statistic.
 
 use super::trade::{Choice, Limits, Refusal, Standing, Trade, TradeError, measure_within};
 use crate::engine::MOST_PATHS;
@@ -20,19 +20,19 @@ pub const PILOT: Duration = Duration::from_secs(8);
 pub const LONGEST: Duration = Duration::from_secs(30 * 86_400);
 
 /// Fewest paths of a run with noise. With fewer, the confidence interval of the run is not
-/// reliable, and the variance that the pilot measured predicts its error badly.
+/// reliable, and the variance measured by the pilot predicts its error badly.
 pub const FEWEST_PATHS: u64 = 32;
 
 /// The range of targets that are accepted.
 pub const TARGETS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
 
-/// Targets that a message may propose in place of one that is out of reach.
+/// Targets that a message may propose instead of an unreachable one.
 const ALTERNATIVES: [f64; 18] = [
     0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6,
     2e-6, 1e-6,
 ];
 
-/// The accuracy that is asked for.
+/// The requested accuracy.
 ///
 /// ```no_run
 /// use stickslip::engine::Run;
@@ -89,10 +89,10 @@ pub enum AccuracyError {
     /// The pilot could not be run.
     #[error(transparent)]
     Pilot(#[from] TradeError),
-    /// The chosen scheme does not go with the other values of the scenario.
+    /// The chosen scheme is inconsistent with the other values of the scenario.
     #[error(transparent)]
     CheckError(#[from] CheckError),
-    /// A statistic that was named has no relative error in this scenario.
+    /// A named statistic has no relative error in this scenario.
     #[error("{}: {standing}", statistic.name())]
     NoAnswer {
         /// The statistic.
@@ -100,7 +100,7 @@ pub enum AccuracyError {
         /// The reason.
         standing: Standing,
     },
-    /// A statistic that was named is of levels, and the scenario has none.
+    /// A named statistic needs levels, and the scenario has none.
     #[error("{}: it needs `statistics.levels` in the scenario", statistic.name())]
     Unasked {
         /// The statistic.
@@ -108,7 +108,7 @@ pub enum AccuracyError {
     },
     /// No statistic of this scenario has a relative error.
     #[error(
-        "no statistic of this scenario has an error to choose a run by: each is zero, absent or without a limit"
+        "no statistic of this scenario can determine the run: each is zero, absent or without a limit"
     )]
     NothingToChoose,
     /// No setting has a bias that is small enough.
@@ -152,7 +152,7 @@ impl Accuracy<'_> {
         Ok((self.decide(&scenario, &trade)?, trade))
     }
 
-    /// Choose from what a pilot has measured.
+    /// Choose from the measurements of a pilot.
     pub fn decide(&self, scenario: &Scenario, trade: &Trade) -> Result<Decision, AccuracyError> {
         let asked = self.answerable(trade)?;
         let instead = || self.alternative(trade, &asked);
@@ -187,7 +187,7 @@ impl Accuracy<'_> {
         })
     }
 
-    /// The statistics that are asked for; an error if one that was named has no answer.
+    /// The requested statistics; an error if a named one has no relative error.
     fn answerable(&self, trade: &Trade) -> Result<Vec<Statistic>, AccuracyError> {
         if let Some(&statistic) = self
             .named
@@ -241,7 +241,7 @@ impl Accuracy<'_> {
 }
 
 impl Decision {
-    /// The target with the number of paths that it takes, to be kept with the run.
+    /// The target with the number of paths that it takes, to be stored with the run.
     pub fn accuracy_goal(&self) -> AccuracyGoal {
         let Choice {
             paths,
@@ -273,7 +273,7 @@ pub struct AccuracyGoal {
 
 impl AccuracyGoal {
     /// The relative error of a run that stopped after `completed` paths; `None` if these are all
-    /// that the choice asks for.
+    /// paths of the choice.
     ///
     /// The square of the error is bias^2 + variance/N, and equals `target`^2 for the number of
     /// paths of the choice.

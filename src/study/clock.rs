@@ -1,14 +1,13 @@
 //! The clock by which measurements are planned and ended: CPU time.
 //!
-//! Costs are planned in CPU seconds, so shares of it must end in CPU seconds too. If deadlines were
-//! in wall-clock time, a machine that is busy with other work would cut off whatever is measured
-//! last.
+//! Costs are planned in CPU seconds, so shares of it must end in CPU seconds too. With deadlines in
+//! wall-clock time, a busy machine would cut off whatever is measured last.
 
 use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
-/// A measurement ends at the latest after this many times its budget of wall-clock time, even if
-/// the machine gave it little CPU time.
+/// A measurement ends at the latest after this many times its budget of wall-clock time, even if it
+/// received little CPU time.
 const MOST_WALL_TIME: u32 = 4;
 
 /// CPU seconds that this thread has used.

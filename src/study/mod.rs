@@ -1,4 +1,4 @@
-//! Questions that take more than one run.
+//! Studies that take more than one run.
 //!
 //! ```text
 //! trade        what each accuracy costs with each scheme, and the cheapest run for a target

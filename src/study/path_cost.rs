@@ -1,4 +1,4 @@
-//! The CPU time of a path on this machine, measured by simulating some paths for a moment.
+//! The CPU time of a path on this machine, measured by simulating some paths for a short time.
 
 use super::clock::thread_seconds;
 use crate::ensemble::{BLOCK_SIZE, drawn};
@@ -8,7 +8,7 @@ use crate::stats::BlockObserver;
 use crate::sums::Replicate;
 use std::time::Duration;
 
-/// An observer that ends a simulation at a given time and records how far it came.
+/// An observer that ends a simulation at a given time and records the simulated time.
 pub struct TimeLimit {
     /// The end, in CPU seconds of this thread.
     until: f64,
@@ -17,7 +17,7 @@ pub struct TimeLimit {
 }
 
 impl TimeLimit {
-    /// Ends a simulation on this thread after so much of its CPU time.
+    /// Ends a simulation on this thread after this much CPU time.
     pub fn of(limit: Duration) -> Self {
         TimeLimit {
             until: thread_seconds() + limit.as_secs_f64(),
@@ -36,9 +36,9 @@ impl Observer for TimeLimit {
     }
 }
 
-/// CPU seconds of one path on one thread, measured on one block of paths for at most `limit` of
-/// CPU time. If the paths do not come to their end in that time, the rest of them is assumed to
-/// take as long per simulated time. `None` if no row of the output grid after t = 0 was reached.
+/// CPU seconds of one path on one thread, measured on one block of paths for at most `limit` of CPU
+/// time. If the paths do not end in that time, the remainder is assumed to take the same time per
+/// simulated time. `None` if no row of the output grid after t = 0 was reached.
 pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();

@@ -25,7 +25,7 @@ pub(crate) struct Share {
     /// The standard error of a ratio of sums over batches; NaN if fewer than two batches have any
     /// phases.
     pub error: f64,
-    /// The number of batches that have any phases, less one.
+    /// The number of batches that have any phases, minus one.
     pub freedom: u64,
     /// The number of all phases.
     pub all: f64,
@@ -63,9 +63,9 @@ impl Share {
     }
 
     /// The 95 % interval, within [0, 1]. `random_units` is the number of paths that have phases,
-    /// where their agreement is a matter of chance. If all batches agree, because none of the
-    /// phases is in question or all are, the interval is Wilson's for as many phases, as it is
-    /// where one is, and without `random_units` it is a single point.
+    /// where their agreement is a matter of chance. If all batches agree, because none or all of
+    /// the phases are in question, the interval is Wilson's for this number of phases, and without
+    /// `random_units` it is a single point.
     pub fn interval(&self, random_units: Option<u64>) -> [f64; 2] {
         let Share {
             estimate,

@@ -13,11 +13,11 @@ use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, finest, un
 use super::log_scale::{LogScale, OCTAVES};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
-/// The centre of a sketch, and how much the sketch may hold.
+/// The centre of a sketch, and its capacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
-    /// A value that many paths may share: it has a bin of its own at every level. It is 0 where
-    /// there is a scale.
+    /// A value that many paths may share: it has its own bin at every level. It is 0 where there is
+    /// a scale.
     pub centre: f64,
     /// If there is one, its places are counted instead of the values themselves.
     pub scale: Option<LogScale>,
@@ -36,7 +36,7 @@ const AFFORDED: i64 = 4;
 /// Number of values whose slots are computed together.
 const CHUNK: usize = 64;
 
-/// If more than one in this many added values lies outside the array, it is laid out anew.
+/// If more than one in this many added values lies outside the array, the array is laid out again.
 const ONE_OUTSIDE_IN: usize = 8;
 
 /// Counts of values that are more than `Shape::values`.
@@ -48,7 +48,7 @@ pub(crate) struct Bins {
     /// The counts of the bins from `first` on.
     first: i64,
     slots: Vec<u32>,
-    /// How many more values may be counted before a slot can overflow.
+    /// The number of further values that may be counted before a slot can overflow.
     room: usize,
     /// How many values have been counted since the occupied bins were last counted.
     counted_since_check: usize,
@@ -273,8 +273,8 @@ struct Cluster {
     count: u64,
 }
 
-/// The bins with the most values between gaps of so many empty ones that they take no more than
-/// `most` slots.
+/// The bins with the most values between gaps, chosen such that they take no more than `most`
+/// slots.
 fn fullest(list: &[(i64, u64)], most: i64) -> Cluster {
     let mut gap = most;
     loop {

@@ -4,10 +4,10 @@
 //! In this format a count is a variable-length integer, seven bits per byte. A real number is the
 //! eight bytes of its bits. Both have the lowest bits first. A list is its length followed by its
 //! entries. Reading fills a value that already exists and is empty ([`Codec::read`]), so that the
-//! bytes are checked against what the scenario asks for. A list whose length differs from that of
-//! the existing one is an error, and no memory is allocated for it.
+//! bytes are checked against the scenario. A list whose length differs from that of the existing
+//! one is an error, and no memory is allocated for it.
 
-/// The bytes do not hold what they should.
+/// The bytes are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the data are truncated, or are not the sums of this scenario")]
 pub struct Damaged;
@@ -125,7 +125,7 @@ impl<T: Codec> Codec for Vec<T> {
     }
 }
 
-/// A part that the scenario asks for, or not.
+/// An optional part, depending on the scenario.
 impl<T: Codec> Codec for Option<Box<T>> {
     fn write(&self, out: &mut Vec<u8>) {
         self.iter().for_each(|value| value.write(out));

@@ -20,7 +20,7 @@ const INDEX_BITS: i32 = 50;
 /// The largest index, in either direction.
 pub(crate) const MAX_INDEX: i64 = 1 << (INDEX_BITS + 1);
 
-/// The finest level there is. From here on neither a width nor its inverse is subnormal.
+/// The finest level. From here on neither a width nor its inverse is subnormal.
 const LOWEST: i32 = -1000;
 
 /// The finest level for values no further than `distance` from the centre. Bins of this level are a
@@ -110,7 +110,7 @@ pub(crate) fn excess(bins: &[(i64, u64)], limit: usize) -> u32 {
         return 0;
     }
     // The bins that are left some levels up are one more than the pairs of neighbours that are
-    // farther apart than so many levels.
+    // farther apart than this many levels.
     let apart = bins
         .windows(2)
         .map(|pair| levels_apart(pair[0].0, pair[1].0).unwrap_or(u32::MAX));

@@ -172,11 +172,11 @@ impl Grid {
         self.counts.chunks(self.batches)
     }
 
-    /// Count the ticks from `first` to `last` of a motion from one pair of numbers to another on which
-    /// both numbers are monotone. `crossing` is the tick at which the number of an axis passes an
-    /// edge, and depends on nothing else. Then the ticks of a cell do not depend on the cells that it
-    /// was formed of. A motion is left out if one of its numbers is none or is farther than any cell;
-    /// it is of a path that diverges.
+    /// Count the ticks from `first` to `last` of a motion from one pair of numbers to another on
+    /// which both numbers are monotone. `crossing` is the tick at which the number of an axis
+    /// passes an edge, and depends on nothing else. Then the ticks of a cell do not depend on the
+    /// cells that it was formed of. A motion is left out if one of its numbers is NaN or beyond all
+    /// cells; its path diverges.
     pub fn pass(
         &mut self,
         [from, to]: [[f64; 2]; 2],

@@ -84,14 +84,14 @@ pub(crate) fn student_quantile(p: f64, freedom: f64) -> f64 {
     }
 }
 
-/// An error that is known with fewer degrees of freedom, because its tails are long, says nothing of
-/// an interval: two or three paths decide it.
+/// An error with fewer degrees of freedom, because of long tails, gives no interval: two or three
+/// paths dominate it.
 const FEWEST_FREEDOM: f64 = 3.0;
 
-/// Somewhat less than the degrees of freedom that equal events in five units leave, which are ten or more.
+/// Somewhat less than the degrees of freedom of equal events in five units, which are ten or more.
 const FREEDOM_OF_FIVE: f64 = 9.0;
 
-/// What the influences of units show of the law of an error, besides its size.
+/// Properties of the law of an error, estimated from the influences of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorLaw {
     /// Degrees of freedom of the estimate of the error.
@@ -103,7 +103,7 @@ pub(crate) struct ErrorLaw {
 }
 
 impl ErrorLaw {
-    /// The law of which only the degrees of freedom are known.
+    /// A law given only by its degrees of freedom.
     pub fn of_freedom(freedom: f64) -> Self {
         ErrorLaw {
             freedom,
@@ -120,7 +120,8 @@ impl ErrorLaw {
         // The factor is that of the unbiased skewness of numbers about their mean.
         let unbiased = (most / units as f64).sqrt() * units as f64 / (most - 1.0);
         let skewness = unbiased * cubes / squares / squares.sqrt();
-        // The scatter of the sum of squares is that of a chi square with so many degrees of freedom.
+        // The scatter of the sum of squares is that of a chi square with this many degrees of
+        // freedom.
         let freedom = if scatter * most > 1.0 && scatter.is_finite() {
             1.0 / scatter
         } else {
@@ -245,8 +246,8 @@ impl Measured {
     }
 
     /// The same number, of deviations from a mean over this many units. The mean follows the units,
-    /// so a unit far out has more influence than to first order. The jackknife, which leaves one unit
-    /// out after the other, counts that: for independent numbers its error is larger by
+    /// so an outlying unit has more influence than to first order. The jackknife, which leaves out
+    /// one unit after the other, accounts for that: for independent numbers its error is larger by
     /// (n - 1)/(n - 2).
     pub fn about_mean_of(self, units: f64) -> Self {
         let factor = if units > 2.0 {
@@ -284,9 +285,9 @@ impl Measured {
         }
     }
 
-    /// A number that only events move, where these of all units have any. Where they are rare, the
-    /// units that show how much it scatters are those that contribute; so it has no interval from
-    /// fewer than `fewest` of them, and the error has as many degrees of freedom as they allow
+    /// A number that depends only on events, which `contributing` of all units have. If they are
+    /// rare, only the contributing units show its scatter; so it has no interval from fewer than
+    /// `fewest` of them, and the error has the degrees of freedom that they allow
     /// ([`super::rare`]).
     pub fn of_few(self, contributing: u64, units: u64, fewest: u64) -> Self {
         match contributing {
@@ -413,11 +414,11 @@ impl Measured {
         Measured { estimate, ..self }
     }
 
-    /// Whether so few of these units decide the number that those of other units may differ: its error
-    /// has fewer degrees of freedom than five equal events in five units leave, and less than a third of
-    /// what normal numbers leave. Their squares, on which a standard deviation rests, leave a seventh of
-    /// what their mean does. Of normal numbers, a mean is taken for one of few in less than 0.2 % of
-    /// cases, and a standard deviation in less than 0.5 %, whatever the number of units.
+    /// Whether so few of these units dominate the number that it may differ in other units: its
+    /// error has fewer degrees of freedom than five equal events in five units, and less than a
+    /// third of those of normal numbers. A standard deviation rests on squares, with a seventh of
+    /// the degrees of freedom of the mean. Normal numbers are misjudged in less than 0.2 % of cases
+    /// for a mean, and 0.5 % for a standard deviation, whatever the number of units.
     pub fn rests_on_few(self, units: u64) -> bool {
         let (freedom, normal) = match self.interval {
             Interval::Student(law) => (law.freedom, units as f64),

@@ -38,8 +38,8 @@ impl LogScale {
         }
     }
 
-    /// The place of a number; it rises with the number. What is not positive has the place zero,
-    /// and what is not finite has none.
+    /// The place of a number; it rises with the number. Numbers that are not positive have the
+    /// place zero, and those that are not finite have none.
     #[inline]
     pub fn place(&self, number: f64) -> f64 {
         if !number.is_finite() {

@@ -1,4 +1,4 @@
-//! Merging: sums of parts become those of the whole.
+//! Merging of sums of parts into those of the whole.
 
 /// Sums that can be merged.
 pub trait Merge {
@@ -6,7 +6,7 @@ pub trait Merge {
     fn merge(&mut self, other: &Self);
 }
 
-/// A number of things.
+/// A count.
 impl Merge for u64 {
     fn merge(&mut self, other: &u64) {
         *self += other;
@@ -37,7 +37,7 @@ impl<T: Merge> Merge for Vec<T> {
     }
 }
 
-/// A part that the scenario asks for, or not.
+/// An optional part, depending on the scenario.
 impl<T: Merge> Merge for Option<Box<T>> {
     fn merge(&mut self, other: &Self) {
         self.iter_mut()

@@ -1,5 +1,4 @@
-//! Sums over paths, and the intervals that follow from them. Nothing here knows of sticks and
-//! slips.
+//! Sums over paths, and the intervals that follow from them, independent of sticks and slips.
 //!
 //! ```text
 //! moments, spread, rare      means, standard deviations and fourth powers of numbers per path

@@ -199,15 +199,14 @@ impl<const N: usize> JointMoments<N> {
             total += term;
             size += term.abs();
         };
-        // Terms with a coefficient of zero are left out, so that a moment that is not asked for
-        // does no harm if it has overflowed.
+        // Terms with a coefficient of zero are left out, so that an unused moment may overflow.
         for i in (0..N).filter(|&i| gradient[i] != 0.0) {
             add(gradient[i] * gradient[i] * self.comoment[i][i]);
             for j in (i + 1..N).filter(|&j| gradient[j] != 0.0) {
                 add(2.0 * gradient[i] * gradient[j] * self.comoment[i][j]);
             }
         }
-        // For a perfectly correlated combination only rounding is left. NaN stays NaN.
+        // For a perfectly correlated combination only rounding remains. NaN stays NaN.
         if total < ROUNDING * size { 0.0 } else { total }
     }
 }

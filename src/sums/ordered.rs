@@ -5,7 +5,7 @@ use super::dyadic::{Ruler, width};
 use super::interval::ErrorLaw;
 use super::spread::Tails;
 
-/// Number of halvings of the range of values. They reach the last digit of any value but the
+/// Number of halvings of the range of values. They reach the last digit of any value except the
 /// smallest.
 const BISECTIONS: usize = 64;
 
@@ -83,7 +83,7 @@ impl Ordered {
                     ranks(0.5 * (left - 1) as f64).map(|rank| others[rank as usize]);
                 below + (above - below) * 0.5
             }
-            // There are so many values that the median is taken as the place where the distribution
+            // With this many values, the median is taken as the place where the distribution
             // function of the others, which is linear within bins, is one half.
             _ => {
                 let (mut low, mut high) = (self.of_rank(0), self.of_rank(self.count() - 1));
@@ -112,7 +112,7 @@ impl Ordered {
     }
 
     /// The relative error of the standard deviation of independent values, and its law
-    /// ([`super::spread`]). Values in a bin are taken to lie in its middle.
+    /// ([`super::spread`]). Values in a bin are assumed to lie in its middle.
     pub fn error_of_spread(&self) -> (f64, ErrorLaw) {
         let (n, values) = (self.count(), self.weighted());
         let mean = values
@@ -248,8 +248,8 @@ impl Binned {
         self.up_to.last().map_or(0, |bin| bin.1)
     }
 
-    /// The value of a rank. The values of a bin are taken to be spread evenly over it; the smallest
-    /// and the largest value are exact.
+    /// The value of a rank. The values of a bin are assumed to be spread evenly over it; the
+    /// smallest and the largest value are exact.
     fn of_rank(&self, rank: u64) -> f64 {
         if rank == 0 {
             return self.smallest;

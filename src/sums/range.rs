@@ -72,7 +72,7 @@ impl Range {
     }
 
     /// The interval of a number on which all of `paths` paths agree. Their agreement shows no
-    /// spread, but paths that differ must be rare: their share is below the upper end of Wilson's
+    /// spread, but differing paths must be rare: their share is below the upper end of Wilson's
     /// interval for none of `paths`. They may differ by as much as the range allows, so an end that
     /// the range does not bound is infinite.
     pub fn interval_where_all_agree(self, number: f64, paths: u64) -> [f64; 2] {

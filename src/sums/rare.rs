@@ -1,18 +1,18 @@
 //! Means that may rest on few events.
 //!
-//! Where events are rare and come in clusters, a few paths hold most of them. If the large paths are
-//! missing, the mean and its error are both too small. So the interval follows the skewness and the
-//! tails of the influences of paths ([`super::interval`]), with f degrees of freedom. Where only m of
-//! n paths have any events, f is too large, because the paths that would show how long the tails are
-//! may be missing as well. So t is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom.
+//! If events are rare and clustered, a few paths have most of them. If the large paths are missing,
+//! the mean and its error are both too small. So the interval follows the skewness and the tails of
+//! the influences of paths ([`super::interval`]), with f degrees of freedom. Where only m of n
+//! paths have any events, f is too large, because the paths in the tails may be missing as well. So
+//! t is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom.
 //!
-//! The tests in `tests/library/rare_events.rs` measure how often these intervals hold the truth.
+//! The tests in `tests/library/rare_events.rs` measure the coverage of these intervals.
 
 use super::codec::sums;
 use super::interval::ErrorLaw;
 
-/// Where more than half of all units do not contribute, a number has an interval from this many that
-/// do. Where most units contribute, nothing is rare.
+/// If more than half of all units do not contribute, a number has an interval only with at least
+/// this many that do. If most units contribute, nothing is rare.
 pub(crate) const FEWEST: u64 = 5;
 
 /// The same for a standard deviation and for the mean of squares, which rest on the largest events.
@@ -23,8 +23,8 @@ pub(crate) const FEWEST_FOR_SPREAD: u64 = 32;
 /// many units it is missing in less than 4 % of all runs.
 pub(crate) const FEWEST_FOR_PHASES: u64 = 64;
 
-/// Whether the events of a number are so rare that these few units say nothing about the others.
-/// Where no unit has any, the number is zero or does not exist.
+/// Whether the events of a number are so rare that these few units are not representative. If no
+/// unit has any, the number is zero or does not exist.
 pub(crate) fn are_too_few(contributing: u64, units: u64, fewest: u64) -> bool {
     (1..fewest).contains(&contributing) && 2 * contributing < units
 }

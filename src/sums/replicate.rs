@@ -3,12 +3,12 @@
 //! Estimates are functions of means over paths in either case. Their errors come from the scatter
 //! of units, where a pair contributes the mean of its two paths. Some numbers are counted without
 //! keeping their paths apart: quantiles, standard deviations and static paths of a row, and phases
-//! that run at the end. These are taken to be as uncertain as if both paths of a pair were equal,
-//! which is the strongest possible dependence.
+//! that run at the end. Their uncertainty is computed as if both paths of a pair were equal, the
+//! strongest possible dependence.
 
 use std::borrow::Cow;
 
-/// What is independent in an ensemble.
+/// The independent unit of an ensemble.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Replicate {
     /// A path.

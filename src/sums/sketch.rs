@@ -1,4 +1,4 @@
-//! The distribution of a quantity in bounded memory. What it holds is a function of the values
+//! The distribution of a quantity in bounded memory. Its contents are a function of the values
 //! alone.
 //!
 //! Up to `Shape::values` values, besides those at the centre, are kept one by one. More than these
@@ -143,8 +143,8 @@ impl Sketch {
         Cow::Owned(normalised)
     }
 
-    /// Counts what waits to be counted. This changes no result; it makes the results that are asked
-    /// for afterwards cheaper, which sort the values.
+    /// Counts the waiting values. This does not change results; it makes later requests cheaper,
+    /// which sort the values.
     pub fn settle(&mut self) {
         self.count_pending();
         self.pending.sort_unstable_by(f64::total_cmp);
@@ -210,15 +210,15 @@ impl Merge for Sketch {
     }
 }
 
-/// Two sketches are equal if they hold the same values, as far as they distinguish values.
+/// Two sketches are equal if they contain the same values, up to their resolution.
 impl PartialEq for Sketch {
     fn eq(&self, other: &Self) -> bool {
         self.shape == other.shape && self.ordered() == other.ordered()
     }
 }
 
-/// Bytes hold whether there are bins. If there are, the bins follow. If not, the number of values
-/// at the centre follows, and then the other values in ascending order.
+/// The bytes begin with whether there are bins. If so, the bins follow. If not, the number of
+/// values at the centre follows, and then the other values in ascending order.
 impl Codec for Sketch {
     fn write(&self, out: &mut Vec<u8>) {
         let normalised = self.normalised();

@@ -54,7 +54,7 @@ impl Steps {
         self.0.last().map_or(0, |cell| cell.up_to)
     }
 
-    /// The number of durations no longer than this whole number. Those of a cell are taken to be
+    /// The number of durations no longer than this whole number. Those of a cell are assumed to be
     /// spread evenly over its numbers.
     pub fn up_to(&self, number: f64) -> f64 {
         let place = self.0.partition_point(|cell| cell.last <= number);

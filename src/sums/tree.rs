@@ -1,4 +1,5 @@
-//! One order of floating-point sums, however a run is cut: the binary tree over block numbers.
+//! A fixed order of floating-point sums, however a run is divided: the binary tree over block
+//! numbers.
 //!
 //! Block k is leaf k. Node (level l, index i) is the sum of the blocks i 2^l .. (i + 1) 2^l, and is
 //! formed by merging its left half with its right half. A part of a run keeps the largest nodes all
@@ -52,7 +53,7 @@ impl<S: Merge> Tree<S> {
     /// Add the blocks of another part. Fails if both parts have the same block; then this part
     /// remains unchanged.
     pub fn merge(&mut self, other: Tree<S>) -> Result<(), Overlap> {
-        // This is checked first, so that after an error this part is as it was before.
+        // This is checked first, so that this part is unchanged after an error.
         let there = other
             .nodes
             .iter()

@@ -153,7 +153,7 @@ fn the_warning_says_which_statistics_have_a_limit() {
             .collect();
         let says = |text: &&String| {
             text.contains("Stick counts and durations depend on")
-                && text.contains("sticking fraction and positions have limits")
+                && text.contains("sticking fraction and positions converge")
         };
         assert_eq!(texts.iter().filter(says).count(), 1, "{scheme}: {texts:?}");
     }

@@ -1218,7 +1218,7 @@ fn looking_at_a_path_does_not_change_it() {
         let simulation = kind
             .with(DEFAULT_TOLERANCE)
             .simulation(&model, &line)
-            .looked_at_closer(7);
+            .with_additional_rows(7);
         assert!(simulation.simulate(5, &numbers, &mut close).is_empty());
         assert_eq!(close.events, seldom.events, "{kind:?}");
         for (row, same) in coarse
@@ -1466,7 +1466,7 @@ fn in_a_slip_the_temperature_follows_feeble_noise() {
         after: 0.0,
     };
     let variance = 0.25 * 0.25 * -(-2.0 * step).exp_m1() / 2.0;
-    for closeness in [1, 5] {
+    for row_stride in [1, 5] {
         let before = vec![0.0; numbers.len()];
         let mut increments = Increments {
             rate: step,
@@ -1475,18 +1475,18 @@ fn in_a_slip_the_temperature_follows_feeble_noise() {
             squares: Vec::new(),
         };
         let simulation = EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE)
-            .looked_at_closer(closeness);
+            .with_additional_rows(row_stride);
         assert!(
             simulation
                 .simulate(12, &numbers, &mut increments)
                 .is_empty()
         );
         let (mean, error) = mean_and_error(&increments.squares);
-        println!("closeness {closeness}: {mean:.4} +- {error:.4}");
+        println!("row_stride {row_stride}: {mean:.4} +- {error:.4}");
         assert_eq!(increments.squares.len(), 40 * 500);
         assert!(
             (mean - 1.0).abs() <= FALSE_ALARM * error,
-            "closeness {closeness}: {mean} +- {error}"
+            "row_stride {row_stride}: {mean} +- {error}"
         );
     }
 }

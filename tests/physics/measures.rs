@@ -379,8 +379,9 @@ fn the_amplitude_of_a_forced_body_is_den_hartogs() {
     }
 }
 
-/// A belt of speed V takes the body along, whatever else acts: what swings is x less its drift. About a
-/// belt that is faster than the swing it is the linear response to c a cos w t, of the amplitude c a/|K
+/// A belt of speed V takes the body along, whatever else acts: what swings is x minus its drift.
+/// About a belt that is faster than the swing it is the linear response to c a cos w t, of the
+/// amplitude c a/|K
 /// - w^2 + 2 i alpha w|, beside V t by -(f_d + 2 alpha V)/K. Half of the range of x is 150.
 #[test]
 fn on_a_belt_the_amplitude_is_that_of_x_less_its_drift() {

@@ -1,12 +1,13 @@
-//! A bridge's bearing that sticks: from two columns of measurements to friction, wear and forecast.
-//! Nothing here makes a run of many paths. It is a plug-in: neither the engine nor the crates for
-//! files, figures and reports depend on it, and the command line lists its kinds of results.
+//! A bridge bearing with dry friction: from two columns of measurements to friction, wear and
+//! forecast. It does not use the ensembles of the engine. It is a plug-in: neither the engine nor
+//! the crates for files, figures and reports depend on it, and the command line lists its kinds of
+//! results.
 //!
 //! ```text
 //! calibration  friction, stiffness and dilatation from measured temperatures and displacements,
 //!              and synthetic measurements from known values
 //! weather      harmonics and one or two noise processes fitted to a measured temperature
-//! forecast     displacements, forces and slips of coming years, from a calibration and a weather
+//! forecast     displacements, forces and slips of future years, from a calibration and a weather
 //! dataset      a calibration, a forecast and a synthetic record as data sets
 //! figures      figures of a calibration and a forecast
 //! report       tables and sentences about them

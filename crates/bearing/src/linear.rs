@@ -4,8 +4,8 @@
 /// A square matrix, row by row.
 pub type Matrix = Vec<Vec<f64>>;
 
-/// The normal equations of a weighted least-squares fit. Of the matrix only the lower triangle
-/// counts.
+/// The normal equations of a weighted least-squares fit. Only the lower triangle of the matrix is
+/// used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Normal {
     pub matrix: Matrix,

@@ -5,7 +5,7 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The variance of the population that the sample is drawn from.
+/// The variance of the population from which the sample is drawn.
 pub fn variance(values: &[f64]) -> f64 {
     let mean = mean(values);
     values

@@ -1,4 +1,4 @@
-//! Reports of a bearing: its calibration, the weather at it, and its future years.
+//! Reports of a bearing: its calibration, the weather, and its future years.
 
 use crate::calibration::{
     Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart, Values,
@@ -46,7 +46,7 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
     let rows = Quantity::ALL.iter().map(row).collect();
     let of_100 = significant(100.0 * calibration.question.level, 4);
     let below = format!(
-        "In {of_100} of 100 records the truth lies between the two ends, if the bearing is as the model says."
+        "The interval contains the true value in {of_100} of 100 records, if the model holds for the bearing."
     );
     let has_starts = !calibration.starts.is_empty();
     Report {
@@ -64,10 +64,10 @@ pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Rep
     }
 }
 
-/// The formats that leave out what only a page shows.
+/// The formats that leave out columns only for pages.
 const NOT_IN_PAGE: &[Format] = &[Format::Text, Format::Narrow, Format::Csv, Format::Paper];
 
-/// What a quantity is called, with its unit.
+/// The name of a quantity, with its unit.
 fn with_unit(words: &str, unit: &str) -> String {
     match unit {
         "" => words.into(),
@@ -75,7 +75,7 @@ fn with_unit(words: &str, unit: &str) -> String {
     }
 }
 
-/// Two ends of a range in one cell.
+/// The two ends of a range in one cell.
 fn range(low: &Cell, high: &Cell) -> Cell {
     match low.number.is_some_and(f64::is_finite) {
         true => format!("{} to {}", low.text, high.text).as_str().into(),
@@ -113,11 +113,11 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         _ => "slips",
     };
     let between = match calibration.roughness {
-        0.0 => "in straight lines".to_string(),
+        0.0 => "is interpolated linearly".to_string(),
         roughness => {
             let gained = significant((3600.0 * roughness).sqrt(), 3);
             format!(
-                "as weather, with a standard deviation of {gained} K in an hour; slips begin between samples"
+                "varies like weather, with a standard deviation of {gained} K in an hour; slips begin between samples"
             )
         }
     };
@@ -136,7 +136,7 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
     let (hour, day) = (correlation(1.0), correlation(24.0));
     let method = format!("{method}; intervals: synthetic records");
     let rest = format!(
-        "{rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day"
+        "{rest} m (root mean square of measurement minus model); correlation {hour} after an hour, {day} after a day"
     );
     vec![
         (
@@ -149,13 +149,13 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         ),
         (
             "slips",
-            format!("{slips} seen, {usual} of them alone and of the usual size"),
+            format!("{slips} detected, {usual} of them isolated and of typical size"),
         ),
         ("method", method),
         ("lag", lag(calibration)),
         (
             "moves",
-            format!("the temperature moves between samples {between}"),
+            format!("the temperature between samples {between}"),
         ),
         ("rest", rest),
     ]
@@ -247,7 +247,7 @@ fn starts(calibration: &Calibration) -> Table {
     }
     let below = "The scatter of the starts shows how well the search finds the minimum, but not how far the \
                  minimum is from the truth.";
-    let heading = "Starts of the least squares (err in m2):".into();
+    let heading = "Least-squares starts (err in m2):".into();
     Table {
         heading,
         columns,
@@ -257,16 +257,17 @@ fn starts(calibration: &Calibration) -> Table {
     }
 }
 
-/// Slips and sliding path of the record, and what they are in a year.
+/// Slips and sliding path of the record, in total and per year.
 pub fn seen(calibration: &Calibration) -> String {
     let length = calibration.record.times.last().copied().unwrap_or(0.0);
-    // A jump of z is (1 - kappa) of the slip of x, since the bearing is sheared less behind it.
+    // A jump of z is (1 - kappa) of the slip of x, because the shear of the bearing decreases in a
+    // slip.
     let jumps: f64 = calibration.slips.iter().map(|slip| slip.jump.abs()).sum();
     let path = jumps / (1.0 - calibration.estimate(Quantity::Shear).estimate);
     let slips = calibration.slips.len();
     let a_year = |number: f64| significant(number * YEAR / length, 3);
     format!(
-        "{} slips were detected in {}, a rate of {} in a year. Together they make a sliding path of {} mm, or {} mm in a year.",
+        "{} slips were detected in {}, a rate of {} in a year. Their sliding path is {} mm in total, or {} mm in a year.",
         grouped(slips as u64),
         time(length),
         a_year(slips as f64),
@@ -332,8 +333,8 @@ pub fn typical_year(found: &Forecast) -> String {
         format!("; the largest force on the pier is {}", force(" kN"))
     });
     format!(
-        "In a typical year the bearing slides {} in {} slips{force}. Typical is the mean of the simulated years; \
-         the numbers in parentheses are the {} range of one year.",
+        "In a typical year the bearing slides {} in {} slips{force}. These are means over the \
+         simulated years; the numbers in parentheses are the {} range of one year.",
         path.unwrap_or_default(),
         slips.unwrap_or_default(),
         percent(found.question.level)
@@ -350,21 +351,25 @@ pub fn found(calibration: &Calibration) -> String {
     };
     let hold = match calibration.estimate(Quantity::Static).estimate.is_finite() {
         true => shown(Quantity::Static, 1e-3, "kN"),
-        false => format!("{} of held movement", shown(Quantity::StaticWay, 1e3, "mm")),
+        false => format!(
+            "{} of restrained movement",
+            shown(Quantity::StaticWay, 1e3, "mm")
+        ),
     };
     format!(
-        "The joint moves {} per kelvin. The bearing sticks up to a friction force of {hold}, then it slips. The \
-         numbers in parentheses are {} intervals.",
+        "The joint moves {} per kelvin. The bearing sticks up to a friction force of {hold} and \
+         then slips. The numbers in parentheses are {} intervals.",
         shown(Quantity::Dilatation, 1e3, "mm"),
         percent(calibration.question.level)
     )
 }
 
-/// What the symbols on the page of a bearing mean.
-pub const SYMBOLS: &str = "z is the reading of the displacement sensor at the bearing and T the temperature. F is the \
-                           friction force in the bearing: it holds the bearing up to f_s, the static friction, and is \
-                           f_d, the dynamic friction, while the bearing slides. K is the stiffness of the structure \
-                           against this movement and beta the movement of the joint per kelvin.";
+/// The symbols on the page of a bearing.
+pub const SYMBOLS: &str = "z is the reading of the displacement sensor at the bearing, and T is \
+                           the temperature. F is the friction force in the bearing: at rest it is \
+                           at most f_s, the static friction; while the bearing slides it is f_d, \
+                           the dynamic friction. K is the stiffness of the structure against this \
+                           movement, and beta is the movement of the joint per kelvin.";
 
 /// The columns of a forecast.
 fn forecast_columns(level: &str, is_page: bool) -> Vec<Column> {
@@ -436,16 +441,16 @@ pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
         ],
     };
     let below = format!(
-        "The mean of many years lies {mean} for {0} of 100 records like this one; {0} of 100 single years lie {year}.",
+        "For {0} of 100 records like this one, the mean of many years lies {mean}; {0} of 100 single years lie {year}.",
         significant(100.0 * found.question.level, 4)
     );
     let years: usize = found.years.iter().map(Vec::len).sum();
     let years = format!(
-        "{} with {} draws of the parameters",
+        "{}, with {} draws of the parameters",
         grouped(years as u64),
         found.years.len()
     );
-    let (heading, rows) = ("What a year brings".into(), levels.chain(returns).collect());
+    let (heading, rows) = ("One year".into(), levels.chain(returns).collect());
     Report {
         title: title.into(),
         tables: vec![Table {
@@ -485,7 +490,10 @@ pub fn weather(found: &WeatherFit) -> Report {
         "degrees".into(),
     )];
     rows.extend(found.cycles().iter().map(|cycle| {
-        let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
+        let name = format!(
+            "amplitude, period {} d",
+            significant(cycle.period / 86_400.0, 5)
+        );
         row(
             &name,
             cycle.amplitude,
@@ -510,14 +518,9 @@ pub fn weather(found: &WeatherFit) -> Report {
         ));
     }
     let smoothing = found.smoothing().map(|(tau, error)| (tau / 3600.0, error));
-    rows.extend(smoothing.map(|(tau, error)| {
-        row(
-            "time constant that smooths it",
-            tau,
-            tau * error,
-            "h".into(),
-        )
-    }));
+    rows.extend(
+        smoothing.map(|(tau, error)| row("smoothing time constant", tau, tau * error, "h".into())),
+    );
     let white = match found.white {
         0.0 => "none: adding it does not raise the likelihood".to_string(),
         white => format!(

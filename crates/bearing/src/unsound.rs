@@ -2,7 +2,7 @@
 
 use stickslip_data::{absurd, is_constant};
 
-/// What is wrong with the samples of a record.
+/// The error in the samples of a record.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unsound {
     /// A number or its time is not finite, or too large to compute with.
@@ -22,8 +22,8 @@ pub enum Unsound {
     Constant(&'static str),
 }
 
-/// What to do about a sensor that shows one value only.
-pub const SEE_SENSOR: &str = "check that it is the right column, and that its sensor works";
+/// The remedy for a sensor that shows only one value.
+pub const SEE_SENSOR: &str = "check that it is the right column and that its sensor works";
 
 impl Unsound {
     /// What the user can do about it.

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-/// A reason why a result means less than it seems to.
+/// A warning about a result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CalibrationWarning {
     pub(crate) name: &'static str,
@@ -24,8 +24,8 @@ impl fmt::Display for CalibrationWarning {
     }
 }
 
-/// A kind of warning: its name, when it appears, what to do, and in how many of the 419 sound records
-/// of the page it appeared without a reason.
+/// A kind of warning: its name, when it appears, what to do, and its false alarms in the 420 sound records
+/// of the page.
 pub struct WarningKind(
     pub &'static str,
     pub &'static str,
@@ -33,7 +33,7 @@ pub struct WarningKind(
     pub &'static str,
 );
 
-/// The false alarms of what is read off the record or the options.
+/// The false alarms of warnings that follow directly from the record or the options.
 const EXACT: &str = "–";
 
 /// All kinds: those of a calibration, of a model of the temperature, and of a forecast.

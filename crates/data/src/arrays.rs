@@ -1,4 +1,4 @@
-//! Measurements in memory, with the checks and repairs of those in a file.
+//! Measurements in memory, checked and repaired like those in a file.
 
 use super::column::{Column, DataColumn, LARGEST_MEASURED, SampleSource, sorted};
 use super::error::DataError;
@@ -11,8 +11,8 @@ use super::unit::ColumnQuantity;
 /// the results. Values that are NaN are missing.
 pub type Array<'a> = (ColumnQuantity, &'a [f64], &'a [f64]);
 
-/// Check, sort and repair measurements in memory, with the marks and the limit of outliers of a
-/// layout. Their times stay as they are.
+/// Check, sort and repair measurements in memory, with the marks and the outlier limit of a layout.
+/// Their times are unchanged.
 pub fn arrays(
     arrays: &[Array<'_>],
     layout: &Layout,

@@ -1,5 +1,5 @@
 //! Records with a constant time between their samples: those of ground acceleration in the format
-//! AT2 of the PEER database, and plain files of values of which the scenario gives the step.
+//! AT2 of the PEER database, and plain files of values, whose step the scenario gives.
 
 use super::column::{AS_IT_IS, DataColumn, LARGEST_MEASURED, NOT_REPAIRED, is_too_close};
 use super::error::DataError;
@@ -9,11 +9,11 @@ use super::repairs::{ColumnRepairs, Repairs};
 use super::table::Table;
 use super::unit::{self, ColumnQuantity, InputUnit};
 
-/// Lines before the values of an AT2 file. The last says how many values follow and how far apart
-/// they are, and the one before in which unit they are.
+/// Lines before the values of an AT2 file. The last gives the number of values and the time between
+/// them; the one before gives their unit.
 const HEADER: usize = 4;
 
-/// What the header of a record says, or a scenario instead.
+/// How a record is sampled, according to its header or the scenario.
 struct Sampling<'a> {
     file: &'a str,
     /// Lines before the values.
@@ -28,7 +28,7 @@ struct Sampling<'a> {
     column: Option<usize>,
 }
 
-/// The record in a text, if an input is wanted, and its fourth line is that of such a file or the
+/// The record in a text, if an input is wanted and either the fourth line has the AT2 format or the
 /// layout gives the step.
 pub(super) fn record(
     file: &str,
@@ -63,8 +63,8 @@ fn wrong<T>(file: &str, line: usize, problem: String, remedy: &str) -> Result<T,
     Err(DataError::file(file, problem, remedy).line(line as u64))
 }
 
-/// What the header of an AT2 file says, if it is one: `NPTS= 4000, DT= .0050 SEC,`, or as it was
-/// before, `4000 0.0050 NPTS, DT`.
+/// The header of an AT2 file, if it is one: `NPTS= 4000, DT= .0050 SEC,`, or in the older form,
+/// `4000 0.0050 NPTS, DT`.
 fn at2<'a>(
     file: &'a str,
     third: &str,
@@ -155,7 +155,7 @@ fn unit_of(file: &str, wanted: &Wanted<'_>, said: &str) -> Result<InputUnit, Dat
     )
 }
 
-/// Values of which the scenario gives the step, in seconds.
+/// Values whose step the scenario gives, in seconds.
 fn stepped<'a>(
     file: &'a str,
     step: f64,
@@ -168,7 +168,7 @@ fn stepped<'a>(
             Some(number) => Some(number),
             None => {
                 let problem =
-                    format!("with `step`, columns are called by their numbers, and not `{name}`");
+                    format!("with `step`, a column is given by its number, not as `{name}`");
                 return Err(DataError::file(
                     file,
                     problem,
@@ -306,7 +306,7 @@ impl Sampling<'_> {
     }
 }
 
-/// The format of other records of ground motion, which their first line shows.
+/// Another format of ground-motion records, recognised by its first line.
 pub(super) fn other_format(text: &[u8]) -> Option<&'static str> {
     let first = String::from_utf8_lossy(text.split(|byte| *byte == b'\n').next()?);
     let formats = [
@@ -320,8 +320,8 @@ pub(super) fn other_format(text: &[u8]) -> Option<&'static str> {
         .map(|(_, format)| format)
 }
 
-/// The numbers of a word in which they may stand without a blank between them, as Fortran writes
-/// them in columns of a fixed width: `-.1234E-02-.5678E-03`.
+/// The numbers in a word, possibly without blanks between them, as Fortran writes them in columns
+/// of a fixed width: `-.1234E-02-.5678E-03`.
 fn numbers(word: &str) -> impl Iterator<Item = &str> {
     let bytes = word.as_bytes();
     let begins = move |i: &usize| {

@@ -16,7 +16,7 @@ use std::fmt;
 pub struct Start(Timestamp);
 
 impl Start {
-    /// Read an RFC 3339 stamp; `None` if the text is none.
+    /// Read an RFC 3339 stamp; `None` for any other text.
     pub fn parse(stamp: &str) -> Option<Self> {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
@@ -35,7 +35,7 @@ impl Start {
         self.0.duration_since(earlier.0).as_secs_f64()
     }
 
-    /// The date in UTC, and the time of day there as a share of the day.
+    /// The date in UTC, and the time of day in UTC as a fraction of a day.
     pub fn date(&self) -> (jiff::civil::Date, f64) {
         let there = self.0.to_zoned_datetime(TimeZone::UTC);
         (
@@ -62,16 +62,16 @@ impl fmt::Display for Start {
     }
 }
 
-/// What the cells of a column of times are.
+/// What the cells of a time column contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     /// Numbers. They are converted to seconds if their unit is known.
     Numbers { unit: Option<InputUnit> },
     /// Dates.
     Stamps,
-    /// So many of them in a second, since 1970 in UTC.
+    /// Counts since 1970 in UTC, with this many per second.
     Epoch(f64),
-    /// Days that a program counts, as it calls them.
+    /// Days counted by a program, with the name of the count.
     Days(&'static str),
 }
 
@@ -90,9 +90,9 @@ pub(super) struct Clock {
     /// Number of instants that are later than the one before, and of those that are earlier.
     up: u64,
     down: u64,
-    /// The zone that the name of the column says, if another one was given.
+    /// The zone in the name of the column, if a different one was given.
     pub other_zone: Option<String>,
-    /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
+    /// Number of stamps in an hour that occurs twice because clocks were set back.
     pub folds: u64,
 }
 
@@ -100,17 +100,16 @@ fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, 
     Err((problem.into(), remedy.into()))
 }
 
-/// The days since 1970 that are so likely dates that no zone is needed to suspect it: from 2000 to
-/// 2051.
+/// Numbers that are probably dates, even without a zone, as days since 1970: from 2000 to 2051.
 const LIKELY_DAYS: std::ops::Range<f64> = 10_957.0..29_584.0;
 
-/// The share of rows out of order from which dates are taken to be misread, in files of more rows
-/// than this.
+/// The fraction of rows out of order above which dates are considered misread, in files with more
+/// rows than this.
 const MOST_DISORDER: f64 = 0.4;
 const FEWEST_STEPS: u64 = 10;
 
-/// How many seconds, milliseconds, microseconds and nanoseconds since 1970 there are in a number,
-/// from 1999 to 2100, if it is such a number.
+/// The counts per second, if a number is a time from 1999 to 2100 in seconds, milliseconds,
+/// microseconds or nanoseconds since 1970.
 fn per_second_since_epoch(number: f64) -> Option<f64> {
     [1.0, 1e3, 1e6, 1e9]
         .into_iter()
@@ -141,8 +140,8 @@ impl Clock {
             },
             None => None,
         };
-        // As a stamp's own zone does, that of the column's name prevails over one that was given,
-        // perhaps for another file.
+        // Like the zone in a stamp, the zone in the column's name takes precedence over a given
+        // one, which may be for another file.
         let named = zone_in(column);
         let differs = |zone: &&TimeZone| given.as_ref().is_some_and(|given| given != *zone);
         let other_zone = named
@@ -165,14 +164,14 @@ impl Clock {
         })
     }
 
-    /// Whether so many rows are out of order that their dates must have been misread.
+    /// Whether too many rows are out of order, so that their dates must have been misread.
     pub fn is_disordered(&self) -> bool {
         let steps = self.up + self.down;
         steps >= FEWEST_STEPS && self.up.min(self.down) as f64 >= MOST_DISORDER * steps as f64
     }
 
-    /// Whether times are in seconds. Numbers in a column whose name gives no unit stay in their
-    /// own, unknown unit.
+    /// Whether times are in seconds. Numbers in a column whose name gives no unit keep their
+    /// unknown unit.
     pub fn in_seconds(&self) -> bool {
         self.kind != Kind::Numbers { unit: None }
     }
@@ -202,7 +201,7 @@ impl Clock {
     fn time(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let as_before = |what: &str| {
             (
-                format!("is not {what} like the times before it"),
+                format!("is not {what}, unlike the times before it"),
                 format!("correct the line{OR_SKIP}"),
             )
         };
@@ -255,7 +254,7 @@ impl Clock {
         form == *self.form.get_or_insert(form)
     }
 
-    /// Why a cell is no stamp.
+    /// Why a cell is not a stamp.
     fn no_stamp(&self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         match self.order {
             _ if stamp::is_time_of_day(cell) => wrong(
@@ -306,7 +305,7 @@ impl Clock {
         since.as_secs() as f64 + f64::from(since.subsec_nanos()) / 1e9
     }
 
-    /// The instant of a stamp, and whether it fell in an hour which occurs twice.
+    /// The instant of a stamp, and whether it is in an hour that occurs twice.
     fn instant(&self, stamp: &Stamp) -> Result<(Timestamp, bool), ProblemAndRemedy> {
         let (instant, is_fold) = match (stamp.offset, &self.zone) {
             (Some(offset), _) => (offset.to_timestamp(stamp.local).map_err(beyond)?, false),
@@ -322,7 +321,7 @@ impl Clock {
     }
 }
 
-/// What the cells of a column are, from the first of them.
+/// What the cells of a column contain, inferred from the first.
 fn kind(
     column: &str,
     unit: Option<InputUnit>,

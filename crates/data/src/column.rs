@@ -19,9 +19,9 @@ pub struct DataColumn {
     pub times: Vec<f64>,
     /// Values: temperatures in degrees, displacements in metres, inputs in SI units.
     pub values: Vec<f64>,
-    /// The unit of an input in the file; empty if nothing says it.
+    /// The unit of an input in the file; empty if not given.
     pub unit: &'static str,
-    /// The time before its time over which each value is a mean; 0 if it is that of an instant.
+    /// The averaging time of each value, ending at its time; 0 for instantaneous values.
     pub averaged: f64,
 }
 
@@ -29,8 +29,8 @@ pub struct DataColumn {
 /// displacement or date in seconds, and small enough for sums of squares.
 pub(super) const LARGEST_MEASURED: f64 = 1e15;
 
-/// Whether all values are the same, or so close together that no sensor tells them apart and their
-/// squares are no doubles.
+/// Whether all values are equal, or too close for any sensor to distinguish and for their squares
+/// to be represented.
 pub fn is_constant(values: &[f64]) -> bool {
     let (low, high) = values
         .iter()
@@ -48,12 +48,12 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
     samples.find(|(time, value)| !(is_sound(*time) && is_sound(*value)))
 }
 
-/// What is said of an input without a unit, and of a cell of an input that is no number.
+/// Parts of messages about an input without a unit, and about an invalid cell of an input.
 pub(super) const AS_IT_IS: &str = "SI (`unit = \"g\"` converts, `unit = \"none\"` confirms SI)";
 pub(super) const NOT_REPAIRED: &str =
     "correct the cell; values of an input are not repaired or left out";
 
-/// A column while it is read: its unit, and its samples so far.
+/// A column being read: its unit, and its samples so far.
 pub(super) struct Column<'a> {
     name: String,
     wanted: &'a Wanted<'a>,
@@ -69,7 +69,7 @@ pub(super) struct Column<'a> {
 const COLDEST: f64 = -459.67;
 
 impl<'a> Column<'a> {
-    /// A column with the unit that is given, or that its name says.
+    /// A column with the given unit, or that in its name.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
         let unit = match wanted.unit {
             Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
@@ -118,7 +118,7 @@ impl<'a> Column<'a> {
         let is_late = self.unit.is_none() && !self.samples.is_empty();
         if self.wanted.unit.is_none() && (is_late || self.unit.is_some_and(|known| unit != known)) {
             return Err((
-                "has another unit than its column".into(),
+                "has a different unit from its column".into(),
                 format!("give the same unit in the name and in all cells{OR_SKIP}"),
             ));
         }
@@ -174,7 +174,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// Whether nothing of it may be repaired.
+    /// Whether no repairs are allowed.
     pub fn is_strict(&self) -> bool {
         self.wanted.quantity == ColumnQuantity::Input
     }
@@ -226,7 +226,7 @@ impl<'a> Column<'a> {
         Ok(())
     }
 
-    /// Find out over which time each value is a mean.
+    /// Determine the averaging time of the values.
     fn look_for_means(&mut self, in_seconds: bool) {
         if let Some(seconds) = self.wanted.averaged {
             self.averaged = seconds as f64;
@@ -237,8 +237,8 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// Leave out the samples that stand out by more than the layout says; without such a limit, say
-    /// where one stands out.
+    /// Leave out the samples beyond the outlier limit of the layout; without a limit, note an
+    /// outlier.
     fn look_for_outliers(&mut self, layout: &Layout, line: &dyn Fn(u32) -> u64) {
         let values: Vec<f64> = self.samples.iter().map(|sample| sample.1).collect();
         if let Some(far) = layout.outliers {
@@ -389,7 +389,7 @@ impl Column<'_> {
             return Ok(());
         };
         let problem = format!(
-            "the time from line {} to this one is {}, too short beside a record of {}",
+            "the time from line {} to this one is {}, too short compared with the record, {}",
             (source.line)(before.2),
             lasting(here.0 - before.0, source.in_seconds),
             lasting(lasts, source.in_seconds)
@@ -398,7 +398,7 @@ impl Column<'_> {
         Err(source.error(here.2, problem, remedy))
     }
 
-    /// Check that there are two samples or more.
+    /// Check that there are at least two samples.
     fn check_count(&self, file: &str) -> Result<(), DataError> {
         let count = self.samples.len();
         if count >= 2 {
@@ -437,7 +437,7 @@ impl Column<'_> {
 /// record a double resolves 2e-16 of it.
 const SHORTEST_SHARE: f64 = 1e-13;
 
-/// Whether two samples are too close to lie at two times of a record that lasts so long.
+/// Whether two samples are too close in time for a record of this length.
 pub(super) fn is_too_close(apart: f64, record: f64) -> bool {
     apart < SHORTEST_SHARE * record || apart < 1.0 / LARGEST_MEASURED
 }

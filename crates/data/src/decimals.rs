@@ -1,15 +1,15 @@
-//! Whether a comma is a decimal mark or stands between thousands.
+//! Whether commas are decimal marks or thousands separators.
 
 use super::query::Layout;
 
-/// How the numbers of a file are written, as far as those that were read tell it.
+/// How the numbers of a file are written, inferred from those read so far.
 pub(super) struct Decimals {
-    /// The decimal mark, if the layout says it.
+    /// The decimal mark, if the layout gives it.
     given: Option<char>,
-    /// Whether a comma separates columns, so that it stands in quoted cells only.
+    /// Whether commas separate columns, so that they occur only in quoted cells.
     separates: bool,
-    /// Whether a comma is known to be decimal, because columns are separated otherwise or because a
-    /// number has a comma that can stand between no thousands.
+    /// Whether commas are known to be decimal, because columns are separated otherwise or because a
+    /// comma in some number cannot separate thousands.
     are_decimal: bool,
     /// Number of numbers with a comma and with a point.
     commas: u64,
@@ -31,13 +31,13 @@ const FIELDS: Wrong = (
      `0.1degC`, and +9999 marks a missing value",
 );
 
-/// What is wrong where one number has a decimal comma and another a point.
+/// The problem of one number with a decimal comma and another with a point.
 const MIXED: Wrong = (
     "mixes decimal commas and points, and its comma may separate thousands",
     "write all numbers with decimal points, or give the decimal separator, e.g. DECIMAL",
 );
 
-/// What is wrong if all numbers with a comma have three digits behind it.
+/// The problem of numbers with a comma that all have three digits after it.
 pub(super) const THOUSANDS: Wrong = (
     "is ambiguous: the comma before three digits may separate decimals or thousands, here and in all other values",
     "write the numbers of the file with decimal points, or give the decimal separator, e.g. DECIMAL",

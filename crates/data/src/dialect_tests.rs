@@ -359,7 +359,7 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
             "time,temp\n2023-03-04 05:00,12 \u{b0}C\n2023-03-04 06:00,56 \u{b0}F\n",
             PLAIN,
             Some(3),
-            "another unit than its column",
+            "a different unit from its column",
             "the same unit",
         ),
         (
@@ -424,7 +424,7 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
 /// `time` and `dates` of the data apply to the file of temperatures only where they fit, and files
 /// without a common day are refused with both ranges.
 #[test]
-fn the_other_file_may_have_usual_names_and_another_order_of_dates() {
+fn the_other_file_may_have_usual_names_and_date_order() {
     let sensor = "Zeitpunkt,displacement_mm\n4/3/2023 05:00,1\n4/3/2023 06:00,2\n";
     let source = |wording| ColumnSource {
         layout: Layout {

@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-/// A text in UTF-8, and how it was encoded if that is worth mentioning.
+/// A text in UTF-8, and its original encoding if that is to be reported.
 type Decoded<'a> = (Cow<'a, [u8]>, Option<&'static str>);
 
 /// The text in UTF-8, without a byte-order mark and with lines that end in `\n`, and how it was
-/// encoded. `None` for bytes that are no text.
+/// encoded. `None` for bytes that are not text.
 pub(super) fn decoded(bytes: &[u8]) -> Option<Decoded<'_>> {
     let (mut text, encoding) = in_utf8(bytes)?;
     // Some programs end lines in `\r` alone.

@@ -1,8 +1,8 @@
-//! What is wrong with a data file, in messages that say where to look and what to change.
+//! Errors in data files: where they are and how to fix them.
 
 use std::fmt;
 
-/// One mistake, and where it is.
+/// An error and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataError {
     /// The file.
@@ -14,9 +14,9 @@ pub struct DataError {
     pub cell: Option<String>,
     /// What is wrong.
     pub problem: String,
-    /// What would be right.
+    /// How to fix it.
     pub remedy: String,
-    /// What else is wrong, in the same file or in one that is read together with it.
+    /// Further errors, in the same file or in one that is read together with it.
     pub also: Option<Box<DataError>>,
 }
 
@@ -40,7 +40,7 @@ impl DataError {
         }
     }
 
-    /// This error, with another one behind it.
+    /// This error, followed by another one.
     pub(super) fn and(self, other: DataError) -> Self {
         let also = match self.also {
             Some(also) => also.and(other),
@@ -52,7 +52,7 @@ impl DataError {
         }
     }
 
-    /// The same error, and those behind it, with this text in place of another one in the remedies.
+    /// The same error, and those that follow it, with a text in the remedies replaced.
     pub(super) fn with_remedy(mut self, from: &str, to: &str) -> Self {
         self.remedy = self.remedy.replace(from, to);
         self.also = self.also.map(|also| Box::new(also.with_remedy(from, to)));

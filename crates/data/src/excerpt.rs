@@ -1,11 +1,11 @@
-//! Pieces of a text that a message shows. They end, and nothing in them is invisible.
+//! Excerpts of a text for messages, of limited length and without invisible characters.
 
 /// Characters of a line that are shown on either side of the place that a message is about.
 const AROUND: usize = 80;
 
 /// A line, and carets under some characters of it, `start` characters from its beginning. A long
-/// line is cut to what is around them. Each control character is shown as one other character, so
-/// that the carets stay under their place, except that a tab stays a tab, above and below.
+/// line is cut to their surroundings. Each control character is shown as one other character, so
+/// that the carets stay in place; a tab is kept in both lines.
 pub fn underlined(line: &str, start: usize, length: usize) -> [String; 2] {
     let from = start.saturating_sub(AROUND);
     let dots = if from > 0 { "..." } else { "" };
@@ -40,7 +40,7 @@ pub fn short(text: &str) -> String {
         .collect()
 }
 
-/// The character itself, or another one in the place of a control character. A tab stays.
+/// The character itself, or another one in the place of a control character. A tab is kept.
 fn visible(c: char) -> char {
     if c.is_control() && c != '\t' {
         char::REPLACEMENT_CHARACTER
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_line_is_cut_around_the_carets_and_they_stay_under_their_place() {
+    fn long_lines_are_cut_around_the_carets() {
         let text = |line: &str, start: usize, length: usize| underlined(line, start, length);
         assert_eq!(text("a = 1", 4, 1), ["a = 1", "    ^"]);
         assert_eq!(text("\ta\0b = 1", 3, 1), ["\ta\u{fffd}b = 1", "\t  ^"]);

@@ -18,11 +18,11 @@ pub(super) struct Header {
     pub times: Vec<usize>,
     /// The columns of values, in the order in which they were wanted.
     pub values: Vec<usize>,
-    /// Number of lines before it that are no measurements, besides comments.
+    /// Number of lines before it, other than comments, that are not measurements.
     pub skipped: u64,
 }
 
-/// Among how many lines the names of the columns are looked for.
+/// The number of lines in which the names of the columns are searched for.
 const LOOKED_THROUGH: usize = 200;
 
 /// A line that may name the columns.
@@ -73,7 +73,7 @@ pub(super) fn open<'a>(
         let least = last.map_or(0, |last| last + 1);
         return Ok((rows.below(least), header));
     }
-    // Columns without names are called by their numbers.
+    // Columns without names are identified by their numbers.
     let width = lines.last().map_or(0, |line| line.names.len());
     let numbered: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
     if let Some(line) = lines
@@ -116,7 +116,7 @@ pub(super) fn open<'a>(
     })
 }
 
-/// The line that names the columns, where `is_naming` says whether a line may be it.
+/// The line that names the columns, among those for which `is_naming` holds.
 fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
     let in_text = lines
         .iter()
@@ -133,8 +133,8 @@ fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
     in_text.or_else(in_comment)
 }
 
-/// The error of a file without names of columns, which proposes its date, an hour behind it, and
-/// the first other number, if possible one with decimals.
+/// The error of a file without names of columns. It proposes the column of dates, one of hours
+/// after it, and the first other number, if possible one with decimals.
 fn unnamed(file: &str, cells: &[String], layout: &Layout, wanted: &[Wanted<'_>]) -> DataError {
     let quantity = wanted
         .first()
@@ -190,8 +190,8 @@ fn below<'l>(lines: &'l [Line], line: &Line) -> &'l [Line] {
 }
 
 /// The line that most likely names the columns, though not all that are wanted: the one with most
-/// of them, then the one with as many cells as the last line, without numbers and dates. A line with
-/// a single cell above rows with several is a note.
+/// of them, otherwise one without numbers and dates that has the same number of cells as the last
+/// line. A line with a single cell above rows with several is a note.
 fn likeliest<'l>(
     file: &str,
     lines: &'l [Line],
@@ -274,7 +274,7 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
     found
 }
 
-/// Names of columns, of which some stand below another word that tells them from columns of the same
+/// Names of columns in two lines, where a word in the upper line distinguishes columns of the same
 /// name, as in `Temp` above `Out` and `Hi` above `Temp`.
 fn in_two_lines(above: &Line, names: Vec<String>) -> Vec<String> {
     let is_twice =
@@ -303,7 +303,7 @@ const DATE_AND_TIME: [&str; 6] = [
 const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
 const DATE: [&str; 4] = ["date", "datum", "dato", "yyyymmdd"];
 
-/// Beginnings of words, and words, of what else loggers and weather services record.
+/// Words, and beginnings of words, for other quantities that loggers and weather services record.
 const OTHERS: [&str; 16] = [
     "dew", "batt", "stat", "volt", "humid", "wind", "press", "rain", "record", "serial", "panel",
     "ptemp", "reftemp", "logger", "signal", "number",
@@ -433,8 +433,8 @@ impl Sought<'_> {
         }
     }
 
-    /// The error without a column of times, which proposes the first column of dates, with that of
-    /// hours behind it.
+    /// The error without a column of times. It proposes the first column of dates, with one of
+    /// hours after it.
     fn no_time(&self, name: Name<'_>) -> DataError {
         let first = self.below.last().map_or(&[][..], |line| &line.names);
         let date = first.iter().position(|cell| is_date(cell));
@@ -452,7 +452,7 @@ impl Sought<'_> {
         self.none(name, &format!("name the right one, e.g. {example}"))
     }
 
-    /// The error of dates without a zone, which is said together with that of a missing column.
+    /// The error of dates without a zone, reported together with that of a missing column.
     fn no_zone(&self) -> Option<DataError> {
         let time = *self.times().ok()?.first()?;
         let cell = self.below.last()?.names.get(time)?;
@@ -515,8 +515,8 @@ impl Sought<'_> {
     }
 
     /// The name of the column that most likely holds a quantity: one with a fitting unit, in its
-    /// name or below, then one with a fitting name, then the first; no times, and nothing else that
-    /// loggers and weather services record.
+    /// name or below, then one with a fitting name, then the first; times and other quantities of
+    /// loggers and weather services are excluded.
     fn proposal(&self, quantity: ColumnQuantity, among: &[usize]) -> &str {
         let likeness = |field: &&usize| {
             let name = &self.names[**field];
@@ -559,7 +559,7 @@ impl Sought<'_> {
         best.filter(|name| !name.is_empty()).unwrap_or("NAME")
     }
 
-    /// No column is the one that is meant. What to do is followed by the names that there are.
+    /// The error if no column matches. The remedy is followed by the existing names.
     fn none(&self, name: Name<'_>, remedy: &str) -> DataError {
         let (Name::Exactly(text) | Name::Beginning(text)) = name;
         let alike = |column: &&String| strsim::jaro_winkler(text, column);

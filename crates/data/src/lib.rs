@@ -7,7 +7,7 @@
 //! unit      the unit that the name of a column gives
 //! stamp     a date and a time of day, as loggers and spreadsheets write them
 //! parts     a time in several columns -> one stamp
-//! orders    the order of day, month and year, as all dates together tell it
+//! orders    the order of day, month and year, inferred from all dates together
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
 //! decimals  whether a comma is decimal
 //! marks     which cells hold no value
@@ -24,8 +24,8 @@
 //! ```
 //!
 //! Repairs are counted ([`Repairs`]): rows out of order are sorted, cells without a value are left
-//! out, and a repeated row is used once. Anything that could be read in two ways is an error with
-//! its line. Of an input nothing is repaired: its rows and values must be sound.
+//! out, and a repeated row is used once. Anything ambiguous is an error with its line. Inputs are
+//! not repaired: their rows and values must be valid.
 
 #![deny(missing_docs)]
 
@@ -90,8 +90,8 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
     let mut bytes = Vec::new();
     let mut fits = || -> std::io::Result<bool> {
         let file = std::fs::File::open(path)?;
-        // The size of a regular file is checked before memory is allocated. A pipe does not know
-        // its size.
+        // The size of a regular file is checked before memory is allocated. The size of a pipe is
+        // unknown.
         if file.metadata()?.len() > MAX_FILE {
             return Ok(false);
         }
@@ -160,7 +160,8 @@ pub fn parse(
         .iter()
         .all(|one| one.quantity == ColumnQuantity::Input);
     if let Some(format) = at2::other_format(&text).filter(|_| is_input && layout.step.is_none()) {
-        let remedy = "convert it to CSV; the page on records of the documentation has a line for each format";
+        let remedy =
+            "convert it to CSV; the documentation page on records shows how, for each format";
         return Err(foreign(
             &format!("a record in the format of {format}"),
             remedy,

@@ -293,7 +293,7 @@ fn the_order_of_dates_is_the_one_in_which_rows_are_in_order() {
     let shuffled: Vec<&str> = shuffled.iter().map(String::as_str).collect();
     let error = read(&shuffled).unwrap_err();
     assert!(
-        error.problem.contains("two of five rows") && error.remedy.contains("--dates"),
+        error.problem.contains("two in five rows") && error.remedy.contains("--dates"),
         "{error}"
     );
     let backwards: Vec<&str> = days.iter().rev().copied().collect();

@@ -1,5 +1,5 @@
-//! Which cells hold no value: words, fill values of file formats, and the marks that a layout names.
-//! Other numbers are values, whatever they are.
+//! Marks of missing values: words, fill values of file formats, and the marks of a layout. All
+//! other numbers are values.
 
 use super::query::Layout;
 use super::repairs::many;
@@ -21,8 +21,8 @@ const WORDS: [&str; 13] = [
     "-nan",
 ];
 
-/// Numbers that only a file format writes: the usual fill values of netCDF and others. They are
-/// marks wherever they stand.
+/// Numbers that only file formats write: the usual fill values of netCDF and others. They always
+/// mark a missing value.
 const FILLS: [f64; 9] = [
     9.969_209_968_386_869e36,
     1e20,
@@ -35,11 +35,10 @@ const FILLS: [f64; 9] = [
     -3.402_823_466_385_288_6e38,
 ];
 
-/// Numbers that many files write, with either sign, where a value is missing. They may be values as
-/// well.
+/// Numbers that many files use, with either sign, for a missing value. They may also be values.
 const NINES: [f64; 4] = [999.0, 9_999.0, 99_999.0, 999_999.0];
 
-/// A warning about values, given with their lines, that may be marks and are taken as they are.
+/// A warning about values, given with their lines, that may be marks but are used as values.
 pub(super) fn likely(name: &str, values: impl Iterator<Item = (f64, u64)>) -> Option<String> {
     let mut found = values.filter(|(value, _)| NINES.contains(&value.abs()));
     let (value, line) = found.next()?;
@@ -56,7 +55,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// The marks that a layout gives, besides the usual ones.
+    /// The marks of a layout, in addition to the usual ones.
     pub fn of(layout: &Layout) -> Self {
         let words = layout
             .missing

@@ -1,4 +1,4 @@
-//! The order of day, month and year, where the dates themselves do not say it.
+//! The order of day, month and year, inferred from all dates of a column.
 
 use super::query::DateOrder;
 use super::stamp::stamp;
@@ -26,7 +26,7 @@ pub(super) struct Orders {
     differ: bool,
 }
 
-/// An order that makes the way from date to date this many times as long as another one is wrong.
+/// An order that makes the path from date to date longer than another one by this factor is wrong.
 const DETOUR: f64 = 10.0;
 
 impl Orders {
@@ -46,7 +46,7 @@ impl Orders {
         }
     }
 
-    /// Take the next text of the column. One that is no date in any order tells nothing.
+    /// Take the next text of the column. A text that is not a date in any order is ignored.
     pub fn take(&mut self, text: &str) {
         let dates = self
             .readings
@@ -78,9 +78,9 @@ impl Orders {
         possible.any(|reading| reading.order == order)
     }
 
-    /// The order, and why it is this one; `None` if several are as likely. Of several that are
-    /// possible it is the one in which the fewest rows are out of order. Where dates have years of
-    /// two digits in front or at the end, one of the two ways from row to row is far longer, too.
+    /// The order, and the reason for it; `None` if several are equally likely. Of several possible
+    /// orders it is the one with the fewest rows out of order. If years have two digits and may be
+    /// first or last, the path from row to row is also far longer in one of the two orders.
     pub fn told(&self) -> Option<(DateOrder, &'static str)> {
         let possible: Vec<&OrderFit> = self
             .readings

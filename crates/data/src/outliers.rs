@@ -1,20 +1,20 @@
-//! Values that stand out from the others. They are kept unless the layout says otherwise.
+//! Outliers. They are kept unless the layout says otherwise.
 
 /// Number of samples on each side that a sample is compared with. A change of level, as in a slip,
 /// is not a spike, because such a sample agrees with the majority of its window.
 const REACH: usize = 3;
 
-/// Fewest samples among which a spike can be told.
+/// The smallest number of samples in which spikes are detected.
 const LEAST: usize = 30;
 
-/// Fewest values among which one can stand apart from all others.
+/// The smallest number of values in which one can be apart from all others.
 const FEWEST: usize = 10;
 
 /// A value stands out if it exceeds this many standard deviations, unless another number is given.
 const USUAL: u64 = 8;
 
-/// Which values differ by more than `far` standard deviations of the usual differences from the
-/// median around a value, and as many usual steps from one value to the next. The steps matter
+/// The values that differ from the local median by more than `far` standard deviations of such
+/// differences, and by more than `far` usual steps from one value to the next. The steps matter
 /// where values hardly scatter: at the ends of a smooth record, the median lies two steps away.
 pub(super) fn spikes(values: &[f64], far: u64) -> Vec<bool> {
     if values.len() < LEAST {
@@ -39,8 +39,8 @@ pub(super) fn spikes(values: &[f64], far: u64) -> Vec<bool> {
         .collect()
 }
 
-/// The value that stands out most, and how many do: spikes, or, as marks of missing values do, a
-/// lowest or highest value that is farther from all others than they are from each other.
+/// The most extreme outlier, and the number of outliers: spikes, or a lowest or highest value that
+/// is farther from all others than they are from each other, like a mark of missing values.
 pub(super) fn odd(values: &[f64]) -> Option<(f64, usize)> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -54,8 +54,7 @@ impl Origin<'_> {
     }
 }
 
-/// A column of a file: which file, which column, its unit, and how the file is laid out, as far as
-/// they are given.
+/// A column of a file: the file, the column, its unit, and the layout of the file, where given.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnSource {
     /// The file.
@@ -63,7 +62,7 @@ pub struct ColumnSource {
     /// The name of the column of values. Without it, the column whose name begins with the
     /// quantity.
     pub column: Option<String>,
-    /// The unit of the values, if the file does not say it.
+    /// The unit of the values, if the file does not give it.
     pub unit: Option<String>,
     /// How the file is laid out.
     pub layout: Layout,
@@ -105,9 +104,9 @@ pub struct BearingData {
 }
 
 impl BearingData {
-    /// Read a temperature and a displacement from one file, which is laid out as that of the
-    /// displacements. If the temperatures are in a file of their own, read both files; their times
-    /// must then be dates. What is wrong is said of both files at once.
+    /// Read a temperature and a displacement from one file, which has the layout of the
+    /// displacements. If the temperatures are in a separate file, read both files; their times must
+    /// then be dates. Errors of both files are reported together.
     pub fn read(
         data: Origin<'_>,
         temperatures: Option<Origin<'_>>,
@@ -172,8 +171,8 @@ impl BearingData {
     }
 }
 
-/// What is wrong with a temperature and a displacement that have no common time, where both count
-/// from this instant.
+/// The error of a temperature and a displacement without a common time. Both count from this
+/// instant.
 fn apart(start: &Start, air: &DataColumn, sensor: &DataColumn) -> Option<String> {
     let ends = |column: &DataColumn| Some([*column.times.first()?, *column.times.last()?]);
     let ([air, until], [sensor, end]) = (ends(air)?, ends(sensor)?);

@@ -8,7 +8,7 @@ use jiff::Span;
 use jiff::civil::Date;
 use std::borrow::Cow;
 
-/// What one of several columns of a time holds.
+/// What one of several columns of a time contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Year,
@@ -20,7 +20,7 @@ enum Part {
     HourMinute,
     Minute,
     Second,
-    /// A date, a time of day or an hour, as its cells show.
+    /// A date, a time of day or an hour, depending on its cells.
     Text,
 }
 
@@ -50,12 +50,12 @@ const NAMES: [(Part, &[&str]); 8] = [
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     parts: Vec<Part>,
-    /// Whether a number in a column without a telling name is an hour, and not as in 1330.
+    /// Whether a number in a column without a known name is an hour, rather than a time as in 1330.
     in_hours: bool,
 }
 
 impl Parts {
-    /// The parts that the names of the columns tell.
+    /// The parts, inferred from the names of the columns.
     pub fn of(names: &[&str]) -> Self {
         let mut parts: Vec<Part> = Vec::new();
         for name in names {
@@ -65,7 +65,7 @@ impl Parts {
                 .iter()
                 .find(named)
                 .map_or(Part::Text, |(part, _)| *part);
-            // Buoys call minutes mm, below hours.
+            // Files of buoys call minutes mm, after hours.
             let is_minute = part == Part::Month && parts.contains(&Part::Hour);
             parts.push(if is_minute { Part::Minute } else { part });
         }
@@ -125,7 +125,7 @@ impl Parts {
             .any(|(_, words)| words.contains(&&*lower))
     }
 
-    /// Look at a row before rows are read: a number that is no hour shows that times of day are
+    /// Inspect a row before rows are read: a number that is not an hour shows that times of day are
     /// written as in 1330.
     pub fn look(&mut self, cells: &[Cow<'_, str>]) {
         for (part, cell) in self.parts.iter().zip(cells) {
@@ -135,7 +135,7 @@ impl Parts {
     }
 
     /// The stamp in the cells of a row, as ISO 8601 writes it if the cells are numbers. Cells that
-    /// do not fit together are joined as they are.
+    /// do not fit together are joined unchanged.
     pub fn stamp(&self, cells: &[Cow<'_, str>]) -> String {
         let joined = || cells.join(" ").trim().to_string();
         self.calendar(cells).unwrap_or_else(joined)
@@ -200,7 +200,7 @@ impl Parts {
         })
     }
 
-    /// The parts, where columns without telling names are told by their places and cells.
+    /// The parts. Columns without known names are identified by their places and cells.
     fn told(&self, cells: &[Cow<'_, str>]) -> Vec<Part> {
         let mut parts = self.parts.clone();
         let is_year = |cell: &str| cell.len() == 4 && cell.parse::<u16>().is_ok();

@@ -1,4 +1,4 @@
-//! Which columns of a file are wanted, and how the file is laid out.
+//! Which columns of a file are wanted, and the layout of the file.
 
 use super::unit::ColumnQuantity;
 
@@ -38,8 +38,8 @@ impl DateOrder {
     }
 }
 
-/// In which words a remedy names an option, because the same option is a key of a scenario, a flag
-/// of a command, and an argument in Python.
+/// How a remedy names an option: as a key of a scenario, a flag of a command, or an argument in
+/// Python.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wording {
     /// `zone = "UTC"`
@@ -47,7 +47,7 @@ pub enum Wording {
     Key,
     /// `--zone UTC`
     Flag,
-    /// `--temperature-zone UTC`, where the temperatures have a file of their own.
+    /// `--temperature-zone UTC`, for a separate file of temperatures.
     TemperatureFlag,
     /// `zone="UTC"`
     Argument,
@@ -122,15 +122,15 @@ fn flag(name: &str, value: &str) -> String {
     format!("`--{name}{between}{quoted}`")
 }
 
-/// How a file is laid out, as far as the file does not say so itself.
+/// The layout of a file, where the file itself does not determine it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// The name of the column of times, or those of dates and of times of day, or of years, days of
     /// the year and times of day, with commas between them. Without it, the column is found by usual names such as `time`,
     /// `Timestamp` or `Date/Time`.
     pub time: Option<String>,
-    /// The time zone of stamps, where neither they nor the name of their column say it: an IANA
-    /// name, or an offset such as `+01:00`.
+    /// The time zone of stamps, if neither they nor the name of their column give it: an IANA name,
+    /// or an offset such as `+01:00`.
     pub zone: Option<String>,
     /// The order of day, month and year. Without it, dates begin with a year of four digits, or
     /// the whole column decides.
@@ -138,25 +138,24 @@ pub struct Layout {
     /// The number of lines before the line that names the columns. Without it, that is the first
     /// line with the names that are wanted.
     pub skip: Option<u64>,
-    /// Numbers and words that mark a missing value, besides the usual ones.
+    /// Numbers and words that mark a missing value, in addition to the usual ones.
     pub missing: Vec<String>,
-    /// Whether lines that cannot be read are left out and counted, as long as they are few.
+    /// Whether lines that cannot be read are left out and counted, if they are few.
     pub skip_bad: bool,
-    /// Whether `time` and `dates` are those of another file, and apply to this one only where they
-    /// fit.
+    /// Whether `time` and `dates` belong to another file, and apply to this one only if they fit.
     pub is_of_other_file: bool,
-    /// Values that differ from those around them by more than so many standard deviations of such
-    /// differences are left out. Without it, none is.
+    /// Limit beyond which outliers are left out, in standard deviations of the differences from
+    /// neighbours. Without it, all values are kept.
     pub outliers: Option<u64>,
-    /// The decimal mark, a point or a comma; the other one then stands between thousands. Without
-    /// it, all numbers of the file together tell it.
+    /// The decimal mark, a point or a comma; the other one then separates thousands. Without it,
+    /// the mark is inferred from all numbers of the file.
     pub decimal: Option<char>,
-    /// The seconds before its time over which each value is a mean; 0 if it is that of an instant.
-    /// Without it, the name of a column tells.
+    /// The averaging time of each value in seconds, ending at its time; 0 for instantaneous values.
+    /// Without it, the name of the column decides.
     pub averaged: Option<u64>,
     /// The time between the values of an input that has no column of times, in seconds.
     pub step: Option<f64>,
-    /// In which words remedies name these options.
+    /// How remedies name these options.
     pub wording: Wording,
 }
 
@@ -169,8 +168,8 @@ impl Layout {
         }
     }
 
-    /// This layout, with the options of another one where this one gives none. The words of
-    /// remedies are those of this one.
+    /// This layout, completed by the options of another one. The wording of remedies is that of
+    /// this one.
     pub fn over(self, other: &Layout) -> Self {
         Layout {
             time: self.time.or_else(|| other.time.clone()),
@@ -200,7 +199,7 @@ pub struct Wanted<'a> {
     pub column: Name<'a>,
     /// What it measures, which decides the units that are allowed.
     pub quantity: ColumnQuantity,
-    /// Its unit, if it is not the one that its name gives.
+    /// Its unit, if its name does not give it.
     pub unit: Option<&'a str>,
     /// The longest time allowed between two values, in the unit of the times; `None` for no limit.
     pub max_gap: Option<f64>,
@@ -215,7 +214,7 @@ impl<'a> Wanted<'a> {
         Wanted::called(quantity, column, quantity.word(), unit)
     }
 
-    /// The same, where another word stands for the quantity in the name of a column.
+    /// The same, with another word for the quantity in the name of a column.
     pub fn called(
         quantity: ColumnQuantity,
         column: Option<&'a str>,
@@ -243,7 +242,7 @@ pub enum Name<'a> {
 }
 
 impl Name<'_> {
-    /// What a message says of such a column.
+    /// The description of such a column in messages.
     pub(super) fn description(&self) -> String {
         match self {
             Name::Exactly(name) => format!("is called `{name}`"),

@@ -15,16 +15,15 @@ pub struct Repairs {
     pub bad: Option<(u64, u64)>,
     /// The encoding of the file, if it is not UTF-8.
     pub encoding: Option<&'static str>,
-    /// The order of day, month and year, if all dates together told it, and why it is this one.
+    /// The order of day, month and year, if it was inferred from all dates, with the reason.
     pub order: Option<String>,
-    /// The zone that the name of the column of times says, where another one was given.
+    /// The zone in the name of the time column, if a different one was given.
     pub zone: Option<String>,
     /// Number of rows that came after a row with a later time, and were sorted.
     pub unsorted: u64,
     /// Number of rows that repeated the time and the value of another row, and were left out.
     pub repeated: u64,
-    /// Number of stamps in an hour that occurs twice; they were understood by the order of the
-    /// rows.
+    /// Number of stamps in an hour that occurs twice; they were resolved by the order of the rows.
     pub folds: u64,
     /// Number of numbers with a decimal comma.
     pub decimal_commas: u64,
@@ -32,7 +31,7 @@ pub struct Repairs {
     pub columns: Vec<ColumnRepairs>,
 }
 
-/// What was left out of one column, and what was assumed of it.
+/// What was left out of one column, and what was assumed about it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ColumnRepairs {
     /// The name of the column.
@@ -41,12 +40,11 @@ pub struct ColumnRepairs {
     pub missing: u64,
     /// Number of temperatures that were left out, because they are below absolute zero in any unit.
     pub cold: u64,
-    /// Number of values that were left out, as the layout says, because they differ strongly from
-    /// those around them.
+    /// Number of outliers that were left out, if the layout says so.
     pub outliers: u64,
-    /// A value that stands out and was kept, in a sentence.
+    /// An outlier that was kept, in a sentence.
     pub odd: Option<String>,
-    /// The unit that was assumed, because nothing says one.
+    /// The unit that was assumed because none is given.
     pub assumed_unit: Option<&'static str>,
     /// The time over which values were taken to be means, because the name of the column says so.
     pub averaged: Option<String>,

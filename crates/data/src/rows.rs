@@ -4,7 +4,7 @@ use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 use std::borrow::Cow;
 
-/// What the remedy for a bad line ends in. The reader of tables replaces it.
+/// The end of the remedy for a bad line. The reader of tables replaces it.
 pub(super) const OR_SKIP: &str = "{or skip}";
 
 /// Reads the rows of a CSV file one at a time, and holds the current row.
@@ -13,8 +13,7 @@ pub(super) struct CsvRows<'a> {
     bytes: &'a [u8],
     reader: Reader,
     separator: u8,
-    /// Number of columns, of those up to the last that has a name, and of those up to the last that
-    /// is wanted.
+    /// Number of columns up to the last one with a name, and up to the last one that is wanted.
     width: usize,
     named: usize,
     wanted: usize,
@@ -69,8 +68,8 @@ impl<'a> CsvRows<'a> {
         })
     }
 
-    /// From here on a row has at most as many cells as the row that was just read, which names them,
-    /// and at least this number.
+    /// From here on, a row has at least this number of cells, and at most that of the row just
+    /// read, which names them.
     pub fn below(mut self, wanted: usize) -> Self {
         self.wanted = wanted;
         (self.width, self.first) = (self.fields, self.at);
@@ -116,7 +115,7 @@ impl<'a> CsvRows<'a> {
             written += wrote;
             fields += ended;
             match result {
-                // Calling the reader again with empty input tells it that the file has ended.
+                // Calling the reader again with empty input marks the end of the file.
                 ReadRecordResult::InputEmpty => {}
                 ReadRecordResult::OutputFull => self.cells.resize(2 * self.cells.len(), 0),
                 ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
@@ -129,14 +128,14 @@ impl<'a> CsvRows<'a> {
         }
     }
 
-    /// Whether numbers may have a decimal comma: always, as behind semicolons, or only in quoted
-    /// cells, where it may also divide thousands.
+    /// Whether numbers may have a decimal comma: always, as between semicolons, or only in quoted
+    /// cells, where it may also separate thousands.
     pub fn commas_are_decimal(&self) -> bool {
         self.separator != b','
     }
 
-    /// Read the next row; false at the end. A row may leave out cells at its end that are not
-    /// wanted, unless it is the last line and was cut off.
+    /// Read the next row; false at the end. A row may lack unwanted cells at its end, unless it is
+    /// the last line and was cut off.
     pub fn next(&mut self) -> Result<bool, DataError> {
         let before = self.fields;
         if !self.read() {
@@ -163,8 +162,8 @@ impl<'a> CsvRows<'a> {
         }
     }
 
-    /// Go on behind the first line of the current row: an unclosed quotation mark makes one row of
-    /// many lines.
+    /// Continue after the first line of the current row: an unclosed quotation mark joins many
+    /// lines into one row.
     pub fn leave_out_line(&mut self) {
         let start = row_start(self.bytes, self.row_offset);
         let length = self.bytes[start..].iter().position(|byte| *byte == b'\n');
@@ -173,7 +172,7 @@ impl<'a> CsvRows<'a> {
         self.reader.reset();
     }
 
-    /// Stand before the first row again.
+    /// Go back to before the first row.
     pub fn rewind(&mut self) {
         self.reader.reset();
         self.at = self.first;

@@ -13,7 +13,7 @@ pub(super) static PARSER: DateTimeParser = DateTimeParser::new();
 pub(super) struct Stamp {
     pub local: DateTime,
     pub offset: Option<Offset>,
-    /// What is added to `local`: a time at the end of the day, which no calendar has.
+    /// Added to `local`, for times such as 24:00 that no calendar contains.
     pub later: SignedDuration,
 }
 
@@ -27,7 +27,7 @@ impl Stamp {
     }
 }
 
-/// Three numbers of a date, as they stand in the text.
+/// Three numbers of a date, in the order of the text.
 struct Numbers {
     parts: [i16; 3],
     /// Whether the first of them is a year of four digits, or whether the month is a word.
@@ -36,7 +36,8 @@ struct Numbers {
     is_short: bool,
 }
 
-/// Read a stamp. A date whose year is not first is read in this order; without an order it is none.
+/// Read a stamp. A date whose year is not first is read in this order; without an order it is not a
+/// stamp.
 pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
     let text = text.trim();
     // Most files write dates as ISO 8601 does, and this reader is fast.
@@ -88,7 +89,7 @@ pub(super) fn whole_year(short: i16) -> i16 {
     }
 }
 
-/// Whether a text has the form of ISO 8601 or RFC 9557, and no leap second, which their reader
+/// Whether a text has the form of ISO 8601 or RFC 9557 without a leap second, which their reader
 /// counts as the second before it.
 fn is_iso(text: &str) -> bool {
     let bytes = text.as_bytes();
@@ -102,14 +103,14 @@ pub(super) fn instant(text: &str) -> Option<Timestamp> {
         .and_then(|text| PARSER.parse_timestamp(text).ok())
 }
 
-/// Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
+/// After the ten characters of the date, `Z`, `+` or `-` gives the zone.
 fn has_zone(text: &str) -> bool {
     text.bytes()
         .skip(10)
         .any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-'))
 }
 
-/// The numbers of the date at the beginning of a text, and the text behind it.
+/// The numbers of the date at the beginning of a text, and the text after it.
 fn date(text: &str) -> Option<(Numbers, &str)> {
     let (first, rest) = digits(text)?;
     if first.len() == 8 && !rest.starts_with(['-', '/', '.']) {
@@ -175,7 +176,7 @@ fn digits(text: &str) -> Option<(&str, &str)> {
     (end > 0 && end <= 9).then(|| text.split_at(end))
 }
 
-/// The time of day, what is to be added to it, and the text behind it. No text is midnight.
+/// The time of day, what to add to it, and the text after it. An empty text is midnight.
 fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     let text = text
         .strip_prefix(['T', 't', ','])
@@ -225,7 +226,7 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     if hour == 24 && minute == 0 && second == 0 && nanos == 0 {
         (hour, later) = (0, SignedDuration::from_hours(24));
     } else if second == 60 && minute == 59 {
-        // A leap second is not a time of the calendar. It is put between its neighbours.
+        // Leap seconds are not in the calendar. They are placed between their neighbours.
         (second, later) = (59, SignedDuration::from_millis(500));
     }
     Some((Time::new(hour, minute, second, nanos).ok()?, later, rest))
@@ -270,9 +271,9 @@ pub(super) fn needs_order(text: &str) -> bool {
             .any(|(_, order)| stamp(text, Some(*order)).is_some())
 }
 
-/// The form of a date: the number of digits at its beginning, where one is as two, the sign behind
-/// them, and whether the year is last, with four digits. Two forms in one column may mean two orders.
-/// `None` for a text that begins with no number.
+/// The form of a date: the number of digits at its beginning (one counts as two), the character
+/// after them, and whether a year of four digits is last. Two forms in one column may mean two
+/// orders. `None` for a text that begins with no number.
 pub(super) fn form(text: &str) -> Option<(usize, Option<char>, bool)> {
     let text = text.trim();
     let first = text.bytes().take_while(u8::is_ascii_digit).count();
@@ -331,7 +332,7 @@ const DAY_COUNTS: [(&str, f64); 3] = [
     ("a Julian date", 2_440_587.5),
 ];
 
-/// The count of days that a number may be, and the days since 1970, from 1954 to 2119.
+/// The kind of day count that a number may be, and its days since 1970, from 1954 to 2119.
 pub(super) fn day_count(number: f64) -> Option<(&'static str, f64)> {
     let counts = DAY_COUNTS.iter().map(|(name, zero)| (*name, number - zero));
     counts
@@ -339,7 +340,7 @@ pub(super) fn day_count(number: f64) -> Option<(&'static str, f64)> {
         .find(|(_, days)| CALENDAR_DAYS.contains(days))
 }
 
-/// The date so many days after 1970 began, to a millisecond.
+/// The date this many days after the beginning of 1970, to a millisecond.
 pub(super) fn day(days: f64) -> Option<Stamp> {
     let milliseconds = (days * 86_400_000.0).round() as i64;
     let local = Date::new(1970, 1, 1).ok()?.to_datetime(Time::midnight());

@@ -18,16 +18,16 @@ use std::borrow::Cow;
 /// The columns that were wanted, as read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// The instant of time 0, if the file has stamps.
+    /// The instant of t = 0, if the file has stamps.
     pub start: Option<Start>,
-    /// The number that the column of times has in its first row; 0 for stamps.
+    /// The number in the first row of the time column; 0 for stamps.
     pub begin: f64,
     /// Whether times are in seconds. If not, they are numbers in a column whose name gives no unit.
     pub in_seconds: bool,
     /// Number of rows read, including repeated ones and those without a value.
     pub rows: u64,
-    /// The name of the column of times; for dates and times of day in two columns, both with a
-    /// comma between them.
+    /// The name of the column of times; for dates and times of day in two columns, both names,
+    /// separated by a comma.
     pub time: String,
     /// The columns, in the order in which they were wanted.
     pub columns: Vec<DataColumn>,
@@ -67,10 +67,10 @@ pub(super) fn table(
 /// Longest cell that is proposed as a mark of a missing value.
 const LONGEST_MARK: usize = 20;
 
-/// More bad lines than this, and than one in ten, are no exceptions: the layout is another one.
+/// If more lines than this, and more than one in ten, are bad, the layout is wrong.
 const MOST_BAD: u64 = 10;
 
-/// A table while its rows are read.
+/// A table being read.
 struct TableReading<'a> {
     file: &'a str,
     header: &'a Header,
@@ -79,12 +79,12 @@ struct TableReading<'a> {
     columns: Vec<Column<'a>>,
     marks: Marks,
     parts: Parts,
-    /// The order of day, month and year that the dates tell, with the reason.
+    /// The order of day, month and year inferred from the dates, with the reason.
     told: Option<(DateOrder, &'static str)>,
     decimals: Decimals,
-    /// The error of the first cell that may have either separator of thousands.
+    /// The error of the first cell whose comma or point is ambiguous.
     undecided: Option<DataError>,
-    /// None above the first row with a time.
+    /// None before the first row with a time.
     clock: Option<Clock>,
     /// The unit of the times in the rows of units.
     unit_below: Option<String>,
@@ -173,7 +173,7 @@ impl<'a> TableReading<'a> {
         Ok(())
     }
 
-    /// Leave out the current row, if bad lines may be left out; else say what is wrong with it.
+    /// Leave out the current row if bad lines may be left out; otherwise return its error.
     fn leave_out(&mut self, error: DataError, rows: &mut CsvRows<'_>) -> Result<(), DataError> {
         let is_strict = self.columns.iter().any(Column::is_strict);
         let skip = match is_strict {
@@ -212,7 +212,7 @@ impl<'a> TableReading<'a> {
         Ok(())
     }
 
-    /// The time of a row. The first one decides on the clock and the units.
+    /// The time of a row. The first one determines the clock and the units.
     fn time(&mut self, rows: &CsvRows<'_>, cell: &str) -> Result<f64, DataError> {
         let TableReading {
             file,
@@ -319,7 +319,7 @@ impl<'a> TableReading<'a> {
             return Err(error);
         }
         if clock.is_disordered() {
-            let problem = "two of five rows are out of order";
+            let problem = "two in five rows are out of order";
             let remedy = format!(
                 "check whether its dates are {}, and sort its rows",
                 self.layout.wording.option("dates", "ymd, dmy or mdy")
@@ -427,7 +427,7 @@ impl Header {
     }
 }
 
-/// The cell of the times of the current row; of several columns, the stamp that they make.
+/// The time cell of the current row; for several columns, the stamp that they form.
 fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header, parts: &Parts) -> Cow<'r, str> {
     match header.times[..] {
         [field] => String::from_utf8_lossy(rows.cell(field)),
@@ -455,8 +455,8 @@ fn wrong_time(
         )
 }
 
-/// Whether a row below the names holds units, kinds of means or a format of dates: its time is no
-/// time, and no wanted cell is a number.
+/// Whether a row below the names holds units, kinds of means or a format of dates: its time is not
+/// a time, and no wanted cell is a number.
 fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
     let is_number = |cell: &[u8]| {
         std::str::from_utf8(cell).is_ok_and(|text| {
@@ -477,8 +477,8 @@ fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
             .any(|field| is_number(rows.cell(*field)))
 }
 
-/// What a look at all rows tells: how the parts of a time are written, and the order of day, month
-/// and year, if the dates need one and it is not given, with the reason.
+/// What all rows together determine: how the parts of a time are written, and the order of day,
+/// month and year, with the reason, if the dates need one that is not given.
 fn survey(
     rows: &mut CsvRows<'_>,
     header: &Header,
@@ -503,7 +503,7 @@ fn survey(
         let cell = time_cell(rows, header, &parts);
         is_needed |= needs_order(&cell);
         looked += 1;
-        // Dates that need no order say so at once, below the rows of units.
+        // If the first dates need no order, none is inferred.
         if (!is_needed || is_told) && looked > MOST_UNIT_ROWS && is_whole {
             break;
         }

@@ -415,7 +415,7 @@ fn what_is_no_record_is_refused_with_its_remedy() {
         ),
         (
             "t_s,a_g\n0,1\n1e-300,2\n2,3\n",
-            "from line 2 to this one is 1e-300 s, too short beside a record of 2 s",
+            "from line 2 to this one is 1e-300 s, too short compared with the record, 2 s",
         ),
         ("t_s,a_g\n0,1\n1e-300,2\n", "too short"),
         (
@@ -711,7 +711,7 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         (
             "time,T\n0,1\n2015-01-01,2\n",
             Some(3),
-            "is not a number like the times before it",
+            "is not a number, unlike the times before it",
             "correct the line",
         ),
         (

@@ -11,8 +11,8 @@ pub enum ColumnQuantity {
     Temperature,
     /// Displacement, converted to metres. A column without a unit is an error.
     Displacement,
-    /// What acts on a body: an acceleration, a force or a length, converted to SI units. Without a
-    /// unit, values are kept as given. Nothing of it is repaired.
+    /// An input that acts on a body: an acceleration, a force or a length, converted to SI units.
+    /// Without a unit, values are kept as given. Inputs are not repaired.
     Input,
 }
 
@@ -26,7 +26,7 @@ impl ColumnQuantity {
         }
     }
 
-    /// The units that it may have, in words.
+    /// The permitted units, in words.
     pub(super) fn units(self) -> &'static str {
         match self {
             ColumnQuantity::Temperature => "degC, K, degF or degR",
@@ -37,7 +37,7 @@ impl ColumnQuantity {
         }
     }
 
-    /// The unit that is called so, if there is one.
+    /// The unit with this name, if there is one.
     pub(super) fn unit(self, name: &str) -> Option<InputUnit> {
         match self {
             ColumnQuantity::Temperature => temperature(name),
@@ -56,7 +56,7 @@ pub(super) struct InputUnit {
     origin: f64,
     /// The lowest value that a cell may hold: absolute zero for temperatures.
     pub least: f64,
-    /// What a unit of an input is called.
+    /// The name of a unit of an input.
     pub name: &'static str,
 }
 
@@ -142,11 +142,11 @@ fn temperature(name: &str) -> Option<InputUnit> {
     })
 }
 
-/// A row of a table of units: what a unit is called, and its ratio to the SI unit.
+/// A row of a table of units: the names of a unit, and its ratio to the SI unit.
 type UnitRow = (&'static [&'static str], [f64; 2]);
 
-/// The unit of a table that is called so, and what it is called there. Upper and lower case are the
-/// same unless two units differ in nothing else, as MN and mN do.
+/// The unit of a table with this name, and its standard name. Case is ignored unless two units
+/// differ only in it, like MN and mN.
 fn in_table(table: &[UnitRow], name: &str) -> Option<(InputUnit, &'static str)> {
     let has = |same: fn(&str, &str) -> bool| {
         let mut rows = table
@@ -198,7 +198,7 @@ const LENGTHS: [UnitRow; 6] = [
 /// The units of acceleration that are a length over the square of a second, as `LENGTHS`.
 const ACCELERATIONS: [&str; 6] = ["m/s2", "cm/s2", "mm/s2", "um/s2", "ft/s2", "in/s2"];
 
-/// What stands behind the length in the name of such a unit, without blanks, slashes and carets.
+/// The part after the length in the name of such a unit, without blanks, slashes and carets.
 const PER_SECOND_SQUARED: [&str; 5] = ["s2", "ss", "s-2", "sec2", "secsec"];
 
 /// Standard gravity, in m/s2.
@@ -226,7 +226,7 @@ const FORCES: [UnitRow; 8] = [
 /// 0.45359237 kg times standard gravity, in N.
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 
-/// What takes values as they are: in SI units, or in those of the scenario.
+/// The unit of unconverted values: in SI units, or in those of the scenario.
 const PLAIN: [UnitRow; 1] = [(&["none"], [1.0, 1.0])];
 
 fn displacement(name: &str) -> Option<InputUnit> {
@@ -269,8 +269,8 @@ fn input(name: &str) -> Option<(InputUnit, &'static str)> {
     known.map(|((unit, name), si)| (InputUnit { name, ..unit }, si))
 }
 
-/// The unit of an input that is called so: the SI unit to which it is converted, and the value of one
-/// in that.
+/// The unit of an input with this name: the SI unit to which it is converted, and its value in that
+/// unit.
 ///
 /// ```
 /// use stickslip_data::input_unit;
@@ -295,8 +295,7 @@ pub(super) fn time(name: &str) -> Option<InputUnit> {
     }
 }
 
-/// The text in the last pair of brackets that ends a name, or stands before blanks and other
-/// brackets.
+/// The text in the last pair of brackets of a name, if only blanks and other brackets follow.
 fn bracketed(name: &str) -> impl Iterator<Item = &str> {
     name.split(['[', '('])
         .skip(1)
@@ -306,7 +305,7 @@ fn bracketed(name: &str) -> impl Iterator<Item = &str> {
 
 /// The units in a name. A unit is one of its parts between blanks, underscores and commas, up to
 /// three parts together as in `0.1 deg C`, or a capital at the end of a part as in `tempF` and
-/// `AirTC`. The first part is the noun, and no unit by itself.
+/// `AirTC`. The first part is the noun, and not a unit by itself.
 fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
     let is_input = quantity == ColumnQuantity::Input;
     let parts = parts(quantity, name);
@@ -346,18 +345,18 @@ fn parts(quantity: ColumnQuantity, name: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Units that are words as well at the end of a name: north, and input or inside. They count in
-/// brackets only.
+/// Units that may also be words at the end of a name: north, and input or inside. They count only
+/// in brackets.
 const WORDS_OR_UNITS: [&str; 2] = ["N", "in"];
 
-/// Symbols that are units, though none of an input, besides those of a prefix and a unit.
+/// Symbols of units that are not units of an input, in addition to those of a prefix and a unit.
 const FOREIGN: [&str; 12] = [
     "Pa", "bar", "psi", "ksi", "Hz", "rad", "deg", "degC", "lb", "lbs", "mph", "mA",
 ];
 
-/// Whether a part of the name of an input can be nothing but a unit: it has a slash before a small
-/// letter, a square, a degree or a per cent sign, it is a prefix with a symbol (`mV`, `kPa`, `km`),
-/// or the symbol of a unit of something else. Words, single letters and numbers are names.
+/// Whether a part of the name of an input can only be a unit: it has a slash before a small letter,
+/// a square, a degree or a per cent sign, it is a prefix with a symbol (`mV`, `kPa`, `km`), or the
+/// symbol of a unit of something else. Words, single letters and numbers are names.
 pub(super) fn is_claim(part: &str) -> bool {
     let prefixed = part.strip_prefix(['G', 'M', 'k', 'h', 'd', 'c', 'm', 'u', '\u{b5}', 'n']);
     let is_over = |(_, under): (&str, &str)| under.starts_with(|c: char| c.is_ascii_lowercase());
@@ -367,7 +366,7 @@ pub(super) fn is_claim(part: &str) -> bool {
         || FOREIGN.contains(&part)
 }
 
-/// The end of a part that says the unit without a separator.
+/// The end of a part that gives the unit without a separator.
 fn joined_to_noun(part: &str) -> Option<&str> {
     if let Some(at) = part.find(['\u{b0}', '\u{2103}', '\u{2109}', '*']) {
         return Some(&part[at..]);
@@ -392,7 +391,7 @@ fn joined_to_noun(part: &str) -> Option<&str> {
     }
 }
 
-/// The words in brackets that are no unit, but say which sensor it is, or which statistic.
+/// Words in brackets that are not a unit but name a sensor or a statistic.
 fn is_note(text: &str) -> bool {
     let lower = text.to_lowercase();
     text.contains(':')
@@ -402,7 +401,7 @@ fn is_note(text: &str) -> bool {
         .contains(&lower.as_str())
 }
 
-/// The unit that the name of a column gives; an error if it gives two, or one that is not known.
+/// The unit in the name of a column; an error if there are two, or an unknown one.
 pub(super) fn of_name(
     quantity: ColumnQuantity,
     column: &str,

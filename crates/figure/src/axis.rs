@@ -1,4 +1,4 @@
-//! An axis: converts numbers to positions, and chooses the numbers that are written beside it.
+//! An axis: converts numbers to positions, and chooses the numbers at its ticks.
 
 use super::kit::Label;
 use std::fmt::Display;

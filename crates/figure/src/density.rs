@@ -1,5 +1,5 @@
-//! Where in its phase plane the body spends its time: the density of x\u{2032} on a linear and on a
-//! logarithmic axis, that of x, and that of both as cells of a plane.
+//! The densities of x\u{2032} on a linear and on a logarithmic axis, of x, and of both as cells of
+//! the phase plane.
 
 use super::axis::written;
 use super::steps::{self, DensityBin};
@@ -11,10 +11,10 @@ use super::{
 use ndarray::Array2;
 use stickslip::stats::{Densities, DensityCurve, Dimension};
 
-/// How much of the time in motion each area of the plane holds, where the density is highest.
+/// The fractions of the time in motion in the areas of highest density.
 const HELD: [f64; 2] = [0.94, 0.5];
 
-/// How much of it the axes hold.
+/// The fraction of it within the axes.
 const SEEN: f64 = 0.99;
 
 /// Each cell of the file is drawn as this number of cells along each axis, between whose middles

@@ -1,4 +1,4 @@
-//! The laws of slips, jumps and times from slip to slip: how large a share exceeds each value.
+//! The laws of slips, jumps and times from slip to slip: the share that exceeds each value.
 
 use super::sticks::{beyond, entries, is_narrow};
 use super::words::{caveats, grouped};

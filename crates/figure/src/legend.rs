@@ -1,4 +1,4 @@
-//! A legend: samples, and what they stand for.
+//! A legend: samples and their meanings.
 
 use super::kit::{Align, Colour, Item, Label, Outline, Rect, Stroke};
 use super::mark::Mark;

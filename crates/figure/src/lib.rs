@@ -49,7 +49,7 @@ pub use page::{NoPage, draw, page};
 pub use subject::{Absent, DrawnPath, Figure, Subject};
 pub use theme::{COLUMN, Palette, Style, THIN, Theme};
 
-// What every figure is made of.
+// Building blocks of figures.
 pub use axis::{Axis, range_of};
 pub use kit::{Colour, Label, Stroke};
 pub use legend::LegendEntry;

@@ -43,7 +43,7 @@ impl Only {
             .map_or((text, None), |(name, panel)| (name, Some(panel)));
         let Some(figure) = figures.find(|figure| figure.name == name) else {
             return Err(match CALLED.iter().find(|(word, _)| *word == name) {
-                Some((_, panel)) => format!("that is {panel}"),
+                Some((_, panel)) => format!("did you mean {panel}?"),
                 None => format!("unknown figure; use one of {}", Only::names(all)),
             });
         };

@@ -1,5 +1,5 @@
-//! What a path without noise does in the end, as a function of a key: x at phase zero of the last
-//! periods (the bifurcation diagram), and the amplitude.
+//! The long-term motion without noise as a function of a key: x at phase zero of the last periods
+//! (the bifurcation diagram), and the amplitude.
 
 use super::sweep::horizontal;
 use super::{

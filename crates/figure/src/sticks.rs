@@ -1,5 +1,5 @@
-//! How long sticks last: the density of their durations on a logarithmic axis, and the share of
-//! sticks that last longer than a duration.
+//! Stick durations: their density on a logarithmic axis, and the share of sticks that last longer
+//! than a duration.
 
 use super::steps::{self, DensityBin};
 use super::theme::Palette;

@@ -1,4 +1,4 @@
-//! What a picture shows (`Subject`), and a kind of figure (`Figure`).
+//! The subject of a picture (`Subject`), and a kind of figure (`Figure`).
 
 use super::kit::Drawing;
 use super::sheet::Sheet;

@@ -1,4 +1,4 @@
-//! One path for a drawing: cut at its events, as fine as a drawing needs it.
+//! One path for a drawing: divided at its events, and as fine as a drawing needs.
 
 use super::Absent;
 use super::subject::DrawnPath;

@@ -1,4 +1,4 @@
-//! What accuracy costs: the CPU time of the cheapest run that reaches a target, and the bias
+//! The cost of accuracy: the CPU time of the cheapest run that reaches a target, and the bias
 //! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};
@@ -126,7 +126,7 @@ pub(super) const MARKS: [Mark; 4] = [Mark::Disc, Mark::Square, Mark::Triangle, M
 /// The look of a scheme. Its colour, its dashes and its marks each distinguish it from the other
 /// schemes.
 pub(super) fn look(kind: Kind) -> (Stroke, Mark) {
-    let look = kind.look();
+    let look = kind.appearance();
     let rgb = u32::from_str_radix(look.colour.trim_start_matches('#'), 16).unwrap_or(0);
     let dash: Vec<f64> = look
         .dash

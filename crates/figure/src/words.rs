@@ -75,8 +75,8 @@ pub fn of_axis(axis: &SweepAxis, style: &Style) -> Label {
     }
 }
 
-/// What a reader of numbers of a run must know: their bias, and whether the counts and durations of
-/// sticks and slips, if they are among them, have a limit.
+/// Caveats about numbers of a run: their bias, and whether the counts and durations of sticks and
+/// slips, if included, have a limit.
 pub fn caveats(scenario: &Scenario, are_counts: bool) -> Vec<LegendEntry> {
     let friction = &scenario.model.friction;
     let is_equal = friction.static_force <= friction.dynamic_force;

@@ -1,4 +1,4 @@
-//! What a result holds, in memory, as bytes and as HDF5.
+//! The contents of results: in memory, as bytes and as HDF5.
 #![deny(missing_docs)]
 // Some of this is used by files only.
 #![cfg_attr(not(feature = "store"), allow(dead_code, unused_imports))]

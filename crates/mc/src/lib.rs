@@ -1,7 +1,7 @@
 //! The command line: one file for each verb, which parses its arguments, calls the library, and
 //! prints.
 
-/// From one list: the verbs, and what each of them calls.
+/// The verbs and the functions that they call, from one list.
 macro_rules! verbs {
     ($($(#[$about:meta])* $Verb:ident($($module:ident)::+),)+) => {
         #[derive(Debug, clap::Subcommand)]
@@ -98,7 +98,7 @@ verbs! {
 pub fn main() -> ExitCode {
     stickslip::engine::built_from(env!("STICKSLIP_COMMIT"));
     session::interrupt::refuse_large_files();
-    // The stack of the first thread is as small as `ulimit -s` says.
+    // The stack of the first thread may be small: `ulimit -s` limits it.
     let answering = std::thread::Builder::new()
         .stack_size(STACK)
         .spawn(answered);
@@ -108,7 +108,7 @@ pub fn main() -> ExitCode {
     )
 }
 
-/// Bytes of the stack of the thread that does the work, those that the first thread usually has.
+/// Stack size of the thread that does the work in bytes, the usual size for a first thread.
 const STACK: usize = 8 << 20;
 
 /// Parses the arguments, calls one verb, and returns its exit code.
@@ -116,7 +116,7 @@ fn answered() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
             let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
-            // What could not be removed after the work.
+            // Files that could not be removed after the work.
             store::take_leftovers()
                 .iter()
                 .for_each(|line| note(&format!("warning: {line}")));
@@ -134,7 +134,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
     }
     let plain = answer.to_string();
     if !answer.use_stderr() {
-        // Help and the version are what was asked for. A terminal gets them with colours.
+        // Help and version were requested. On a terminal they are coloured.
         let printed = match io::stdout().is_terminal() {
             true => answer.print().map_err(Failure::unprinted),
             false => print(&plain),
@@ -151,7 +151,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
 }
 
-/// How many threads this process runs at once.
+/// The number of threads that this process can run in parallel.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }

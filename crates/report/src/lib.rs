@@ -1,6 +1,5 @@
-//! What a report holds, whatever writes it: tables and remarks, with the digits that people need.
-//! Whoever computes a result says what is known of it as a [`Report`]; the command line has the
-//! writers.
+//! Reports, independent of the output format: tables and remarks, with sensible digits. Each kind
+//! of result is turned into a [`Report`]; the command line has the writers.
 
 #![deny(missing_docs)]
 
@@ -8,7 +7,7 @@ pub mod numbers;
 
 use numbers::{Digits, significant};
 
-/// What is known of a result.
+/// The report of a result.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// The title, one line.
@@ -19,7 +18,7 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// Commands to be pasted, each in one line.
     pub commands: Vec<String>,
-    /// Labels, and what is to be said besides the tables.
+    /// Labelled remarks in addition to the tables.
     pub remarks: Vec<(&'static str, String)>,
 }
 
@@ -38,14 +37,14 @@ pub struct Table {
     pub not_in: &'static [Format],
 }
 
-/// What the cells of a column are.
+/// The description of a column.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// The name for programs.
     pub name: String,
     /// The heading for people.
     pub words: String,
-    /// Whether it stands to the left, as words do.
+    /// Whether it is aligned to the left, like words.
     pub is_left: bool,
     /// The formats that leave it out.
     pub not_in: &'static [Format],
@@ -56,16 +55,16 @@ pub struct Column {
 pub struct Row {
     /// The cells, the label first.
     pub cells: Vec<Cell>,
-    /// Why a number in it is missing, or what is to be said of it.
+    /// Why a number in it is missing, or a remark about it.
     pub why: String,
 }
 
-/// A text with the digits that people need, and the number that it stands for, if it is one.
+/// A text with sensible digits, and the number that it represents, if any.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
     /// The text.
     pub text: String,
-    /// The number; none of a text that stands for none.
+    /// The number; none for plain text.
     pub number: Option<f64>,
 }
 
@@ -171,8 +170,7 @@ impl Cell {
 }
 
 impl Table {
-    /// The cells that a format shows, headings first, and the places of the columns that stand to
-    /// the left.
+    /// The cells that a format shows, headings first, and the places of the left-aligned columns.
     pub fn shown(&self, format: Format) -> (Vec<Vec<Cell>>, Vec<bool>) {
         let has_text = |i: usize| {
             self.rows

@@ -1,4 +1,4 @@
-//! Numbers with the digits that people need.
+//! Numbers with sensible digits.
 
 pub use stickslip_data::numbers::{grouped, significant};
 

@@ -1,4 +1,4 @@
-//! A scenario with the numbers that its warnings depend on.
+//! A scenario with the numbers on which its warnings depend.
 
 use super::noisy_step::NoisyStep;
 use super::slip::Slip;
@@ -7,7 +7,7 @@ use crate::advice::derived::Derived;
 use crate::scenario::Scenario;
 use crate::scheme::Discretisation;
 
-/// A scenario with the numbers that its warnings depend on.
+/// A scenario with the numbers on which its warnings depend.
 pub(super) struct Case<'a> {
     pub scenario: &'a Scenario,
     pub derived: Derived,
@@ -15,9 +15,9 @@ pub(super) struct Case<'a> {
     pub step: Option<f64>,
     /// The body where a user-defined force is steepest, for schemes that have a step.
     pub stiffened: Option<Stiffened>,
-    /// The noise in a step, for a scheme that checks stick exits once a step.
+    /// The noise in a step, for a scheme that checks for stick exits once per step.
     pub checked: Option<NoisyStep>,
-    /// The noise in a step, for a scheme that checks them once a step and corrects for this.
+    /// The noise in a step, for a scheme that checks for them once per step and corrects for this.
     pub corrected: Option<NoisyStep>,
     /// A slip of the quasi-static recursion.
     pub slip: Option<Slip>,

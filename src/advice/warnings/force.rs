@@ -7,9 +7,8 @@ use crate::model::{ForceWarning, Sides, Sign, beyond_hold, force_warnings};
 use crate::scheme::Kind;
 use stickslip_data::numbers::short;
 
-/// The expression has a jump, or grows faster than linearly and does not confine. The paper's
-/// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most
-/// linearly.
+/// The expression has a jump, or grows faster than linearly without confining the body. The paper's
+/// existence theorem (section 2.1) requires b to be locally Lipschitz and to grow at most linearly.
 pub(super) fn force_warning(case: &Case) -> Vec<String> {
     let Some(expression) = expression(case.scenario) else {
         return Vec::new();
@@ -34,7 +33,7 @@ pub(super) fn force_warning(case: &Case) -> Vec<String> {
 }
 
 /// How the force drives the body outward at any distance or adds energy to it at any speed, in one
-/// sentence. Faster growth than linear is a warning of its own.
+/// sentence. Growth faster than linear has a separate warning.
 pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     let expression = expression(case.scenario)?;
     let model = &case.scenario.model;
@@ -46,14 +45,14 @@ pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     )
 }
 
-/// In a slip that has just begun, friction exceeds the threshold from which it began, because the load
-/// jumps at x' = 0: the slip stops at once, and another begins.
+/// In a slip that has just begun, friction exceeds the threshold from which it began, because the
+/// load jumps at x' = 0: the slip ends immediately, and another begins.
 pub(super) fn friction_jumps(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let (force, scales) = (model.force.as_ref()?, scales(case.scenario, &case.derived));
     force.sides().and_then(Sides::load)?;
     let times = || (0..=8).map(|i| f64::from(i) / 8.0);
-    // From the middle outward, so that the place in the sentence is one where the body is.
+    // From the middle outward, so that the sentence names a place that the body visits.
     let places = times().flat_map(|x| [x, -x].map(|x| times().map(move |t| [x, t])));
     let jump = |[x, t]: [f64; 2]| {
         let (x, t) = (x * scales.displacement, t * scales.end);
@@ -71,23 +70,23 @@ pub(super) fn friction_jumps(case: &Case) -> Option<String> {
     };
     let [x, t, friction, threshold] = places.flatten().find_map(jump)?.map(short);
     Some(format!(
-        "friction in a slip, {friction} at x = {x} and t = {t}, exceeds the threshold of {threshold} from which the slip \
-         begins, because `friction.load` jumps at xdot = 0: slips stop at once, in any number. \
-         Use `direction` in place of `sign(xdot)`"
+        "friction in a slip, {friction} at x = {x} and t = {t}, exceeds the threshold {threshold} \
+         at which the slip begins, because `friction.load` jumps at xdot = 0: slips end as soon \
+         as they begin, over and over. Use `direction` in place of `sign(xdot)`"
     ))
 }
 
-/// A velocity at which a slip has just begun, as a share of the velocities that are expected.
+/// A velocity just after the beginning of a slip, relative to expected velocities.
 const BARELY_MOVING: f64 = 1e-9;
 
-/// The share by which friction must exceed the threshold: more than a continuous load comes to.
+/// The relative excess of friction over the threshold that indicates a jump of the load.
 const JUMP: f64 = 1e-4;
 
-/// Slip steps of a path under noise that may be too many.
+/// The number of slip steps of a path under noise above which to warn.
 const MANY_STEPS: f64 = 1e6;
 
-/// Under noise, slips under a user-defined force are simulated in steps that resolve a damping
-/// which settles the velocity at once.
+/// Under noise, slips under a user-defined force are simulated in steps that resolve the damping,
+/// even if it stops the body almost immediately.
 pub(super) fn stiff_damping(case: &Case) -> Option<String> {
     let (model, end) = (&case.scenario.model, case.scenario.time.end);
     let rate = model.oscillator.damping_rate();
@@ -96,8 +95,9 @@ pub(super) fn stiff_damping(case: &Case) -> Option<String> {
     let steps = 2.0 * rate * end;
     (is_noisy && is_general && steps > MANY_STEPS).then(|| {
         format!(
-            "slip steps under noise resolve the damping, m/alpha = {}: up to {} steps of a path, which may be given up. \
-             Raise `oscillator.mass`, on which the motion does not depend while alpha/m is far above sqrt(K/m)",
+            "under noise, steps in slips must resolve the damping time m/alpha = {}: a path takes \
+             up to {} of them and may be given up. Increase `oscillator.mass`, which does not \
+             affect the motion while alpha/m is far above sqrt(K/m)",
             short(1.0 / rate),
             short(steps)
         )

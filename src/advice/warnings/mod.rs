@@ -1,7 +1,7 @@
-//! What to know before trusting a run, in plain words.
+//! Warnings about a scenario before it is run.
 //!
-//! A warning is one row of the list below: its name, its class, and the function that says it
-//! where it is due. The functions are in files by subject.
+//! A warning is one row of the list below: its name, its class, and the function that returns it if
+//! it applies. The functions are in files by subject.
 
 mod case;
 mod file;
@@ -19,7 +19,7 @@ use crate::scenario::Scenario;
 use case::Case;
 use std::fmt;
 
-/// A reason why the results of a scenario may not be what they seem to be.
+/// A warning about the results of a scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     name: &'static str,
@@ -34,7 +34,7 @@ pub enum Class {
     Growth,
     /// The step is too long for something that happens in it.
     LongStep,
-    /// A guess of the bias of the step, which a run may measure.
+    /// A rough estimate of the bias of the step, which a run may measure.
     Bias,
     /// The quasi-static recursion leaves out something that matters.
     Approximation,
@@ -49,10 +49,10 @@ struct WarningRow {
     says: Says,
 }
 
-/// The sentences of a warning in a case.
+/// The sentences of a warning for a case.
 enum Says {
     Once(fn(&Case) -> Option<String>),
-    /// One for each thing that it concerns.
+    /// One sentence per affected item.
     Each(fn(&Case) -> Vec<String>),
 }
 
@@ -160,7 +160,7 @@ impl fmt::Display for Warning {
 }
 
 impl Scenario {
-    /// What the user should know before trusting the run, the most serious first.
+    /// The warnings about this scenario, the most serious first.
     pub fn warnings(&self) -> Vec<Warning> {
         let case = Case::new(self);
         let of_row = |&WarningRow {
@@ -179,8 +179,8 @@ impl Scenario {
         ALL.iter().flat_map(of_row).collect()
     }
 
-    /// The warnings for a run. If the run measures the bias of the step, warnings that only give a
-    /// guess of it are left out.
+    /// The warnings for a run. If the run measures the bias of the step, warnings that only
+    /// estimate it roughly are left out.
     pub fn warnings_of_run(&self, measures_bias: bool) -> Vec<Warning> {
         let is_due = |warning: &Warning| !(measures_bias && warning.class == Class::Bias);
         self.warnings().into_iter().filter(is_due).collect()

@@ -1,5 +1,5 @@
-//! Warnings about stick exits under noise, which a scheme checks only once a step, or corrects for
-//! this, or resolves only down to a limit.
+//! Warnings about stick exits under noise: checked only once per step, corrected for this, or
+//! resolved only down to a limit.
 
 use super::case::Case;
 use super::noisy_step::NoisyStep;
@@ -18,7 +18,7 @@ pub(super) fn against_stick_band(case: &Case) -> Option<String> {
     })
 }
 
-/// With a shift above this share of f_s, errors of second order of the corrected scheme become
+/// Relative to f_s, the shift above which second-order errors of the corrected scheme become
 /// visible.
 const LARGE_SHIFT: f64 = 0.2;
 
@@ -41,13 +41,16 @@ pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
     step.exceeds_gap().then(|| {
         let remedy = if step.gap() > 0.0 {
             let largest_step = step.h * (step.gap() / step.shift).powi(2);
-            format!("Choose time.step below {}, or `--scheme event-driven`", short(largest_step))
+            format!(
+                "Choose time.step below {}, or `--scheme event-driven`",
+                short(largest_step)
+            )
         } else {
             "No step is short enough; `--scheme event-driven` needs no correction".to_string()
         };
         format!(
-            "the corrected stick exit would lower f_s by {}, but not below f_d, and f_s - f_d is only {}: the \
-             correction is incomplete, and sticks come out too long. {remedy}",
+            "the corrected stick exit would lower f_s by {}, but not below f_d, and f_s - f_d is \
+             only {}: the correction is incomplete, and sticks are too long. {remedy}",
             short(step.shift),
             short(step.gap())
         )
@@ -56,18 +59,18 @@ pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
 
 pub(super) fn equal_friction(case: &Case) -> Option<String> {
     case.noisy_step().is_some_and(NoisyStep::has_equal_friction).then(|| {
-        "f_s = f_d under noise: slips have all sizes down to zero, so the number of sticks grows without \
-         bound as the step decreases. Stick counts and durations depend on the step, whatever their error \
-         bars; sticking fraction and positions have limits"
+        "f_s = f_d under noise: slips have all sizes down to zero, so the number of sticks grows \
+         without bound as the step decreases. Stick counts and durations depend on the step, \
+         which their error bars do not include; sticking fraction and positions converge"
             .to_string()
     })
 }
 
 /// Relative error of the mean stick duration, divided by sqrt(h / crossing time). It was measured
 /// between h = 0.001 and 0.02 in the scene with rho = 0.25 and forcing 1/4 (1.7 to 1.9). For other
-/// scenes it is only a guide.
+/// scenarios it is only a guide.
 const STICK_BIAS: f64 = 1.8;
-/// A smaller relative bias than this is not worth a warning.
+/// The relative bias below which not to warn.
 const SMALL_BIAS: f64 = 0.01;
 
 /// A relative bias in percent, as a guide.
@@ -75,8 +78,8 @@ fn percent(relative: f64) -> String {
     short((relative * 100.0).round().max(1.0))
 }
 
-/// The scheme checks only once a step whether a stick has ended, which makes an error of order
-/// sqrt(h). The warning is not due where stick durations mean nothing at this step.
+/// The scheme checks only once per step whether a stick has ended, which causes an error of order
+/// sqrt(h). It does not apply if stick durations are meaningless at this step.
 pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;
     let means_something = !step.has_equal_friction() && !step.crosses_stick_band();
@@ -98,9 +101,8 @@ pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
 const CORRECTED_BIAS: f64 = 0.17;
 const CORRECTED_BIAS_GROWS_TO: f64 = 0.5;
 
-/// The error of the corrected scheme itself, which is of order h. The warning is not due where
-/// stick durations mean nothing, or where the error that remains because the correction is
-/// incomplete is larger.
+/// The error of the corrected scheme itself, which is of order h. It does not apply if stick
+/// durations are meaningless, or if the error of an incomplete correction is larger.
 pub(super) fn corrected_bias(case: &Case) -> Option<String> {
     let step = case.corrected.as_ref()?;
     let is_corrected = !step.has_equal_friction() && !step.exceeds_gap();
@@ -114,8 +116,8 @@ pub(super) fn corrected_bias(case: &Case) -> Option<String> {
     })
 }
 
-/// The step is longer than the time in which a slip that has just begun may turn back. Where f_s =
-/// f_d, every step is, and another warning says so.
+/// The step is longer than the time in which a slip that has just begun may reverse. If f_s = f_d,
+/// every step is, which another warning reports.
 pub(super) fn micro_slips(case: &Case) -> Option<String> {
     let step = case.noisy_step()?;
     (!step.has_equal_friction() && step.h > step.return_time).then(|| {
@@ -128,7 +130,7 @@ pub(super) fn micro_slips(case: &Case) -> Option<String> {
     })
 }
 
-/// f_s = f_d, or nearly so, under noise: the numbers and durations of sticks are properties of the
+/// f_s = f_d, or nearly so, under noise: the numbers and durations of sticks depend on the
 /// resolution of a scheme without a step.
 pub(super) fn unresolved(case: &Case) -> Option<String> {
     let is_exact = case.step.is_none() && case.slip.is_none();
@@ -138,16 +140,17 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
     } = case.derived.resolution?;
     is_exact.then(|| {
         format!(
-            "f_s and f_d are equal, or nearly so, under noise: slips have all sizes down to zero. Slips \
-             shorter than about {} are not resolved, and f_s = {static_force:?} is simulated. Stick counts \
-             and durations depend on that resolution, which is set by scheme.tolerance, whatever their error \
-             bars; sticking fraction and positions have limits",
+            "f_s and f_d are equal, or nearly so, under noise: slips have all sizes down to zero. \
+             Slips shorter than about {} are not resolved, and f_s = {static_force:?} is \
+             simulated. Stick counts and durations depend on that resolution, which is set by \
+             scheme.tolerance and not included in their error bars; sticking fraction and \
+             positions converge",
             short(shortest_slip)
         )
     })
 }
 
-/// White noise is simulated by a fast one.
+/// White noise is approximated by a fast OU process.
 pub(super) fn white(case: &Case) -> Option<String> {
     let share = match case.scenario.white_noise?.share(&case.scenario.model) {
         Some(share) => format!("{} of the shortest velocity relaxation time", short(share)),

@@ -7,16 +7,16 @@ use crate::scheme::monitoring_shift;
 /// A mean overshoot above this share of f_s makes a stick exit meaningless.
 const LARGE_OVERSHOOT: f64 = 1.0 / 3.0;
 
-/// A step under noise, with the numbers that decide what it does to sticks.
+/// A step under noise, with the numbers that determine its effect on sticks.
 pub(super) struct NoisyStep {
     pub h: f64,
     pub friction: Friction,
-    /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
+    /// 0.5826 K beta rho sigma sqrt(h): the mean overshoot of the force over f_s when a step
     /// detects it.
     pub shift: f64,
     /// Time in which the noise crosses the stick band of a stick, (f_s / (K beta rho sigma))^2.
     pub crossing_time: f64,
-    /// Time in which a slip may turn back, ((f_s - f_d) / (K beta rho sigma))^2.
+    /// Time in which a slip may reverse, ((f_s - f_d) / (K beta rho sigma))^2.
     pub return_time: f64,
 }
 
@@ -39,13 +39,13 @@ impl NoisyStep {
         self.friction.static_force - self.friction.dynamic_force
     }
 
-    /// f_s = f_d under noise: the numbers and durations of sticks are properties of the step, not
-    /// of the model.
+    /// f_s = f_d under noise: the numbers and durations of sticks depend on the step, not only on
+    /// the model.
     pub fn has_equal_friction(&self) -> bool {
         self.gap() == 0.0
     }
 
-    /// The noise crosses a large part of the stick band of a stick within one step.
+    /// The noise crosses a large part of the stick band within one step.
     pub fn crosses_stick_band(&self) -> bool {
         self.shift > LARGE_OVERSHOOT * self.friction.static_force
     }

@@ -1,4 +1,4 @@
-//! Warnings about the quasi-static recursion, which takes the forcing as constant during a slip.
+//! Warnings about the quasi-static recursion, which treats the forcing as constant during a slip.
 
 use super::case::Case;
 use super::slip::Slip;
@@ -12,13 +12,13 @@ pub(super) fn never_moves(case: &Case) -> Option<String> {
     })
 }
 
-/// If the change of the force during a slip is above this share of the force that the slip
-/// releases, the place where the body stops is visibly off. In the paper's scene without noise the
-/// jumps are off by 0.85 times that share (docs/event-driven.md).
+/// If the change of the force during a slip, relative to the force released, is above this, the
+/// stopping place is visibly wrong. In the paper's scenario without noise the error of the jumps is
+/// 0.85 times that ratio.
 const SLOW_FORCING: f64 = 0.01;
 
-/// The force changes too much during a slip for the quasi-static recursion. The warning is not due
-/// where slips do not move the body, nor where the body creeps.
+/// The force changes too much during a slip for the quasi-static recursion. It does not apply if
+/// slips do not move the body, or if the body creeps.
 pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
     let slip = case
         .slip
@@ -32,9 +32,10 @@ pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
     } = slip;
     (change > SLOW_FORCING * released).then(|| {
         format!(
-            "the forcing is not slow: a slip lasts {}, in which the forcing changes the force by about {}, \
-             while the slip releases {}. The quasi-static recursion keeps the forcing constant during a \
-             slip, so its displacements will be off by about {} %; `--scheme event-driven` does not",
+            "the forcing is not slow: a slip lasts {}, in which the forcing changes the force by \
+             about {}, while the slip releases {}. The quasi-static recursion keeps the forcing \
+             constant during a slip, so its displacements will be off by about {} %; `--scheme \
+             event-driven` has no such error",
             short(duration),
             short(change),
             short(released),
@@ -43,8 +44,8 @@ pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
     })
 }
 
-/// The damped body does not swing back fast enough to end a slip of the quasi-static recursion
-/// while the forcing moves on: the body creeps.
+/// The damped body does not return fast enough to end a slip of the quasi-static recursion while
+/// the forcing changes: the body creeps.
 pub(super) fn creep(case: &Case) -> Option<String> {
     let slip = case.slip.as_ref().filter(|slip| slip.creeps())?;
     Some(format!(

@@ -1,4 +1,4 @@
-//! Warnings about the question itself, whatever scheme answers it.
+//! Warnings about the scenario itself, whatever the scheme.
 
 use super::case::Case;
 use crate::advice::amplitude::NEVER_SD;
@@ -19,7 +19,8 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
             .is_some_and(|force| force.depends_on_time());
     (is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0).then(|| {
         format!(
-            "nothing will slip: |b| is at most {}, which does not exceed f_s. Every stick is censored",
+            "the body never slips: |b| is at most {}, which does not exceed f_s. Every stick is \
+             censored",
             short(largest)
         )
     })
@@ -78,7 +79,7 @@ pub(super) fn few_periods(case: &Case) -> Option<String> {
     })
 }
 
-/// There are too many periods to keep x at each of them.
+/// There are too many periods to record x at each of them.
 pub(super) fn many_periods(case: &Case) -> Option<String> {
     let (derived, end) = (&case.derived, case.scenario.time.end);
     derived.period.is_some_and(|period| end / period.length > MAX_PERIODS as f64).then(|| {
@@ -91,7 +92,7 @@ pub(super) fn many_periods(case: &Case) -> Option<String> {
     })
 }
 
-/// The harmonics share no period, so that x is compared at different phases of them.
+/// The harmonics have no common period, so x is compared at different phases.
 pub(super) fn no_common_period(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
     let is_moving = temperature

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 
-/// The file of a series was not sound, and was repaired as it was read.
+/// The file of a series was repaired as it was read.
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {
     let repaired = case
         .scenario
@@ -10,7 +10,13 @@ pub(super) fn repaired_series(case: &Case) -> Vec<String> {
         .iter()
         .filter(|measured| !measured.repairs.is_empty());
     repaired
-        .map(|of| format!("{}, as it was read: {}", of.file, of.repairs.join("; ")))
+        .map(|of| {
+            format!(
+                "{} was read with repairs: {}",
+                of.file,
+                of.repairs.join("; ")
+            )
+        })
         .collect()
 }
 

@@ -2,19 +2,19 @@
 
 use crate::model::{Model, StepResponse};
 
-/// A slip of the recursion, and what the forcing does during it.
+/// A slip of the recursion, and the change of the forcing during it.
 pub(super) struct Slip {
     /// Duration of the slip: pi/w0 without damping.
     pub duration: f64,
-    /// By how much, roughly, the force changes in that time.
+    /// The approximate change of the force in that time.
     pub change: f64,
     /// The force that the slip releases: 2 (f_s - f_d) without damping.
     pub released: f64,
     /// The largest rate at which harmonics and series change the force.
     pub rate: f64,
-    /// The rate from which on the slip does not end.
+    /// The rate above which the slip does not end.
     pub limit: f64,
-    /// Whether slips move the body, which they do not where f_s = f_d.
+    /// Whether slips move the body; they do not if f_s = f_d.
     pub moves: bool,
 }
 
@@ -36,8 +36,8 @@ impl Slip {
         let rates = rates
             .chain(series.map(|series| series.steepest()))
             .chain([temperature.trend.abs()]);
-        // A harmonic, however fast, changes by no more than twice its amplitude, and measured
-        // values by no more than their range.
+        // A harmonic changes by at most twice its amplitude, and measured values by at most their
+        // range.
         let bounds = temperature
             .harmonics
             .iter()
@@ -57,8 +57,8 @@ impl Slip {
         let noise = noise.fold(0.0, f64::hypot);
         let to_force = oscillator.force_per_temperature().abs();
         let gap = friction.static_force - friction.dynamic_force;
-        // A slip ends because the body swings back faster than the forcing moves on, or because of
-        // the noise.
+        // A slip ends because the body returns faster than the forcing changes, or because of the
+        // noise.
         let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
         Slip {
             duration,

@@ -1,4 +1,4 @@
-//! How a user-defined force is looked at, and the body where it is steepest.
+//! The steepness of a user-defined force, and the body where it is steepest.
 
 use crate::advice::derived::Derived;
 use crate::model::{Expression, Oscillator, Scales, Steepest, steepest};
@@ -14,7 +14,7 @@ pub(super) fn expression(scenario: &Scenario) -> Option<&Expression> {
         .and_then(|force| force.expression())
 }
 
-/// How far a force is looked at.
+/// The range in which a force is examined.
 pub(super) fn scales(scenario: &Scenario, derived: &Derived) -> Scales {
     let end = scenario.time.end;
     let scale = derived
@@ -25,7 +25,7 @@ pub(super) fn scales(scenario: &Scenario, derived: &Derived) -> Scales {
     } else {
         1.0
     };
-    // Without a spring, what accelerates the body throughout gives it twice its mean velocity.
+    // Without a spring, a constant acceleration leads to twice the mean velocity.
     let rate = if derived.natural_frequency > 0.0 {
         derived.natural_frequency
     } else {
@@ -48,7 +48,7 @@ pub(super) struct Stiffened {
 }
 
 impl Stiffened {
-    /// None without an expression, and where it is nowhere steep.
+    /// None without an expression, or if it is nowhere steep.
     pub fn of(scenario: &Scenario, derived: &Derived) -> Option<Self> {
         let body = scenario.model.oscillator;
         let expression = expression(scenario)?;
@@ -69,13 +69,13 @@ impl Stiffened {
     }
 
     /// The stability limit of a step that moves with the new velocity. The explicit step has the
-    /// same one under strong damping, and adds energy below it otherwise.
+    /// same limit under strong damping, and otherwise adds energy below it.
     pub fn largest_step(&self) -> f64 {
         let (rate, w0) = (self.body.damping_rate(), self.body.natural_frequency());
         2.0 / (rate + rate.hypot(w0))
     }
 
-    /// What the force is like where it sets that limit.
+    /// The behaviour of the force where it sets that limit.
     pub fn reason(&self) -> String {
         let Steepest {
             damping,
@@ -92,7 +92,7 @@ impl Stiffened {
         }
     }
 
-    /// How stiff the force is at most, and where.
+    /// The largest stiffness of the force, and its place.
     pub fn stiffest_place(&self) -> String {
         format!(
             "[force] has the stiffness K = {} at {}",

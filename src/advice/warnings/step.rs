@@ -47,13 +47,12 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
     })
 }
 
-/// With a larger share of its energy added to the body in a half-cycle, means are off by a few per
-/// cent or more: 33 % where the share is 15 %, against a stop as stiff as a spring of K = 20 at h =
-/// 0.01.
+/// If a step adds more than this fraction of the energy in a half-cycle, means are off by a few per
+/// cent or more: 33 % for a fraction of 15 %, at a stop with the stiffness K = 20 and h = 0.01.
 const MUCH: f64 = 0.125;
 
-/// Whether the plain explicit step adds much energy where a user-defined force is stiffest,
-/// e^{pi w0 h} - 1 of it in a half-cycle, and damping takes less than the step gives back.
+/// Whether the plain explicit step adds much energy where a user-defined force is stiffest, a
+/// fraction e^{pi w0 h} - 1 in a half-cycle, and damping removes less than the step adds.
 fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
     let (Discretisation::Step { h }, body) =
         (case.scenario.scheme.discretisation(), &stiffened.body)
@@ -64,8 +63,7 @@ fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
     added > MUCH && 0.5 * body.stiffness * h > body.damping
 }
 
-/// If the relative growth of the amplitude over the whole run is below this, it is not worth a
-/// warning.
+/// The relative growth of the amplitude over the whole run below which not to warn.
 const GROWTH: f64 = 0.01;
 
 /// Without damping, the expected amplitude is above the critical one, A_c.
@@ -76,7 +74,7 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
     };
     // Relative growth of the amplitude that the explicit step causes over the whole run.
     let growth = derived.natural_frequency.powi(2) * h * case.scenario.time.end / 2.0;
-    // How far a user-defined force moves the body is not known.
+    // The amplitude under a user-defined force is unknown.
     let is_known = case.scenario.model.force.is_none();
     (is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH).then(|| {
         format!(
@@ -119,7 +117,7 @@ pub(super) fn runs_away(case: &Case) -> Option<String> {
     })
 }
 
-/// With fewer steps per half-cycle of the oscillator, its discretisation is worth a warning.
+/// The number of steps per half-cycle of the oscillator below which to warn.
 const FEW_STEPS: f64 = 16.0;
 
 pub(super) fn against_oscillator(case: &Case) -> Option<String> {

@@ -1,4 +1,4 @@
-//! What can be wrong with an expression, and where.
+//! Errors in expressions, with their places.
 
 use std::ops::Range;
 
@@ -8,13 +8,13 @@ use std::ops::Range;
 pub struct ExpressionError {
     /// The first byte of the place in the text.
     pub start: usize,
-    /// The byte behind the place. A fault of a parameter has an empty place at 0.
+    /// The byte after the place. An error of a parameter has an empty place at 0.
     pub end: usize,
-    /// The parameter, if the fault is one of its name or its value.
+    /// The parameter, if the error is about its name or its value.
     pub parameter: Option<String>,
     /// What is wrong.
     pub problem: String,
-    /// What would be right.
+    /// How to fix it.
     pub remedy: String,
 }
 

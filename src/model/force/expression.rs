@@ -16,13 +16,13 @@ use stickslip_data::excerpt::short;
 /// The language has numbers, `pi`, the operators `+ - * / ^`, parentheses, and the functions abs,
 /// sign, min, max, sqrt, exp, log, sin, cos, tan, atan and tanh. The variable `direction`, in which
 /// the body slips or would slip, is 1 until the expression is [reversed](Expression::reversed). An
-/// input is a measured function of t, with straight lines between its samples.
+/// input is a measured function of t, linear between its samples.
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
     parameters: Vec<(String, f64)>,
     inputs: Vec<NamedSeries>,
-    /// Which parameters and then which inputs the text names.
+    /// Whether the text uses each parameter, and then each input.
     used: Vec<bool>,
     formula: Formula,
     tape: Tape,
@@ -79,7 +79,7 @@ impl Expression {
         })
     }
 
-    /// The text as it was written.
+    /// The text as written.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -99,8 +99,8 @@ impl Expression {
             .map(|(name, _)| name)
     }
 
-    /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: it is
-    /// never said of another force, but some forms of such a force are not recognised, as `abs(x) *
+    /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: there are
+    /// no false positives, but some forms of such a force are not recognised, such as `abs(x) *
     /// sign(x)`.
     pub fn linear(&self) -> Option<Linear> {
         match self.formula.affine()? {

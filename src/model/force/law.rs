@@ -1,4 +1,4 @@
-//! What a force is to a scheme.
+//! The interface of forces to schemes.
 
 use crate::lanes::Lanes;
 use std::fmt::Debug;
@@ -28,7 +28,7 @@ pub trait ForceLaw: Debug + Send + Sync {
     }
 
     /// The fastest angular frequency at which g oscillates in t, from 0 to `end`; 0 where it does
-    /// not. Steps that are longer would not see it.
+    /// not. Longer steps would not resolve it.
     fn fastest_rate(&self, _end: f64) -> f64 {
         0.0
     }

@@ -1,4 +1,5 @@
-//! A user's force g(x, x', t), which adds to b in m x'' + F(x') = b(x, x', t) + g(x, x', t).
+//! A user-defined force g(x, x', t), which is added to b in m x'' + F(x') = b(x, x', t) + g(x, x',
+//! t).
 //!
 //! It is either an [`Expression`], read from a text and compiled to a tape of operations, or a
 //! [`ForceLaw`] that is written in Rust. Either is evaluated for many paths at once, with the same
@@ -30,8 +31,7 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A force of any kind, with the friction by direction where that is not constant. Its copies share
-/// it.
+/// A force of any kind, with the friction by direction if it is not constant. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Force {
     law: Arc<dyn AnyLaw>,
@@ -69,7 +69,7 @@ impl Force {
         self.law.fill(instructions, x, velocity, time, g);
     }
 
-    /// g at eight places and times at once, which takes hardly longer than at one.
+    /// g at eight places and times at once, hardly slower than at one.
     pub fn at_each(
         &self,
         instructions: InstructionSet,
@@ -128,7 +128,7 @@ impl PartialEq for Force {
     }
 }
 
-/// A law whose type has been forgotten.
+/// A law of erased type.
 trait AnyLaw: Debug + Send + Sync {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64;
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8];

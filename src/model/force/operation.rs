@@ -88,13 +88,13 @@ pub(super) fn sign<L: Lanes>(a: L) -> L {
     )
 }
 
-/// The smaller number; none if one of them is none.
+/// The smaller number; NaN if one of them is NaN.
 #[inline(always)]
 pub(super) fn least<L: Lanes>(a: L, b: L) -> L {
     L::select(a.lt(b), a, L::select(b.le(a), b, a + b))
 }
 
-/// The larger number; none if one of them is none.
+/// The larger number; NaN if one of them is NaN.
 #[inline(always)]
 pub(super) fn greatest<L: Lanes>(a: L, b: L) -> L {
     L::select(a.gt(b), a, L::select(b.ge(a), b, a + b))

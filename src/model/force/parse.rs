@@ -16,13 +16,13 @@ use super::words::{Function, Meaning, Names, check, meaning};
 use std::ops::Range;
 use stickslip_data::excerpt::short;
 
-/// The bytes that an expression may have at most.
+/// The maximum number of bytes of an expression.
 const MAX_BYTES: usize = 2000;
-/// The parentheses, signs and powers that may contain each other at most.
+/// The maximum nesting of parentheses, signs and powers.
 const MAX_NESTING: usize = 64;
-/// The operations that an expression may have at most.
+/// The maximum number of operations of an expression.
 const MAX_OPERATIONS: usize = 400;
-/// The largest size of an exponent that becomes multiplications.
+/// The largest exponent that is replaced by multiplications.
 const MAX_WHOLE: f64 = 64.0;
 
 type Outcome<T> = Result<T, ExpressionError>;
@@ -101,7 +101,7 @@ impl Parser<'_> {
         self.tokens[self.next].place.clone()
     }
 
-    /// The place of the next token, which is left behind if it is this symbol.
+    /// The place of the next token, which is consumed if it is this symbol.
     fn take(&mut self, symbol: char) -> Option<Range<usize>> {
         let place = (self.kind() == TokenKind::Symbol(symbol)).then(|| self.place());
         self.next += usize::from(place.is_some());

@@ -1,16 +1,15 @@
-//! Times at which a force is large for so short a time that the steps of a scheme would pass it by.
+//! Times of short pulses of a force that the steps of a scheme would miss.
 
-/// The most samples in which pulses are looked for: a shorter one is not seen.
+/// The maximum number of samples in the search for pulses; shorter ones are missed.
 const MOST: f64 = 32_768.0;
 
-/// The most samples in a step.
+/// The maximum number of samples in a step.
 const IN_STEP: f64 = 4096.0;
 
 /// A difference that is this share of both numbers is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A peak that is seen from step to step falls four times as far in two steps as in one, and a
-/// pulse hardly farther.
+/// A resolved peak falls four times as far in two steps as in one, and a pulse hardly farther.
 const LEVEL: f64 = 2.0;
 
 /// The peaks, up or down, of pulses of a function of t that are shorter than a step, from 0 to
@@ -30,7 +29,7 @@ pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
     let at = |i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
     let is_pulse = |i: usize, sign: f64| {
         let above = |j: Option<usize>| sign * (values[i] - at(j));
-        // Beside the ends of the run, one side decides.
+        // Next to the ends of the run, one side decides.
         let is_level = |one: Option<usize>, two: Option<usize>| {
             let is_peak = above(one) > ROUNDING * (values[i].abs() + at(one).abs());
             (!at(two).is_nan()).then(|| is_peak && above(two) < LEVEL * above(one))

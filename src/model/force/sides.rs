@@ -1,9 +1,9 @@
 //! Friction that depends on load, place or direction, as forces by the direction of a slip.
 //!
 //! Let e = 1 or -1 be the direction in which the body slips, or would slip. With a load L, friction
-//! holds up to f_s(e) L, and in a slip it is e f_d(e) L. A scheme knows e in a slip, and each of
-//! the two thresholds of a stick has its own. So beside the constants f_s and f_d there are only
-//! forces:
+//! holds up to f_s(e) L, and in a slip it is e f_d(e) L. In a slip e is known, and each of the two
+//! thresholds of a stick has its own. So everything except the constants f_s and f_d is expressed
+//! by forces:
 //!
 //! ```text
 //! slip    g - e (f_d(e) L - f_d) takes the place of g
@@ -12,8 +12,8 @@
 //! ```
 //!
 //! f_s and f_d are those of the direction with the smaller f_s ([`Friction::weaker`]), so that a
-//! threshold that is never reached takes no digits off the one that is. A negative load is not a
-//! number, so that it ends a path like a force that has no value.
+//! threshold that is never reached does not reduce the precision of the other. A negative load
+//! becomes NaN, so it ends a path like a force without a value.
 
 use super::{AnyLaw, Force, ForceLaw};
 use crate::lanes::{InstructionSet, Lanes};
@@ -32,7 +32,7 @@ pub struct Sides {
     stick_forces: [Force; 2],
 }
 
-/// The forces in a stick on which friction decides.
+/// The forces in a stick that are compared with friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hold {
     /// g at rest; where it depends on the direction, the mean of both.
@@ -51,8 +51,8 @@ impl Force {
         self.law.as_any().is::<Nothing>()
     }
 
-    /// A force `own` beside friction with a load, each forwards and backwards. The friction of the
-    /// model must be [`Friction::weaker`] of both.
+    /// A user-defined force and friction with a load, each forwards and backwards. The friction of
+    /// the model must be [`Friction::weaker`] of both.
     pub fn with_friction(
         own: [Force; 2],
         load: Option<[Force; 2]>,
@@ -94,7 +94,7 @@ impl Force {
         self.sides.as_deref()
     }
 
-    /// What takes the place of g in a slip in this direction.
+    /// The replacement of g in a slip in this direction.
     #[inline(always)]
     pub fn in_slip(&self, direction: Sign) -> &Force {
         self.sides
@@ -102,7 +102,7 @@ impl Force {
             .map_or(self, |sides| &sides.slip[index(direction)])
     }
 
-    /// What takes the place of g at the two thresholds of a stick.
+    /// The replacements of g at the two thresholds of a stick.
     #[inline(always)]
     pub fn in_stick(&self) -> [&Force; 2] {
         self.sides

@@ -1,7 +1,7 @@
 //! An expression as a list of operations on slots, each of which holds a value of every path.
 //!
-//! Equal operations are carried out once, and a slot is used again as soon as its value is not
-//! needed any more. The choice of an operation is made once for several registers.
+//! Equal operations are carried out once, and a slot is reused as soon as its value is no longer
+//! needed. The choice of an operation is made once for several registers.
 
 use super::error::ExpressionError;
 use super::operation::{Binary, Unary, each, greatest, least, power, sign};
@@ -11,7 +11,7 @@ use crate::model::Series;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The slots that an expression may need at most.
+/// The maximum number of slots of an expression.
 const MAX_SLOTS: usize = 32;
 
 /// Registers of a slot where many paths are computed, so that the choice of an operation costs
@@ -92,7 +92,7 @@ impl Tape {
     /// The value of the expression in the lanes of a register.
     #[inline(always)]
     pub fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
-        // Few slots are made ready sooner than many.
+        // Few slots are initialised faster than many.
         match self.slots {
             0..=4 => self.value_with::<L, 4>(x, velocity, time),
             5..=8 => self.value_with::<L, 8>(x, velocity, time),

@@ -21,7 +21,7 @@ pub(super) struct Token {
 
 const SYMBOLS: &str = "+-*/^(),";
 
-/// Characters that users write for something else.
+/// Characters that users type instead of others.
 const MISTAKEN: [(&str, &str); 8] = [
     ("'’′\u{307}ẋ", "xdot"),
     ("×·⋅∙", "*"),
@@ -134,7 +134,7 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
         .iter()
         .find(|(wrong, _)| wrong.contains(c))
         .map(|(_, right)| *right);
-    // The mark of a derivative belongs to the name before it.
+    // A prime belongs to the name before it.
     if right == Some("xdot")
         && let Some(name) = last.filter(|last| last.kind == TokenKind::Name && last.place.end == at)
     {

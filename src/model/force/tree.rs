@@ -1,4 +1,4 @@
-//! An expression as a tree of operations, and what can be said of it algebraically.
+//! An expression as a tree of operations, and its algebraic properties.
 
 use super::operation::{Binary, Unary, whole_power};
 use crate::model::Series;
@@ -15,8 +15,8 @@ pub(super) const DIRECTION: usize = 3;
 /// The first measured input. Inputs are not passed, but follow from the time.
 pub(super) const INPUT: usize = 4;
 
-/// The number of times after 0 at which rates are looked for, and the time over which each is
-/// taken, as a share of the whole.
+/// The number of times after 0 at which rates are computed, and the time over which each is taken,
+/// as a fraction of the whole.
 const LOOKS: u32 = 16;
 const APART: f64 = 1e-6;
 
@@ -38,7 +38,7 @@ pub(super) struct Operation {
     pub place: Range<usize>,
 }
 
-/// The nodes of a tree. Every operation is behind its operands, and the last one is the whole.
+/// The nodes of a tree. Every operation follows its operands, and the last one is the root.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Formula {
     pub nodes: Vec<Operation>,
@@ -69,8 +69,8 @@ impl Formula {
             .any(|operation| operation.term == Term::Variable(variable))
     }
 
-    /// The fastest change with t of what a sine, a cosine or a tangent is taken of, as it shows at
-    /// some times from 0 to `end` for a body at rest at 0 or 1: the rate of an oscillation.
+    /// The fastest change with t of the argument of a sine, a cosine or a tangent, at some times
+    /// from 0 to `end`, for a body at rest at 0 or 1: the rate of an oscillation.
     pub fn fastest_rate(&self, end: f64) -> f64 {
         let (mut before, mut after, mut fastest) = (Vec::new(), Vec::new(), 0.0);
         let dt = end * APART;

@@ -7,9 +7,9 @@ use crate::model::NamedSeries;
 use std::ops::Range;
 use stickslip_data::excerpt::short;
 
-/// The parameters that an expression may have at most.
+/// The maximum number of parameters of an expression.
 const MAX_PARAMETERS: usize = 64;
-/// The characters that the name of a parameter may have at most.
+/// The maximum number of characters of a parameter's name.
 const MAX_NAME: usize = 40;
 
 /// What a function does.
@@ -43,7 +43,7 @@ const FUNCTIONS: &[(&str, Function)] = &[
     ("tanh", Function::Of(Unary::Tanh)),
 ];
 
-/// What to write in place of names that users write and an expression does not know.
+/// Replacements for names that users write but that are unknown in expressions.
 const HINTS: &[(&[&str], &str)] = &[
     (&["v", "dx", "dxdt", "velocity"], "write `xdot`"),
     (&["displacement", "position"], "write `x`"),
@@ -103,12 +103,12 @@ const SUPPORT: &str = "a force cannot depend on the temperature; `V*t`, with a p
 pub(super) const CASES: &str =
     "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
 
-/// The likeness (1 for equal words) from which a name is suggested.
+/// The similarity (1 for equal words) from which a name is suggested.
 const ALIKE: f64 = 0.75;
-/// The letters from which a name is long enough to be taken for another one.
+/// The minimum length of a name that may be a misspelling of another.
 const LONG: usize = 3;
 
-/// The names that an expression knows besides those of the language.
+/// The names known in an expression in addition to those of the language.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Names<'a> {
     pub parameters: &'a [(String, f64)],
@@ -116,7 +116,7 @@ pub(super) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// All names, each with what it is called.
+    /// All names, each with its kind.
     fn all(self) -> impl Iterator<Item = (&'a str, &'static str)> {
         let parameters = self
             .parameters
@@ -157,7 +157,7 @@ fn reserved(name: &str) -> Option<Meaning> {
     pi.or_else(variable).or_else(function)
 }
 
-/// What a name in an expression that knows these names stands for.
+/// The meaning of a name in an expression that knows these names.
 pub(super) fn meaning(
     name: &str,
     place: &Range<usize>,
@@ -206,7 +206,7 @@ fn hint(name: &str, names: Names<'_>) -> Option<String> {
     nearest(&word, names).map(|right| format!("write `{right}`"))
 }
 
-/// The name that a word is a slip of the pen for. A name with something added, as x2 or sinh,
+/// The name of which a word is probably a misspelling. A name with something added, as x2 or sinh,
 /// probably means something else.
 fn nearest<'a>(word: &str, names: Names<'a>) -> Option<&'a str> {
     let own = VARIABLES
@@ -249,7 +249,7 @@ fn known(names: Names<'_>) -> String {
     )
 }
 
-/// Checks that parameters and inputs have names of their own, and parameters values.
+/// Checks that parameters and inputs have distinct names, and parameters have values.
 pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
     let fault = |name: &str, problem: String, remedy: &str| {
         Err(ExpressionError::of_parameter(name, problem, remedy))

@@ -1,14 +1,16 @@
-//! The discrete variational inequality with corrected stick exits. The plain step looks for a stick
-//! exit only once per step h, which makes sticks too long. The correction makes the error of the
+//! The discrete variational inequality with corrected stick exits. The plain step checks for stick
+//! exits only once per step h, which makes sticks too long. The correction makes the error of the
 //! statistics of sticks of order 1 instead of order 1/2, at no cost.
 //!
-//! A stick ends at [`corrected_exit`], f_s less [`monitoring_shift`], and the body moves with its
+//! A stick ends at [`corrected_exit`], f_s minus [`monitoring_shift`], and the body moves with its
 //! new velocity, X_{n+1} = X_n + h V_{n+1}.
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Drive, Friction, Model};
-use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
+use crate::scheme::{
+    Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
+};
 use stickslip_data::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while
@@ -23,7 +25,7 @@ impl Method for CorrectedVi {
     const NAME: &'static str = "corrected-vi";
     const MEANING: &'static str = "the discrete variational inequality with corrected stick exits";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#0072B2",
         dash: "8 3 2 3",
     };
@@ -48,7 +50,7 @@ impl Method for CorrectedVi {
     /// During a slip, the multipliers of a step solve mu^2 - (2 - a - c) mu + 1 - a = 0 with a = 2
     /// alpha h/m, c = (h w0)^2. Both lie within the unit circle if and only if 2 a + c < 4. Without
     /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows
-    /// as that of the body does.
+    /// like that of the body.
     fn stability(self, model: &Model) -> Option<Stability> {
         let (w0, gamma) = (
             model.oscillator.natural_frequency(),
@@ -115,7 +117,7 @@ impl CorrectedVi {
 /// deviations of one step.
 const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
 
-/// The effect of looking at a barrier only once per step h, as a force: 0.5826 K beta rho sigma
+/// The effect of monitoring a barrier only once per step h, as a force: 0.5826 K beta rho sigma
 /// sqrt(h). With a threshold that is lower by this shift, the exit time agrees with that of
 /// continuous monitoring up to o(sqrt(h)) (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for
 /// moving barriers Gobet, Menozzi, Stoch. Proc. Appl. 120 (2010)).
@@ -137,8 +139,8 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
     overshoot * noise * h.sqrt()
 }
 
-/// The force at which the corrected scheme leaves a stick: f_s less [`monitoring_shift`], but never
-/// below f_d. A body released at |b| < f_d would be moved by |b| - f_d, against b, although
+/// The force at which the corrected scheme leaves a stick: f_s minus [`monitoring_shift`], but
+/// never below f_d. A body released at |b| < f_d would be moved by |b| - f_d, against b, although
 /// friction holds it in place. So the part of the shift that exceeds f_s - f_d is not corrected.
 pub fn corrected_exit(model: &Model, h: f64) -> f64 {
     let Friction {

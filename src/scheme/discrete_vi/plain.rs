@@ -1,12 +1,14 @@
-//! The discrete variational inequality as the paper has it.
+//! The discrete variational inequality of the paper.
 //!
-//! Its error is of order 1 in h where nothing is random. Under noise it is of order 1/2 in every
-//! statistic of sticks, because a stick exit is looked for only once per step h.
+//! Its error is of order 1 in h without randomness. Under noise it is of order 1/2 in every
+//! statistic of sticks, because stick exits are checked only once per step h.
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Model, Oscillator};
-use crate::scheme::{CheckError, Discretisation, Look, Method, Parameter, Stability, Timeline};
+use crate::scheme::{
+    Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
+};
 use std::f64::consts::PI;
 
 /// The discrete variational inequality with this step.
@@ -20,7 +22,7 @@ impl Method for DiscreteVi {
     const NAME: &'static str = "discrete-vi";
     const MEANING: &'static str = "the discrete variational inequality";
     const PARAMETER: Parameter = Parameter::Step;
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#D55E00",
         dash: "8 4",
     };

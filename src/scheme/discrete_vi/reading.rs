@@ -1,4 +1,4 @@
-//! How the phases of the cascade are found from the velocities of the discrete scheme.
+//! Finds the phases of the cascade from the velocities of the discrete scheme.
 //!
 //! V_{n+1} = 0 alone is not a static phase: at a turning point with |b| > f_s the scheme gives a
 //! zero velocity for one step. A static phase begins at t_{n+1} if and only if V_{n+1} = 0 and
@@ -125,8 +125,8 @@ impl GridReader {
     }
 }
 
-/// The event of a path in this phase that a step from `turn.before` to `turn.after` makes, if any.
-/// `at_rest` is what a zero at the end of the step is.
+/// The event of a path in this phase in a step from `turn.before` to `turn.after`, if any.
+/// `at_rest` is the event if the velocity is zero at the end of the step.
 fn read(phase: Phase, turn: &Turn, at_rest: impl Fn() -> EventKind) -> Option<EventKind> {
     let (before, after) = (turn.before.v, turn.after.v);
     match phase {

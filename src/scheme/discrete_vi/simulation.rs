@@ -89,9 +89,9 @@ impl DiscreteSimulation {
         }
     }
 
-    /// Reports step n of all paths in motion: where they were before it and which of them were static
-    /// there, and where they are after it.
-    fn tell_step(
+    /// Reports step n of all moving paths: their states before it, which of them were static there,
+    /// and their states after it.
+    fn report_step(
         &self,
         n: u64,
         (before, is_static): (Paths, Vec<bool>),
@@ -176,7 +176,7 @@ impl Simulate for DiscreteSimulation {
     }
 }
 
-/// Many paths on their way from step to step.
+/// Many paths advanced from step to step.
 struct Walk<'a> {
     simulation: &'a DiscreteSimulation,
     kernel: Kernel,
@@ -273,7 +273,7 @@ impl<'a> Walk<'a> {
         reader.read(kernel, *n, forcing, turns, observer);
         if let Some(before) = before {
             let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
-            simulation.tell_step(*n, before, state, temperature, observer);
+            simulation.report_step(*n, before, state, temperature, observer);
         }
         *n += steps as u64;
         harmonics[0] = harmonics[steps];
@@ -291,7 +291,7 @@ impl<'a> Walk<'a> {
                 *diverged |= !is_bounded(x);
             }
         }
-        // A user-defined force may be none, which the displacement shows a step later.
+        // A user-defined force may be NaN, which the displacement shows a step later.
         if self.simulation.model.force.is_some() {
             for (diverged, v) in self.diverged.iter_mut().zip(&self.state.velocity) {
                 *diverged |= !v.is_finite();
@@ -355,9 +355,9 @@ impl<'a> Walk<'a> {
 /// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K; with
 /// negative damping it is at most 1e100.
 ///
-/// How far a user-defined force may drive the body is not known. With one, its largest value
-/// at x0 and rest is part of the force, a typical length is part of x, and the bound is a million
-/// times what follows, and at most 1e100.
+/// The range of motion under a user-defined force is unknown. With one, its largest value at x0 and
+/// rest is part of the force, a typical length is part of x, and the bound is a million times the
+/// result, at most 1e100.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let Model {
         oscillator,

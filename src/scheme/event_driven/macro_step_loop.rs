@@ -1,8 +1,8 @@
-//! The loop over macro steps, for the schemes that follow noisy paths from event to event:
+//! The loop over macro steps, for the schemes that simulate noisy paths event by event:
 //! event-driven and quasi-static.
 //!
-//! All paths that are simulated together cross the same macro steps, one macro step or a run of up
-//! to 64, before any of them goes on. They do so [scalar](super::scalar), one after the other, or
+//! All paths that are simulated together cross the same macro steps, one or a run of up to 64,
+//! before any of them continues. They do so [scalar](super::scalar), one after the other, or
 //! [vectorised](super::vectorised). Within a macro step, a path is taken phase by phase:
 //!
 //! ```text
@@ -13,11 +13,11 @@
 //!
 //! The state at an instant inside a macro step is drawn separately and does not change the path.
 
-use super::law::{Glance, MacroStep};
-use super::scalar::{Cascade, Follower, Glances, Path, PendingNodes, cross};
+use super::law::{MacroStep, ObservationTime};
+use super::scalar::{Cascade, MotionObserver, ObservedTimes, Path, PendingNodes, cross};
 use super::work::Simulated;
 use crate::model::Event;
-use crate::noise::looking_place;
+use crate::noise::observation_place;
 use crate::scheme::columns::{LOST, StateColumns};
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Instant, Observer, Segment};
@@ -30,31 +30,35 @@ const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 /// The largest number of macro steps that one path crosses before the next path.
 const MOST_QUIET: usize = 64;
 
-/// The observer, which the paths ask between their events whether they are still wanted.
-pub type Watching<'o> = RefCell<&'o mut dyn Observer>;
+/// The observer, which is asked between events whether the paths are still wanted.
+pub type SharedObserver<'o> = RefCell<&'o mut dyn Observer>;
 
-/// Paths at the border of two macro steps, and how the loop takes them across macro steps.
+/// Paths at the border of two macro steps, and how the loop advances them across macro steps.
 pub trait PathSet {
     /// The scheme.
     type Cascade: Cascade;
 
     fn cascade(&self) -> &Self::Cascade;
     /// Takes all paths across macro steps that have no stop inside.
-    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>);
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &SharedObserver<'_>);
     /// Takes all paths across a macro step with stops inside.
-    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside);
+    fn cross_observed(&mut self, macro_step: &MacroStep, inside: &mut Inside);
     /// Writes the state of every path at the end of the macro step that was crossed last.
-    fn look(&self, passed: &MacroStep, columns: &mut StateColumns);
+    fn write_states(&self, passed: &MacroStep, columns: &mut StateColumns);
     /// Whether all paths have been given up.
     fn are_lost(&self) -> bool;
     fn simulated(&self) -> Simulated;
 }
 
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
-pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>) -> Simulated {
-    let route = paths.cascade().route();
-    let mut macro_step = MacroStep::new(paths.cascade().scene(), &route.grid, 0);
-    let (closeness, timeline) = (route.closeness, route.timeline);
+pub fn simulate(
+    paths: &mut impl PathSet,
+    count: usize,
+    observer: &SharedObserver<'_>,
+) -> Simulated {
+    let propagation = paths.cascade().propagation();
+    let mut macro_step = MacroStep::new(paths.cascade().scene(), &propagation.grid, 0);
+    let (row_stride, timeline) = (propagation.row_stride, propagation.timeline);
     let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) = (
         Vec::new(),
@@ -75,19 +79,19 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
             quiet.push(macro_step.clone());
             macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().grid,
+                &paths.cascade().propagation().grid,
                 macro_step.index + 1,
             );
         }
         if quiet.is_empty() {
             let next = || stops.next_if(|stop| is_before(stop, macro_step.end));
-            inside.begin(std::iter::from_fn(next), &macro_step, count, closeness);
-            paths.cross_watched(&macro_step, &mut inside);
-            inside.tell(*observer.borrow_mut(), stops.peek().is_none());
+            inside.begin(std::iter::from_fn(next), &macro_step, count, row_stride);
+            paths.cross_observed(&macro_step, &mut inside);
+            inside.report(*observer.borrow_mut(), stops.peek().is_none());
             quiet.push(macro_step.clone());
             macro_step.move_to(
                 paths.cascade().scene(),
-                &paths.cascade().route().grid,
+                &paths.cascade().propagation().grid,
                 macro_step.index + 1,
             );
         } else {
@@ -97,7 +101,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
         let mut is_set = false;
         while let Some(stop) = stops.next_if(|stop| is_by(stop, passed.end)) {
             if !is_set {
-                paths.look(passed, &mut columns);
+                paths.write_states(passed, &mut columns);
                 is_set = true;
             }
             observer
@@ -120,10 +124,10 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
 pub struct Inside {
     stops: Vec<Stop>,
     /// The times of the stops, each once.
-    pub glances: Vec<Glance>,
-    /// The index in `glances` of each stop.
+    pub instants: Vec<ObservationTime>,
+    /// The index in `instants` of each stop.
     places: Vec<usize>,
-    /// The states of all paths at each of `glances`. There may be more than needed.
+    /// The states of all paths at each of `instants`. There may be more than needed.
     pub seen: Vec<StateColumns>,
     pub events: Vec<(usize, Event)>,
     /// The motion in the macro step, if it is followed.
@@ -137,41 +141,41 @@ impl Inside {
         stops: impl Iterator<Item = Stop>,
         macro_step: &MacroStep,
         paths: usize,
-        closeness: usize,
+        row_stride: usize,
     ) {
         self.stops.clear();
         self.stops.extend(stops);
-        self.glances.clear();
+        self.instants.clear();
         self.places.clear();
         for stop in &self.stops {
-            let is_closer =
-                matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(closeness));
+            let is_additional =
+                matches!(stop.instant, Instant::Output(row) if !row.is_multiple_of(row_stride));
             let time = stop.time - macro_step.start;
-            match self.glances.last_mut().filter(|last| last.at == stop.time) {
-                Some(last) => last.is_closer &= is_closer,
+            match self.instants.last_mut().filter(|last| last.at == stop.time) {
+                Some(last) => last.is_additional &= is_additional,
                 None => {
                     let forcing = macro_step.forcing(time).value;
-                    self.glances.push(Glance {
+                    self.instants.push(ObservationTime {
                         at: stop.time,
                         time,
-                        is_closer,
+                        is_additional,
                         forcing,
                         place: 0,
                     });
                 }
             }
-            self.places.push(self.glances.len() - 1);
+            self.places.push(self.instants.len() - 1);
         }
         let mut ordinals = [0, 0];
-        for glance in &mut self.glances {
-            let ordinal = &mut ordinals[usize::from(glance.is_closer)];
-            glance.place = looking_place(*ordinal, glance.is_closer);
+        for instant in &mut self.instants {
+            let ordinal = &mut ordinals[usize::from(instant.is_additional)];
+            instant.place = observation_place(*ordinal, instant.is_additional);
             *ordinal += 1;
         }
-        while self.seen.len() < self.glances.len() {
+        while self.seen.len() < self.instants.len() {
             self.seen.push(StateColumns::new(paths));
         }
-        self.seen[..self.glances.len()]
+        self.seen[..self.instants.len()]
             .iter_mut()
             .for_each(|seen| seen.fill(LOST));
         self.events.clear();
@@ -188,31 +192,31 @@ impl Inside {
         scratch: &mut (C::Scratch, PendingNodes),
     ) {
         let Inside {
-            glances,
+            instants,
             seen,
             events,
             segments,
             ..
         } = self;
         let draws = path.draws.at(macro_step.index, 0);
-        let watch = Glances {
-            glances,
+        let observer = ObservedTimes {
+            instants,
             macro_step_start: macro_step.start,
             draws,
             lane,
             seen,
             passed: 0,
         };
-        let mut watch = Follower {
-            watch,
+        let mut path_observer = MotionObserver {
+            observer,
             lane,
             segments: segments.as_mut(),
         };
         let emit = |event| events.push((lane, event));
-        path.lost = cross(cascade, macro_step, path, scratch, &mut watch, emit).err();
-        let (passed, seen) = (watch.watch.passed, watch.watch.seen);
-        if passed < glances.len() {
-            seen[passed..glances.len()]
+        path.lost = cross(cascade, macro_step, path, scratch, &mut path_observer, emit).err();
+        let (passed, seen) = (path_observer.observer.passed, path_observer.observer.seen);
+        if passed < instants.len() {
+            seen[passed..instants.len()]
                 .iter_mut()
                 .for_each(|seen| seen.set(lane, LOST));
         }
@@ -220,7 +224,7 @@ impl Inside {
 
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
-    fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
+    fn report(&mut self, observer: &mut dyn Observer, is_over: bool) {
         for (lane, segment) in self
             .segments
             .iter_mut()

@@ -31,13 +31,13 @@ pub use law::{
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use law::{Glance, Known, MacroStep, Scene, StepRules, noise_between};
-pub(super) use macro_step_loop::{Watching, simulate};
+pub(super) use law::{Known, MacroStep, ObservationTime, Scene, StepRules, noise_between};
+pub(super) use macro_step_loop::{SharedObserver, simulate};
 pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments, WithUnfeltNoise};
-pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
+pub(super) use scalar::{Cascade, ObservedSegment, Path, PathObserver, Propagation, ScalarPaths};
 pub(super) use work::{Resolved, WorkLeft};
 
-use super::{CheckError, Discretisation, Look, Method, Parameter, Timeline};
+use super::{Appearance, CheckError, Discretisation, Method, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};
 
 /// The event-driven scheme with this tolerance.
@@ -53,7 +53,7 @@ impl Method for EventDriven {
     const PARAMETER: Parameter = Parameter::Tolerance {
         grid: &[1e-2, 1e-3, 1e-4, 1e-5],
     };
-    const LOOK: Look = Look {
+    const APPEARANCE: Appearance = Appearance {
         colour: "#009E73",
         dash: "",
     };

@@ -15,7 +15,7 @@
 
 use super::law::{DrivenOscillator, Scene, SlipStep, StepRules, StopSearch};
 use super::macro_step_loop;
-use super::scalar::{Route, ScalarPaths};
+use super::scalar::{Propagation, ScalarPaths};
 use super::vectorised::Vectorised;
 use super::work::{OWN_FORCE, Simulated};
 use crate::lanes::InstructionSet;
@@ -27,7 +27,7 @@ use std::cell::RefCell;
 #[derive(Clone, Debug)]
 pub struct Noisy {
     pub(super) scene: Scene,
-    pub(super) route: Route,
+    pub(super) propagation: Propagation,
     pub(super) oscillator: DrivenOscillator,
     /// The slip step of the usual length. It covers a whole macro step where
     /// [`Noisy::has_one_step_a_macro_step`].
@@ -80,12 +80,12 @@ impl Noisy {
         } else {
             longest
         };
-        // Whatever oscillates at rest is looked at often enough to be seen.
+        // Any oscillation at rest is sampled often enough to be resolved.
         let longest_macro_step =
             longest_macro_step.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
-        let route = Route::new(&scene, timeline, rules, longest_macro_step, cost);
-        let macro_step_length = route.grid.length;
+        let propagation = Propagation::new(&scene, timeline, rules, longest_macro_step, cost);
+        let macro_step_length = propagation.grid.length;
         let length = macro_step_length / (macro_step_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.own.is_some() {
@@ -107,7 +107,7 @@ impl Noisy {
         };
         Noisy {
             scene,
-            route,
+            propagation,
             oscillator,
             step,
             halved,
@@ -117,9 +117,11 @@ impl Noisy {
     }
 
     /// Whether the paths can be simulated vectorised: all macro steps have one length, there is
-    /// only one noise, and no force of the user's own.
+    /// only one noise, and no user-defined force.
     pub fn has_equal_macro_steps(&self) -> bool {
-        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.grid.is_even()
+        !self.scene.own.is_some()
+            && self.scene.two_noises.is_none()
+            && self.propagation.grid.is_even()
     }
 
     /// Whether slips can be simulated vectorised too: the macro steps have the length of one slip
@@ -127,7 +129,7 @@ impl Noisy {
     pub fn has_one_step_a_macro_step(&self) -> bool {
         let length = self.step.length();
         self.has_equal_macro_steps()
-            && self.route.grid.length == length
+            && self.propagation.grid.length == length
             && self.oscillator.has_series_for(length)
     }
 

@@ -74,8 +74,7 @@ impl Simulate for EventDrivenSimulation {
         &self.timeline
     }
 
-    /// A path is given up if it makes all the evaluations that it may, or if a value is not a
-    /// number.
+    /// A path is given up if it exceeds its number of evaluations, or if a value is NaN.
     fn simulate_counting(
         &self,
         seed: u64,
@@ -119,14 +118,14 @@ impl Simulate for EventDrivenSimulation {
         match &mut self.chosen {
             Chosen::Noiseless(cascade) => cascade.work_limit = limit,
             Chosen::General(cascade) => cascade.work_limit = limit,
-            Chosen::Noisy(cascade) => cascade.route.work_limit = limit,
+            Chosen::Noisy(cascade) => cascade.propagation.work_limit = limit,
         }
         self
     }
 
-    fn looked_at_closer(mut self, closeness: usize) -> Self {
+    fn with_additional_rows(mut self, row_stride: usize) -> Self {
         if let Chosen::Noisy(cascade) = &mut self.chosen {
-            cascade.route.closeness = closeness;
+            cascade.propagation.row_stride = row_stride;
         }
         self
     }

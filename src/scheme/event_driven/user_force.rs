@@ -1,4 +1,4 @@
-//! A force g(x, x', t) of the user's own, with the instructions that evaluate it, or none.
+//! A user-defined force g(x, x', t), with the instructions that evaluate it, or none.
 
 use crate::lanes::InstructionSet;
 use crate::model::{Force, Hold, Model, Sign};

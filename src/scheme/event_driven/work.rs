@@ -1,16 +1,15 @@
-//! A limit on the computing time of one path, and the place where every path looks whether it is
-//! still wanted.
+//! A limit on the computing time of one path, and the check whether it is still wanted.
 //!
-//! The number of steps of these schemes follows from the scene and cannot be read off a scenario.
-//! For example, an oscillator of 1e9 Hz that never comes to rest needs 1e15 steps for a million
+//! The number of steps of these schemes follows from the dynamics and is not known in advance. For
+//! example, an oscillator of 1e9 Hz that never comes to rest needs 1e15 steps for a million
 //! seconds. Every evaluation in a loop whose length depends on the scene (steps, intervals of a
 //! bisection, points of a root search, events) is counted here, so that the simulation of every
-//! path ends, and at once if the observer stops it.
+//! path ends, and immediately if the observer stops it.
 
 /// The number of evaluations that a path may still make.
 #[derive(Clone, Copy)]
 pub struct WorkLeft<'w> {
-    /// Until the next look whether the path is still wanted.
+    /// Evaluations until the next check whether the path is still wanted.
     left: u64,
     /// After it.
     later: u64,
@@ -32,8 +31,8 @@ pub struct Simulated {
 /// Why a path is given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unresolved {
-    /// It made all evaluations that it may.
-    #[error("it needs more force evaluations than a path is allowed (some seconds)")]
+    /// It exceeded its number of evaluations.
+    #[error("it needs more force evaluations than a path is allowed (a few seconds)")]
     TooLong,
     /// A value was not a finite number.
     #[error("the force is not finite, or the friction load is negative")]
@@ -46,7 +45,7 @@ pub enum Unresolved {
     Stopped,
 }
 
-/// What is computed of a path, unless it is given up.
+/// The result for a path, unless it is given up.
 pub type Resolved<T> = Result<T, Unresolved>;
 
 /// The number of evaluations that a path with noise may make. They take about ten seconds; the
@@ -64,7 +63,7 @@ pub const fn work_limit(cost: u64) -> u64 {
 }
 
 /// After this number of evaluations, a path checks whether it is still wanted. They take 0.1 to 10 ms.
-const LOOK: u64 = 1 << 10;
+const CHECK_EVERY: u64 = 1 << 10;
 
 impl WorkLeft<'static> {
     /// A limit of `limit` evaluations.
@@ -77,7 +76,7 @@ impl WorkLeft<'static> {
 impl<'w> WorkLeft<'w> {
     /// A limit of `limit` evaluations, and of those made until `is_stopped`.
     pub fn watched(limit: u64, is_stopped: &'w dyn Fn() -> bool) -> Self {
-        let left = limit.min(LOOK);
+        let left = limit.min(CHECK_EVERY);
         WorkLeft {
             left,
             later: limit - left,
@@ -85,7 +84,7 @@ impl<'w> WorkLeft<'w> {
         }
     }
 
-    /// The number of evaluations that are left.
+    /// The number of remaining evaluations.
     pub fn left(self) -> u64 {
         self.left + self.later
     }
@@ -98,14 +97,14 @@ impl<'w> WorkLeft<'w> {
                 self.left = left;
                 Ok(())
             }
-            None => self.look(),
+            None => self.check_wanted(),
         }
     }
 
-    /// Counts an evaluation where none is left until the next look.
+    /// Counts an evaluation when the next check is due.
     #[cold]
     #[inline(never)]
-    fn look(&mut self) -> Resolved<()> {
+    fn check_wanted(&mut self) -> Resolved<()> {
         let Some(later) = self.later.checked_sub(1) else {
             return Err(Unresolved::TooLong);
         };
@@ -138,9 +137,9 @@ mod tests {
         for (limit, spent, why) in [
             (0, 0, Unresolved::TooLong),
             (1, 1, Unresolved::TooLong),
-            (2 * LOOK, 2 * LOOK, Unresolved::TooLong),
+            (2 * CHECK_EVERY, 2 * CHECK_EVERY, Unresolved::TooLong),
             // The evaluation at which it looks counts as well.
-            (10 * LOOK, 3 * LOOK + 2, Unresolved::Stopped),
+            (10 * CHECK_EVERY, 3 * CHECK_EVERY + 2, Unresolved::Stopped),
         ] {
             looks.set(0);
             let mut work = WorkLeft::watched(limit, &look);

@@ -75,7 +75,7 @@ impl From<Vec<f64>> for AxisValues {
     }
 }
 
-/// Writes the values with commas between them.
+/// Writes the values, separated by commas.
 impl fmt::Display for AxisValues {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let values = (0..self.len()).map(|i| self.at(i).to_string());
@@ -102,8 +102,7 @@ impl fmt::Display for AxisValue {
     }
 }
 
-/// The table that a key names the file of, such as `input.ag` for `input.ag.file`; `None` for a key
-/// that does not hold the file of measured values.
+/// The table whose file a key names, such as `input.ag` for `input.ag.file`; `None` for other keys.
 pub fn table_of_file(key: &str) -> Option<&str> {
     let table = key.strip_suffix(".file")?;
     (table == TEMPERATURE_SERIES || table.starts_with(INPUT)).then_some(table)
@@ -147,9 +146,9 @@ impl fmt::Display for AxisError {
     }
 }
 
-/// The forms that values may have.
+/// The permitted forms of values.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
-const FILES: &str = "write the names of files with commas between them, such as a.at2,b.at2";
+const FILES: &str = "write file names separated by commas, such as a.at2,b.at2";
 
 impl SweepAxis {
     /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),

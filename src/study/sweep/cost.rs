@@ -14,8 +14,8 @@ const MAX_TIMING: Duration = Duration::from_secs(3);
 /// Estimating the bias of the step costs up to this share of a run in addition.
 const BIAS_SHARE: f64 = 0.125;
 
-/// Rough number of wall-clock seconds that a sweep takes on this number of threads of an idle machine;
-/// `None` if no path came far enough for an estimate.
+/// Rough number of wall-clock seconds that a sweep takes on this number of threads of an idle
+/// machine; `None` if no path progressed far enough for an estimate.
 pub fn estimated_seconds(question: &SweepQuestion, threads: usize) -> Option<f64> {
     let points = &question.points;
     let timed = TIMED.min(points.len());

@@ -39,10 +39,10 @@ impl Setting {
     }
 }
 
-/// Why axes cannot be combined to a design.
+/// Why axes cannot be combined into a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// Two dimensions have the same name, or one has a name that the file uses itself.
+    /// Two dimensions have the same name, or one has a reserved name.
     #[error(
         "a dimension cannot be called `{0}`: the name is reserved, or used by another dimension"
     )]
@@ -50,7 +50,7 @@ pub enum DesignError {
     /// A key is varied twice.
     #[error("`{0}` is varied twice")]
     Key(String),
-    /// Axes that are to be zipped have different numbers of values.
+    /// Zipped axes have different numbers of values.
     #[error("`{0}` has {1} values and `{2}` has {3}, but zipped keys need equal numbers")]
     Lengths(String, usize, String, usize),
     /// There are more than [`MOST_POINTS`] points.
@@ -64,7 +64,7 @@ pub enum StarError {
     /// The scenario has no number at this key.
     #[error("the scenario has no number for it")]
     NoNumber,
-    /// The value is 0, so a relative change leaves it as it is.
+    /// The value is 0, so a relative change does not change it.
     #[error("it is 0, so it has no relative change")]
     Zero,
     /// The key is named twice.
@@ -72,7 +72,7 @@ pub enum StarError {
     Twice,
 }
 
-/// Names that the file of a sweep uses itself, which no axis may have.
+/// Reserved names of the file of a sweep, which no axis may have.
 pub const RESERVED: [&str; 41] = [
     "cycle_number",
     "section_state",
@@ -187,7 +187,7 @@ impl Design {
         }
     }
 
-    /// What a user may call an axis by: its name and its key, or the keys of a star.
+    /// The names that a user may use for an axis: its name and its key, or the keys of a star.
     pub fn names(&self) -> Vec<&str> {
         match self {
             Design::Star { keys, .. } => keys.iter().map(|(key, _)| key.as_str()).collect(),

@@ -34,7 +34,7 @@ use crate::stats::Statistic;
 /// Whether all points use the same noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seeds {
-    /// Path n sees the same noise at every point, from the seed of the scenario.
+    /// Path n has the same noise at every point, from the seed of the scenario.
     Common,
     /// Point i uses the seed of the scenario plus i.
     Independent,
@@ -50,7 +50,7 @@ impl Seeds {
     }
 }
 
-/// A sweep as it was asked for.
+/// The definition of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepQuestion {
     /// The scenario that is varied.
@@ -138,7 +138,7 @@ impl SweepQuestion {
 /// A sweep with the results so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What was asked.
+    /// The question.
     pub question: SweepQuestion,
     /// The results in the order of the design; `None` for a point that is not done.
     pub points: Vec<Option<Point>>,

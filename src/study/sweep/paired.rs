@@ -1,9 +1,9 @@
 //! Numbers that compare two or three points: differences of neighbours and elasticities. Their
 //! errors follow from comparing the points path by path.
 //!
-//! With common seeds, path n of one point and path n of the next see the same noise. Much of their
-//! scatter is then the same, and cancels in a difference. The remaining error is found by leaving
-//! out a group of paths at all points together ([`crate::stats::Groups`]). The variance that
+//! With common seeds, path n of one point and path n of the next have the same noise. Much of their
+//! scatter is then common and cancels in a difference. The remaining error is found by leaving out
+//! a group of paths at all points together ([`crate::stats::Groups`]). The variance that
 //! independent seeds would give, divided by the variance found in this way, is the gain.
 
 use super::Point;

@@ -1,4 +1,4 @@
-//! What is kept of a point of a sweep.
+//! The stored results of a point of a sweep.
 
 use crate::stats::{Estimate, GroupValues, LimitCycle, Statistic};
 
@@ -14,7 +14,7 @@ pub struct Point {
     pub diverged_paths: u64,
     /// CPU seconds that the point took.
     pub seconds: f64,
-    /// What the path does in the end, where nothing is random.
+    /// The long-term motion, if nothing is random.
     pub cycle: Option<LimitCycle>,
     /// For each group of paths, the values of all statistics without that group.
     pub without: Vec<GroupValues>,

@@ -42,7 +42,7 @@ pub enum SweepEnd<E> {
     /// The function that receives the finished points failed.
     #[error(transparent)]
     Receiver(E),
-    /// A block was delivered twice, which is a flaw of this program.
+    /// A block was delivered twice, which is a bug in this program.
     #[error("internal error: {0}")]
     Overlap(#[from] Overlap),
 }
@@ -138,7 +138,7 @@ struct PointSetup {
 
 impl PointSetup {
     fn of(scenario: &Scenario, has_events: bool) -> Self {
-        // The output grid is left out, because nothing of it is kept and no event depends on it.
+        // The output grid is omitted, because it is not stored and no event depends on it.
         let timeline = scenario.timeline().without_rows();
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
         let Ensemble {

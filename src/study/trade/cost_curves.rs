@@ -12,11 +12,11 @@ pub struct CostCurves {
     pub title: String,
     /// The seed of all paths.
     pub seed: u64,
-    /// The run that biases are measured against.
+    /// The reference run for biases.
     pub reference: String,
     /// The statistic whose error is meant.
     pub statistic: Statistic,
-    /// What was found of each scheme.
+    /// The results for each scheme.
     pub curves: Vec<CostCurve>,
 }
 
@@ -29,12 +29,12 @@ pub struct CostCurve {
     pub costs: Vec<[f64; 2]>,
     /// Pairs of a step and the relative bias there; none of a scheme without steps.
     pub biases: Vec<(f64, Number)>,
-    /// The order p of the bias C h^p, if it was seen.
+    /// The order p of the bias C h^p, if it was resolved.
     pub order: Option<Number>,
 }
 
 impl CostCurves {
-    /// What a trade of this scenario has measured, and predicts for each of [`TARGETS`].
+    /// The measurements of a trade of this scenario, and its predictions for each of [`TARGETS`].
     pub fn of(trade: &Trade, statistic: Statistic, scenario: &Scenario) -> Self {
         let cost = |scheme: Kind, target: f64| {
             Some([

@@ -5,7 +5,7 @@ use crate::scheme::CheckError;
 /// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
-    /// A scheme does not go with the scenario.
+    /// A scheme is inconsistent with the scenario.
     #[error(transparent)]
     CheckError(#[from] CheckError),
     /// The duration of the scenario, `time.end`, is 0.
@@ -13,7 +13,7 @@ pub enum TradeError {
     NothingHappens,
     /// Not even the reference fits into the budget.
     #[error(
-        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
+        "an event-driven path takes about {path_seconds:.3} s of CPU time, so {least} paths do not fit into the budget"
     )]
     BudgetTooSmall {
         /// CPU seconds of a path.

@@ -16,7 +16,7 @@ pub struct Change {
 pub struct Law {
     /// The order p with its error.
     pub order: Number,
-    /// The coarsest step that the law was fitted to.
+    /// The coarsest step to which the law was fitted.
     pub coarsest: f64,
     /// (p, C, standard error of C) for every p within the error of the order.
     within_error: Vec<[f64; 3]>,
@@ -26,8 +26,8 @@ pub struct Law {
 
 /// Relative error of the power law itself, added to the error of each observation.
 const REMAINDER: f64 = 0.05;
-/// Chi-square per degree of freedom above which the law does not fit: either the coarse steps do
-/// not follow it yet, or no power law holds.
+/// Chi-square per degree of freedom above which the law does not fit: either coarse steps do not
+/// follow it yet, or no power law holds.
 const MISFIT: f64 = 3.0;
 /// The orders that are tried: p = 0.01 i.
 const ORDERS: std::ops::RangeInclusive<i32> = 10..=300;
@@ -75,7 +75,7 @@ impl Law {
         if !(least <= MISFIT * freedom && is_inside && is_resolved) {
             return None;
         }
-        // If the fit is worse than chance explains, the errors are increased accordingly.
+        // If the fit is worse than expected by chance, the errors are increased accordingly.
         let inflation = (least / freedom).max(1.0);
         let within_error: Vec<_> = fits
             .iter()

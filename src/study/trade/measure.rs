@@ -30,13 +30,13 @@ const APART: u64 = 1 << 40;
 /// Limits of a measurement, and a function that is informed about its progress.
 #[derive(Clone, Copy, Default)]
 pub struct Limits<'a> {
-    /// CPU time of each thread, for a machine that turns out slower than its pilot. Whatever is not
-    /// done by then is cut short.
+    /// CPU time of each thread, for a machine that turns out slower than in the pilot. Anything
+    /// unfinished by then is cut short.
     pub time: Option<Duration>,
-    /// When raised, the pieces in work are the last. What has begun is cut short, and what has not
-    /// begun is left out.
+    /// When raised, the pieces in progress are the last. Measurements in progress are cut short,
+    /// and further ones are left out.
     pub stop: Option<&'a AtomicBool>,
-    /// Called with the name of what is measured next.
+    /// Called with the name of the next measurement.
     pub begins: Option<&'a (dyn Fn(&str) + Sync)>,
 }
 
@@ -209,7 +209,7 @@ fn free_until_stopped(
     Ok(settings)
 }
 
-/// How antithetic pairs change the variance, from this run in pairs if they are not asked for.
+/// The effect of antithetic pairs on the variance, from this run in pairs if the scenario has none.
 fn pairing_of(
     scenario: &Scenario,
     reference: &TradeSetting,
@@ -237,7 +237,7 @@ fn pairing_of(
 /// Seconds for timing a setting after the caller has asked to stop.
 const BRIEF: f64 = 0.1;
 
-/// When no further paths are begun.
+/// The time after which no further paths are begun.
 #[derive(Clone, Copy)]
 struct MeasureUntil<'a> {
     threads: usize,

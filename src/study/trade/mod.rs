@@ -1,5 +1,5 @@
-//! What accuracy costs: every scheme is measured over a grid of settings, and the cheapest run
-//! for a target is predicted.
+//! The cost of accuracy: every scheme is measured over a grid of settings, and the cheapest run for
+//! a target is predicted.
 //!
 //! ```text
 //! SettingGrid::of        which settings a scenario can be run with: steps, tolerances
@@ -75,10 +75,10 @@ const ONE_SIDED: f64 = 1.645;
 pub struct Trade {
     /// The settings, scheme by scheme, from coarse to fine.
     pub settings: Vec<TradeSetting>,
-    /// The index of the reference setting, the event-driven run with the tightest tolerance, which
-    /// every bias is measured against.
+    /// The index of the reference setting, the event-driven run with the tightest tolerance,
+    /// against which every bias is measured.
     pub reference: usize,
-    /// What was not run, with the reasons.
+    /// The schemes and settings that were not run, with the reasons.
     pub left_out: Vec<LeftOut>,
     /// Whether paths are antithetic pairs, or how pairs would change the variance.
     pub pairing: Pairing,
@@ -90,8 +90,8 @@ pub struct Trade {
 }
 
 impl Trade {
-    /// The trade of a scenario whose settings were measured. Fails if the scheme of the reference does
-    /// not go with the scenario.
+    /// The trade of a scenario whose settings were measured. Fails if the scheme of the reference
+    /// is inconsistent with the scenario.
     pub fn of_rungs(
         scenario: &Scenario,
         settings: Vec<TradeSetting>,
@@ -113,7 +113,7 @@ impl Trade {
         })
     }
 
-    /// The setting that every bias is measured against.
+    /// The setting against which every bias is measured.
     pub fn reference(&self) -> &TradeSetting {
         &self.settings[self.reference]
     }
@@ -142,7 +142,7 @@ impl Trade {
         }
     }
 
-    /// The law by which the bias of a scheme falls with its step; `None` if it cannot be seen, or
+    /// The law by which the bias of a scheme falls with its step; `None` if it is not resolved, or
     /// for a scheme without steps.
     pub fn law(&self, scheme: Kind, statistic: Statistic) -> Option<Law> {
         let settings: Vec<&TradeSetting> = self.rungs_of(scheme).collect();

@@ -1,6 +1,6 @@
-//! How antithetic pairs change the variance in a scenario.
+//! The effect of antithetic pairs on the variance in a scenario.
 //!
-//! Paths 2k and 2k + 1 see the noise and its mirror image. The factor by which this reduces or
+//! Paths 2k and 2k + 1 have the noise and its mirror image. The factor by which this reduces or
 //! increases the variance of an estimate depends on the scenario and the statistic, but hardly on
 //! the scheme. It is therefore measured once, with the scheme of the reference, and used for all
 //! schemes.
@@ -8,10 +8,10 @@
 use super::TradeSetting;
 use crate::stats::Statistic;
 
-/// Whether paths are simulated in antithetic pairs, and what is known about such pairs.
+/// Whether paths are simulated in antithetic pairs, or the measured effect of pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pairing {
-    /// The scenario asks for pairs, and everything was measured with them.
+    /// The scenario has pairs, and everything was measured with them.
     Asked,
     /// Everything was measured with independent paths, and pairs were measured in addition. For
     /// each of `Statistic::ALL`, this is the variance of an estimate from pairs divided by that

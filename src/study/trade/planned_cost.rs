@@ -1,4 +1,4 @@
-//! How many steps of the grid and how many paths of each scheme fit into a budget of time.
+//! The number of steps of the grid and of paths of each scheme that fit into a budget of time.
 
 use super::setting::GROUPS;
 use super::settings::is_exact;
@@ -46,8 +46,8 @@ const FED: f64 = 0.7;
 impl PlannedCost {
     /// The planned cost that fits into `budget` of CPU time on each of `threads` threads. Numbers
     /// of paths are powers of two times a constant, so that small differences of speed do not
-    /// change them. What does not fit is removed from the grid, with the reason. Fails if not even
-    /// the reference fits.
+    /// change them. Settings that do not fit are removed from the grid, with the reason. Fails if
+    /// not even the reference fits.
     pub fn within(
         scenario: &Scenario,
         grid: &mut SettingGrid,

@@ -50,7 +50,7 @@ pub enum Refusal {
         statistic: Statistic,
         /// The smallest bound of its bias, relative to its scale.
         least: f64,
-        /// Whether that bound is the error of the measurement rather than a bias that was seen.
+        /// Whether that bound is the error of the measurement rather than a resolved bias.
         is_unresolved: bool,
     },
 }
@@ -111,8 +111,8 @@ impl Trade {
     /// If antithetic pairs were measured in addition to independent paths, they are chosen if they
     /// make the run at least a fifth cheaper.
     ///
-    /// A bias counts with its upper bound at one-sided 95 %, so that a bias which was not resolved
-    /// counts with the largest value that it may have.
+    /// A bias counts with its upper bound at one-sided 95 %, so that an unresolved bias counts with
+    /// its largest possible value.
     pub fn best(
         &self,
         scheme: Option<Kind>,
@@ -257,9 +257,9 @@ impl Trade {
         candidates
     }
 
-    /// An upper bound of the bias of a measured setting. It comes from the distance to the reference,
-    /// or from the law if that is known better. For a scheme with a tolerance it is the tolerance,
-    /// unless the distance shows a larger bias.
+    /// An upper bound of the bias of a measured setting. It comes from the distance to the
+    /// reference, or from the law if that is more precise. For a scheme with a tolerance it is the
+    /// tolerance, unless the distance shows a larger bias.
     fn bound(&self, setting: &TradeSetting, statistic: Statistic, law: Option<&Law>) -> BiasBound {
         let measured = self.bias(setting, statistic);
         match (setting.scheme.discretisation(), setting.scheme.step(), law) {

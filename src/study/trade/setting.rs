@@ -1,4 +1,4 @@
-//! What is measured of one scheme with one step or tolerance.
+//! The measurement of a scheme with one step or tolerance.
 
 use super::Number;
 use crate::scheme::Scheme;
@@ -24,8 +24,8 @@ impl Cost {
         each: f64::NAN,
     };
 
-    /// Cost of a run of this number of paths. Where paths are simulated side by side, one path
-    /// costs as much as a full vector register.
+    /// Cost of a run of this number of paths. If paths are simulated in lanes, one path costs as
+    /// much as a full vector register.
     pub fn of(&self, paths: f64) -> f64 {
         self.first.max(paths * self.each)
     }

@@ -20,14 +20,14 @@ pub struct SettingGrid {
     pub steps: Vec<f64>,
     /// Schemes without a step, each from its loosest to its tightest tolerance.
     pub free: Vec<Scheme>,
-    /// What the scenario rules out.
+    /// Settings excluded by the scenario.
     pub left_out: Vec<LeftOut>,
 }
 
 /// Something that is not measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// What it is.
+    /// Its name.
     pub what: String,
     /// The reason, in words.
     pub why: String,
@@ -100,7 +100,7 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
     Err(format!("no suitable step: {why}"))
 }
 
-/// A length of which both the end and the output step are whole multiples, if there is one.
+/// A time of which both the end and the output step are whole multiples, if there is one.
 fn grid(scenario: &Scenario) -> f64 {
     let time = &scenario.time;
     match scenario.scheme.step() {
@@ -119,7 +119,7 @@ fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Whether a warning means that a scheme is not worth running at its step, and that a smaller step
+/// Whether a warning means that a scheme should not be run at its step, and that a smaller step
 /// would help. Warnings of bias are not among these, because the bias is measured.
 fn is_against_step(warning: &Warning) -> bool {
     matches!(warning.class(), Class::Growth | Class::LongStep)

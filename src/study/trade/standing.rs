@@ -1,20 +1,20 @@
-//! What the relative error of a statistic refers to, and which statistics have none.
+//! The reference value of relative errors of a statistic, and the statistics without one.
 
 use super::{Number, Trade};
 use crate::stats::Statistic;
 use std::fmt;
 
-/// What the relative error of a statistic refers to, or why it has none.
+/// The reference value of relative errors of a statistic, or why there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
-    /// Errors are relative to the absolute value of the statistic, which this is.
+    /// Errors are relative to this, the absolute value of the statistic.
     Value(f64),
-    /// The value is zero within its error, so errors are relative to the standard deviation per
-    /// path, which this is.
+    /// The value is zero within its error, so errors are relative to this, the standard deviation
+    /// per path.
     Deviation(f64),
     /// The value is exactly zero.
     Zero,
-    /// f_s and f_d are (nearly) equal under noise, so the value is a property of the step or the
+    /// f_s and f_d are (nearly) equal under noise, so the value depends on the step or the
     /// resolution.
     NoLimit,
     /// The reference has no value.
@@ -22,7 +22,7 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// The number that errors are relative to, if there is one.
+    /// The reference value, if there is one.
     pub fn scale(self) -> Option<f64> {
         match self {
             Standing::Value(scale) | Standing::Deviation(scale) => Some(scale),
@@ -31,7 +31,7 @@ impl Standing {
     }
 }
 
-/// The text that a table shows in place of numbers, or beside them.
+/// The text in a table instead of numbers, or next to them.
 impl fmt::Display for Standing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -50,7 +50,7 @@ impl fmt::Display for Standing {
 const ZERO_WITHIN: f64 = 3.0;
 
 impl Trade {
-    /// What the relative error of a statistic refers to in this scenario.
+    /// The reference value of relative errors of a statistic in this scenario.
     pub fn standing(&self, statistic: Statistic) -> Standing {
         let reference = self.reference();
         let Number { value, error } = reference.estimate(statistic);

@@ -1,38 +1,38 @@
-//! The temperature that a synthetic record is made from.
+//! The air temperature of a synthetic record.
 
 use super::roughness::shown_roughness;
 use stickslip::model::Temperature;
 use stickslip::noise::{Stream, Transition};
 
-/// The temperature of the air: known at some times, of which the thermometer shows some, and rough
-/// between them.
+/// The air temperature: known at some times, of which the thermometer shows some, and rough between
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
     /// Times, in seconds.
     pub times: Vec<f64>,
     /// Temperatures, in kelvin or degrees Celsius.
     pub temperatures: Vec<f64>,
-    /// The thermometer shows every so-many-th of them, from the first on.
+    /// The thermometer shows one in this many of them, starting with the first.
     pub stride: usize,
-    /// The variance that the temperature gains between these times, in K^2/s. It is 0 for straight
-    /// lines.
+    /// The variance that the temperature gains between these times, in K^2/s; 0 for linear
+    /// interpolation.
     pub roughness: f64,
 }
 
 /// The longest time between temperatures that are drawn exactly, in seconds.
 const LONGEST: f64 = 600.0;
 
-/// The same as a share of the shortest memory of the noise. Within so short a time, an
-/// Ornstein-Uhlenbeck process is a Brownian motion to a percent.
+/// The same as a fraction of the shortest correlation time of the noise. Within this time, an
+/// Ornstein-Uhlenbeck process is a Brownian motion to within a percent.
 const SHARE: f64 = 0.1;
 
-/// The most temperatures that are drawn.
+/// The maximum number of temperatures drawn.
 const MOST: usize = 30_000_000;
 
 impl Air {
     /// The temperature that a scenario describes, for `count` samples `every` seconds apart: the
-    /// harmonics plus one path of the noise, which is stationary from the first sample on. Between
-    /// samples it moves as the noise does.
+    /// harmonics plus one path of the noise, stationary from the first sample on. Between samples
+    /// it varies like the noise.
     pub fn drawn(temperature: &Temperature, count: usize, every: f64, seed: u64) -> Self {
         let fastest = temperature
             .effective_noises()
@@ -69,7 +69,7 @@ impl Air {
         }
     }
 
-    /// A measured temperature, which moves between samples as it moves from one to the next.
+    /// A measured temperature, which varies between samples as it does from one to the next.
     pub fn measured(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         let roughness = shown_roughness(&times, &temperatures);
         Air {
@@ -80,7 +80,7 @@ impl Air {
         }
     }
 
-    /// A temperature that moves in straight lines from one sample to the next.
+    /// A temperature interpolated linearly from one sample to the next.
     pub fn straight(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         Air {
             times,

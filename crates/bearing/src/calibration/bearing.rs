@@ -1,9 +1,9 @@
-//! What a record of its displacement can determine of a bearing.
+//! The properties of a bearing that a record of its displacement can determine.
 
 use super::motion::Motion;
 use stickslip::scenario::BridgeScene;
 
-/// How the sensor sees the body: z = offset + moving xi + still T, with xi = x/beta.
+/// The reading of the sensor: z = offset + moving xi + still T, with xi = x/beta.
 ///
 /// With kappa = K/K_BP, `moving` is (1 - kappa) beta and `still` is kappa beta, because the bearing
 /// is sheared by F/K_BP = kappa (beta T - x) while friction holds the body. The sum of squares of a
@@ -12,16 +12,15 @@ use stickslip::scenario::BridgeScene;
 pub struct Sensor {
     /// z0, in the unit of displacement.
     pub offset: f64,
-    /// (1 - kappa) beta, in the unit of displacement per kelvin: how much of a slip the sensor
-    /// sees.
+    /// (1 - kappa) beta, in the unit of displacement per kelvin: the change of z with xi in a slip.
     pub moving: f64,
-    /// kappa beta, in the unit of displacement per kelvin: how z follows T while friction holds the
-    /// body.
+    /// kappa beta, in the unit of displacement per kelvin: the change of z with T while the body
+    /// sticks.
     pub still: f64,
 }
 
 impl Sensor {
-    /// The sensor at a bearing of this beta, of which shearing shows the share `kappa`.
+    /// The sensor at a bearing with this beta and kappa.
     pub fn sheared(offset: f64, dilatation: f64, kappa: f64) -> Self {
         Sensor {
             offset,
@@ -42,7 +41,8 @@ impl Sensor {
     }
 }
 
-/// What a record can determine of a bearing: its motion, and how the sensor sees it.
+/// The response of a bearing, as far as a record determines it: its motion, and the reading of the
+/// sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
     /// A, G and xi(0).
@@ -53,7 +53,7 @@ pub struct Response {
 
 impl Response {
     /// The response of the bearing of a scenario. `temperature` is the one at the start: if the
-    /// scenario gives no x(0), the body begins where no spring force acts. Without K_BP the bearing is
+    /// scenario gives no x(0), the body starts at zero spring force. Without K_BP the bearing is
     /// not sheared.
     pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
         let BridgeScene {

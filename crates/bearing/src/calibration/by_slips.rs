@@ -19,26 +19,26 @@ pub struct BySlips {
     /// The standard deviation of each quantity.
     pub deviations: Values,
     pub slips: DetectedSlips,
-    /// What the slips show beyond the estimates.
+    /// Further statistics of the slips.
     pub statistics: SlipStatistics,
     /// Whether the thermometer is slower than the steel.
     pub is_thermometer_slow: bool,
 }
 
-/// Twice the logarithm of the likelihood that a change of friction over time has to gain. Neighbouring
-/// values have errors in common, so chance gains more than it would if they were independent.
+/// Threshold of twice the log-likelihood ratio for a change of friction over time. Neighbouring
+/// values have correlated errors, so random gains are larger than for independent ones.
 const CONVINCING: f64 = 25.0;
 
-/// A smaller change of A than this share of it does no harm.
+/// A relative change of A below this is harmless.
 const HARMLESS: f64 = 0.05;
 
 impl BySlips {
-    /// Estimate all quantities from the slips, with some of them held. `None` if no slips determine
-    /// them.
+    /// Estimate all quantities from the slips, with some of them fixed. `None` if the slips do not
+    /// determine them.
     ///
     /// # Errors
     ///
-    /// If the jumps are not those of a bearing, or do not determine one.
+    /// If the jumps are not the slips of a bearing, or do not determine its parameters.
     pub fn new(
         steel: &mut Steel,
         question: &CalibrationQuestion,
@@ -122,7 +122,7 @@ impl BySlips {
         }
     }
 
-    /// The smallest and the largest A over the record, as shares of its mean, if it changes.
+    /// The smallest and the largest A over the record, relative to its mean, if it changes.
     pub fn friction_range(&self) -> Option<[f64; 2]> {
         let SlipStatistics { gain, range, .. } = self.statistics;
         let is_convincing = gain > CONVINCING && range[1] - range[0] > HARMLESS;

@@ -20,7 +20,7 @@ use stickslip_data::resolution;
 /// # Errors
 ///
 /// If the record is too short, has an absurdly large number or a constant column. If no slips are
-/// visible and only the method by slips is asked for. If no bearing can have what was found.
+/// visible and only the method by slips is requested. If the estimates are unphysical.
 pub fn calibrate(
     record: &MeasuredRecord,
     question: &CalibrationQuestion,
@@ -31,11 +31,11 @@ pub fn calibrate(
     fit(upright(record.clone()), question, threads, stop)
 }
 
-/// Repeat a calibration with the record that it was made from. The result is the same, bit for bit.
+/// Repeat a calibration with its record. The result is identical, bit for bit.
 ///
 /// # Errors
 ///
-/// As for [`calibrate`]. A calibration that [`calibrate`] has made gives none.
+/// As for [`calibrate`]. Repeating a result of [`calibrate`] does not fail.
 pub fn calibrate_again(
     calibration: &Calibration,
     threads: usize,
@@ -51,8 +51,8 @@ pub fn calibrate_again(
     fit((record.clone(), *is_mirrored), question, threads, stop)
 }
 
-/// Estimate by the slips and by the least squares, as the question asks, from a record whose
-/// displacements grow with temperature, and whether their sign was changed for that.
+/// Estimate from the slips and by least squares, as requested, from a record whose displacements
+/// grow with temperature, given whether their sign was changed.
 fn fit(
     (record, is_mirrored): (MeasuredRecord, bool),
     question: &CalibrationQuestion,
@@ -100,7 +100,8 @@ fn fit(
     Ok(calibration)
 }
 
-/// The box of the least squares: around the response by slips, or around a guess if there is none.
+/// The box of the least-squares search: around the response by slips, or around a guess if there is
+/// none.
 fn search(by_slips: Option<&BySlips>, question: &CalibrationQuestion) -> Search {
     match by_slips {
         Some(BySlips {

@@ -1,5 +1,5 @@
-//! A first search for slips: jumps of z that the temperature does not explain. It needs no
-//! knowledge of the bearing.
+//! A first search for slips: jumps of z that the temperature does not explain. It does not use the
+//! parameters of the bearing.
 
 use super::samples::{HOUR, Samples, median, spread};
 
@@ -12,14 +12,14 @@ pub struct Jump {
     pub size: f64,
 }
 
-/// The jumps that were found.
+/// The detected jumps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jumps {
     /// The jumps in order of time.
     pub jumps: Vec<Jump>,
     /// Number of samples on each side over which means are taken.
     pub window: usize,
-    /// The size of a usual jump divided by the standard deviation of the noise.
+    /// The size of a typical jump divided by the standard deviation of the noise.
     pub contrast: f64,
 }
 
@@ -43,11 +43,11 @@ const SIGNIFICANT: f64 = 4.5;
 /// jumps.
 const CLEAR: f64 = 8.0;
 
-/// A jump must have at least this share of the usual size.
+/// A jump must have at least this fraction of the typical size.
 const SHARE: f64 = 0.35;
 
 /// Find the jumps of z - still T: the peaks of the difference between the means over a window on
-/// each side. The shortest window is used in which jumps clearly exceed the noise.
+/// each side. The window is the shortest in which jumps clearly exceed the noise.
 pub fn jumps(samples: &Samples, still: f64) -> Jumps {
     let rest: Vec<f64> = samples
         .readings

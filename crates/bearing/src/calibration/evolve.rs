@@ -1,13 +1,13 @@
-//! Global minimum of a rugged function of a few numbers, by differential evolution.
+//! Global minimum of a rugged function of a few variables, by differential evolution.
 //!
 //! Storn and Price, *Differential evolution*, Journal of Global Optimization 11 (1997), in the form
 //! current-to-best/1 with a random scale. If a function has many minima of nearly equal depth, a
 //! population stops in one of them. The search is then repeated in a smaller box around the best
-//! point found, until that finds nothing better.
+//! point found, until no better point is found.
 
 use stickslip::noise::Stream;
 
-/// Number of candidates for each number that is searched.
+/// Number of candidates per variable.
 const CANDIDATES: usize = 20;
 
 /// Largest number of generations of a population.
@@ -41,8 +41,8 @@ type Found<const N: usize> = ([f64; N], f64);
 /// `start` determines the random numbers.
 ///
 /// `leap` takes a point and a number from -1 to 1, and returns another point where the function may
-/// be as low. It is needed for minima that lie side by side, because mixing the points of one of
-/// them does not find the other.
+/// be equally low. It is needed for minima that lie side by side, because mixing the points of one
+/// of them does not find the other.
 pub fn lowest<const N: usize>(
     bounds: &Box<N>,
     start: u64,

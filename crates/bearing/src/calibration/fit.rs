@@ -29,12 +29,12 @@ impl DetectedSlips {
     /// - Between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
     ///   beta).
     /// - The middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)), a line whose slope
-    ///   is `moving`, plus what the zero of the sensor has moved (`zero.rs`).
+    ///   is `moving`, plus the movement of the zero of the sensor (`zero.rs`).
     /// - The height of a jump is moving G.
     /// - The temperature of the first slip differs from xi(0) by A. If that slip fell into a gap,
     ///   xi(0) follows from the level before it.
     ///
-    /// f_s may vary from slip to slip; the results are then right for its mean.
+    /// f_s may vary from slip to slip; the results then apply to its mean.
     pub fn fit(&self) -> Option<(Response, Zero)> {
         let still = self.still();
         let MiddleLine {
@@ -62,8 +62,8 @@ impl DetectedSlips {
         (reach.is_finite() && jump.is_finite()).then_some((fit, zero))
     }
 
-    /// The noise of the sensor: white from reading to reading, and red as its growth during sticks
-    /// and the distances of the middles of jumps from their line show it.
+    /// The noise of the sensor: white from differences of readings, and red from its growth during
+    /// sticks and from the distances of the middles of jumps from their line.
     pub fn noise(&self, response: &Response, zero: &Zero) -> SensorNoise {
         let Response { motion, sensor } = response;
         let kinetic = motion.kinetic_reach();
@@ -74,8 +74,8 @@ impl DetectedSlips {
             slip.middle(sensor.still) - line
         };
         let all = spread(&self.usual().map(off).collect::<Vec<_>>());
-        // A part of these distances is the error of the temperatures of slips, of which a reversal
-        // has two.
+        // Part of these distances is due to errors of the temperatures of slips, two for each
+        // reversal.
         let changes: Vec<f64> = self
             .reversals
             .iter()
@@ -96,7 +96,7 @@ impl DetectedSlips {
     pub fn excess_scatter(&self) -> f64 {
         let mut sizes = self.sizes();
         let middle = median(&mut sizes.clone());
-        // Two slips between two samples look like one of twice the size, and are left out.
+        // Two slips between two samples look like one of twice the size; they are left out.
         sizes.retain(|size| *size < 1.5 * middle);
         let noise = self.contrast.recip();
         ((spread(&sizes) / middle).powi(2) - noise * noise)
@@ -104,7 +104,7 @@ impl DetectedSlips {
             .sqrt()
     }
 
-    /// The share of the motion that the visible slips explain while the body moves on in one
+    /// The share of the motion explained by visible slips while the body continues in one
     /// direction. It is 1 if all slips are seen, because the next one comes after T has changed by
     /// G. If the body slides without jumps, only part of its motion appears as slips.
     pub fn explained(&self, response: &Response) -> f64 {

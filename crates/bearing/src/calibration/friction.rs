@@ -1,40 +1,40 @@
-//! What slips say beyond the one bearing with constant friction under the measured temperature that
-//! the estimates assume: friction that changes over the record, and slips that begin at other
-//! temperatures than the measured one explains.
+//! Deviations from the assumptions of the estimates: friction that changes over the record, and
+//! slips at temperatures that the measured one does not explain.
 
 use super::bearing::Response;
 use super::slips::{DetectedSlips, Reversal};
 use super::zero::Zero;
 use crate::linear::Normal;
 
-/// What slips show beyond the estimates.
+/// Further statistics of slips.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlipStatistics {
-    /// Twice the logarithm of the likelihood that a change of friction over time gains.
+    /// Twice the log-likelihood ratio of a change of friction over time.
     pub gain: f64,
-    /// The smallest and the largest A over the record, as shares of its mean, if it changes so.
+    /// The smallest and the largest A over the record relative to its mean, if it changes in this
+    /// way.
     pub range: [f64; 2],
     /// The standard deviation of half of the changes of temperature between slips to either side, in
     /// kelvin.
     pub scatter: f64,
-    /// The share of slips that came although no sample goes beyond the farthest one before.
+    /// The share of slips although no sample exceeds the previous extreme.
     pub early: f64,
     /// The standard deviation of the red noise of the sensor.
     pub red: f64,
-    /// Twice the logarithm of the likelihood that the movements of the zero gain.
+    /// Twice the log-likelihood ratio of the movements of the zero.
     pub zero_gain: f64,
 }
 
 /// A parabola over time, by least squares.
 struct Parabola {
     coefficients: Vec<f64>,
-    /// Twice the logarithm of the likelihood that it gains over a constant.
+    /// Twice the log-likelihood ratio to a constant.
     gain: f64,
     /// The root mean square of the residuals.
     rest: f64,
 }
 
-/// The fewest values that determine a change.
+/// The minimum number of values that determine a change.
 const FEWEST: usize = 10;
 
 impl Parabola {
@@ -72,7 +72,7 @@ impl Parabola {
 }
 
 impl DetectedSlips {
-    /// What these slips show beyond the estimates of this response.
+    /// Further statistics of these slips, given this response.
     pub fn statistics(&self, response: &Response, zero: &Zero) -> SlipStatistics {
         let Response { motion, sensor } = response;
         let [begin, end] =
@@ -82,7 +82,7 @@ impl DetectedSlips {
             .usual()
             .map(|slip| (place(slip.time), slip.size(sensor.still) / sensor.moving))
             .collect();
-        // A slip with a larger f_s than the one before it comes later, and is larger.
+        // A slip with a larger f_s than the previous one occurs later and is larger.
         let kinetic =
             |reversal: &Reversal| 0.5 * reversal.change - 0.25 * reversal.growth / sensor.moving;
         let changes: Vec<(f64, f64)> = self

@@ -6,7 +6,7 @@ use super::samples::{HOUR, MeasuredRecord};
 use super::slips::DetectedSlips;
 use super::sticks::{bins, sticks};
 
-/// A lag is accepted if twice the logarithm of the likelihood gains more than this.
+/// A lag is accepted if twice the log-likelihood ratio exceeds this.
 ///
 /// In synthetic records without a lag the gain is below 3, and below 10 with a thermometer that
 /// shows whole kelvins; a lag of five minutes gains 40.
@@ -19,14 +19,13 @@ const MINUTES: [f64; 19] = [
     1080.0, 1440.0, 2160.0, 2880.0,
 ];
 
-/// By how many minutes two clocks may differ: what they gain in a year, and what summer time or a
-/// time zone that was forgotten make.
+/// Differences of two clocks in minutes: drift within a year, summer time, or a wrong time zone.
 const CLOCKS: [f64; 28] = [
     -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0,
     -2.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
 ];
 
-/// The first of them that are tried.
+/// Those tried first.
 const FIRST: [f64; 6] = [-120.0, -60.0, -5.0, 5.0, 60.0, 120.0];
 
 /// The likelihood of the lag of steel behind the thermometer, from z during sticks.
@@ -34,18 +33,18 @@ const FIRST: [f64; 6] = [-120.0, -60.0, -5.0, 5.0, 60.0, 120.0];
 pub struct LagProfile {
     /// The most likely lag, in seconds.
     pub likeliest: f64,
-    /// Twice the logarithm of the likelihood at that lag, minus the same without a lag.
+    /// Twice the log-likelihood ratio of that lag to none.
     pub gain: f64,
-    /// By how many seconds the clock of the sensor is behind that of the thermometer, if that explains
-    /// the displacement far better than any lag does.
+    /// Seconds by which the clock of the sensor is behind that of the thermometer, if that explains
+    /// the displacement far better than any lag.
     pub clock: Option<f64>,
     /// Lags in seconds, and for each the deviance (minus twice the log-likelihood) above its
     /// minimum.
     pub profile: Vec<(f64, f64)>,
 }
 
-/// Minus twice the logarithm of the likelihood of other temperatures of a record, from bins of so
-/// many seconds of its sticks. The variance of the walk is that of the record.
+/// Minus twice the log-likelihood of other temperatures for a record, from bins of this many
+/// seconds of its sticks. The variance of the walk is that of the record.
 fn deviances(
     record: &MeasuredRecord,
     slips: &DetectedSlips,
@@ -60,8 +59,9 @@ fn deviances(
     }
 }
 
-/// Compute the profile of the lag, given the slips that were found with steel of the lag `found`: with
-/// another one, what the steel does would count as a walk of the sensor, which biases the lag.
+/// Compute the profile of the lag, given the slips that were found with steel of the lag `found`:
+/// with another one, the variation of the steel would count as a walk of the sensor, which would
+/// bias the lag.
 pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips, found: f64) -> LagProfile {
     let steel = record.lagged(found);
     let of = deviances(&steel, slips, slips.bin);
@@ -101,17 +101,17 @@ pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips, found: f64) -
 /// The time constants of a thermometer that is slower than the steel, in minutes.
 const SLOW: [f64; 9] = [2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0];
 
-/// Why the temperature of another time explains the displacement better.
+/// Why the temperature at another time explains the displacement better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
-    /// The clock of the sensor is behind that of the thermometer by so many seconds.
+    /// The clock of the sensor is behind that of the thermometer by this many seconds.
     Clock(f64),
     /// The thermometer is slower than the steel.
     SlowThermometer,
 }
 
-/// The offset that is likelier than this lag and than none. A lag smooths the temperature from sample to
-/// sample, and a clock does not, so each sample counts alone here.
+/// The offset that is more likely than this lag and than none. A lag smooths the temperature from
+/// sample to sample, and a clock does not, so samples are used individually here.
 pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Option<Offset> {
     let deviance = deviances(record, slips, 1.0);
     let best_of = |minutes: &[f64], other: fn(&MeasuredRecord, f64) -> MeasuredRecord| {
@@ -122,14 +122,14 @@ pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Optio
         all.min_by(|a, b| a.1.total_cmp(&b.1))
     };
     let none = deviance(record);
-    // Where no small step to either side is likelier, and no whole hour, nothing else is.
+    // If neither a small step to either side nor a whole hour is more likely, no other offset is.
     best_of(&FIRST, MeasuredRecord::shifted).filter(|(_, deviance)| *deviance < none)?;
     let (seconds, lowest) = best_of(&CLOCKS, MeasuredRecord::shifted)?;
     let other = none.min(deviance(&record.lagged(lag)));
     if other - lowest <= CONVINCING {
         return None;
     }
-    // The temperature of later times resembles that of a thermometer that follows the steel.
+    // The temperature at later times resembles that of a thermometer that lags behind the steel.
     let is_slow = seconds < 0.0
         && best_of(&SLOW, MeasuredRecord::sharpened).is_some_and(|(_, slow)| slow < lowest);
     Some(match is_slow {
@@ -138,8 +138,8 @@ pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Optio
     })
 }
 
-/// Whether two clocks that differ by so many seconds may have gone apart; otherwise somebody set one
-/// of them to another hour.
+/// Whether a difference of this many seconds may be drift of the clocks; otherwise one of them was
+/// set to another hour.
 pub fn is_small(seconds: f64) -> bool {
     seconds.abs() < HOUR
 }
@@ -151,7 +151,7 @@ impl LagProfile {
         (self.gain > CONVINCING && !self.is_beyond()).then_some(self.likeliest)
     }
 
-    /// Whether an even longer lag than is considered may be more likely.
+    /// Whether a lag longer than the longest considered may be more likely.
     pub fn is_beyond(&self) -> bool {
         self.gain > CONVINCING
             && self

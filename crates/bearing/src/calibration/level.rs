@@ -1,12 +1,12 @@
-//! How z follows T while friction holds the body, with noise that is partly white and partly red.
+//! The relation of z to T while the body sticks, with white and red noise.
 //!
 //! During a stick z = level + still T + noise. The level of each stick is free, because the size of
-//! slips is not known here. It also drifts, because a noise of the sensor with a memory of a day
+//! slips is not known here. It also drifts, because sensor noise with a correlation time of a day
 //! looks like a random walk over the hours that determine `still`. This is the local level model of
-//! Kalman filtering: a random walk observed with white noise, which starts anew after every slip
-//! and every gap. Its one parameter is the variance of the walk per unit of time over that of the
-//! white noise, and is fitted by maximum likelihood. The filter turns z and T into independent rows
-//! of a regression.
+//! Kalman filtering: a random walk observed with white noise, which restarts after every slip and
+//! every gap. Its one parameter is the variance of the walk per unit of time over that of the white
+//! noise; it is fitted by maximum likelihood. The filter turns z and T into independent rows of a
+//! regression.
 
 use super::lowest::golden_section_minimum;
 
@@ -61,7 +61,7 @@ impl LevelSums {
     }
 }
 
-/// An estimate of the level of a stick, for z and T alike, and its variance.
+/// An estimate of the level of a stick, of both z and T, and its variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     /// The level of the readings.
@@ -79,9 +79,9 @@ impl Level {
     }
 }
 
-/// The level at each bin, estimated from the bins of its stick up to it, and beside a bin that is
-/// not the first of its stick the row of the regression: T, z, and the variance of both in units of
-/// the white noise. If the bins run backwards in time, the levels are those of the later bins.
+/// The level at each bin, estimated from the bins of its stick up to it, and, for every bin except
+/// the first of a stick, the row of the regression: T, z, and the variance of both in units of the
+/// white noise. If the bins run backwards in time, the levels are estimated from the later bins.
 fn filtered(bins: &[Bin], walk: f64) -> impl Iterator<Item = (Level, Option<[f64; 3]>)> {
     let mut last: Option<(Level, f64)> = None;
     bins.iter().map(move |bin| {
@@ -138,7 +138,7 @@ pub fn sums(bins: &[Bin], walk: f64) -> LevelSums {
 /// Bounds of the variance that the walk gains in an hour, in units of the white noise.
 const WALKS: [f64; 2] = [1e-4, 1e5];
 
-/// The variance of the walk per second, in units of the white noise, of largest likelihood.
+/// The most likely variance of the walk per second, in units of the white noise.
 pub fn fitted_walk(bins: &[Bin]) -> f64 {
     let deviance = |log: f64| sums(bins, log.exp() / 3600.0).deviance();
     let [low, high] = WALKS.map(f64::ln);

@@ -1,6 +1,6 @@
 //! The quasi-static motion of the bearing in kelvin, sample by sample.
 //!
-//! The body is taken without mass, at x = beta xi. It rests while |T - xi| <= A. When T goes beyond
+//! The body has no mass and is at x = beta xi. It rests while |T - xi| <= A. When T goes beyond
 //! that, the body slips by G towards T:
 //!
 //! ```text
@@ -8,10 +8,10 @@
 //! G = 2 (f_s - f_d)/(K beta)   the size of one slip
 //! ```
 //!
-//! A slip takes a tenth of a second, and the temperature is taken to be linear from sample to
+//! A slip takes a tenth of a second, and the temperature is assumed to be linear from sample to
 //! sample. So from one sample to the next there are n = ceil((|T - xi| - A)/G) slips towards T,
 //! with T at the later sample. This is exact and has no discretisation error. With G = 0 the body
-//! is dragged along at the distance A, which is the play operator.
+//! is dragged along at the distance A (the play operator).
 
 /// The parameters of the motion: A, G and xi(0).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,8 +30,8 @@ impl Motion {
         self.reach - 0.5 * self.jump
     }
 
-    /// The same motion as it is followed from sample to sample, if a level has to be closer by so
-    /// many kelvin for samples to go beyond it as often as the temperature between them.
+    /// The same motion from sample to sample, where levels are closer by this many kelvin, so that
+    /// samples cross them as often as the temperature between them crosses the original ones.
     pub fn at_samples(&self, overlooked: f64) -> Motion {
         Motion {
             reach: (self.reach - overlooked).max(0.0),
@@ -39,7 +39,7 @@ impl Motion {
         }
     }
 
-    /// xi after the temperature has gone to this value without turning.
+    /// xi after the temperature has moved to this value without turning.
     #[inline(always)]
     pub fn next(&self, xi: f64, temperature: f64) -> f64 {
         let away = temperature - xi;

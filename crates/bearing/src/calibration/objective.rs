@@ -1,4 +1,4 @@
-//! A fast evaluation of the paper's least squares.
+//! A fast evaluation of the paper's least-squares criterion.
 //!
 //! err is the integral of (z_model - z)^2 over the measured time. z0 and the two slopes enter the
 //! model linearly, so for each A, G and xi(0) their best values follow from a regression on three
@@ -6,8 +6,8 @@
 //! and the next slip is found from the extremes of whole blocks of temperatures. The cost of an
 //! evaluation is therefore proportional to the number of slips and not to the number of samples.
 //!
-//! A body under a temperature that is rough between samples slips before a sample is beyond A. So A
-//! is compared with the samples less `overlooked` kelvin (`roughness.rs`).
+//! A body under a temperature that is rough between samples slips before a sample exceeds A. So the
+//! samples are compared with A minus `overlooked` kelvin (`roughness.rs`).
 
 use super::bearing::Sensor;
 use super::motion::Motion;
@@ -17,8 +17,8 @@ use crate::linear::Normal;
 /// Number of entries of one level that are combined to one entry of the next.
 const RADIX: usize = 16;
 
-/// Cumulative sums over the samples before a given one, each weighted with the time that it stands
-/// for.
+/// Cumulative sums over the samples before a given one, each weighted with the time that it
+/// represents.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct CumulativeSums {
     time: f64,
@@ -32,8 +32,8 @@ pub struct FitObjective {
     temperatures: Vec<f64>,
     overlooked: f64,
     before: Vec<CumulativeSums>,
-    /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on. Samples
-    /// themselves are looked at as they are: as pairs, a calibration takes a tenth longer.
+    /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on. Single
+    /// samples are not stored as pairs, which would make a calibration a tenth slower.
     extremes: Vec<Vec<[f64; 2]>>,
     /// The means of temperature and reading. All sums are of deviations from them, to avoid
     /// rounding errors.
@@ -44,7 +44,7 @@ pub struct FitObjective {
 
 impl FitObjective {
     /// Prepare the evaluation for a record. Samples without a reading move the body, but are not
-    /// compared. `overlooked` is by how many kelvin A seems smaller at the samples.
+    /// compared. `overlooked` is the apparent decrease of A at the samples, in kelvin.
     pub fn new(record: &MeasuredRecord, overlooked: f64) -> FitObjective {
         let temperatures = &record.temperatures;
         let shares = record.shares();
@@ -157,8 +157,8 @@ impl FitObjective {
         self.best_sensor(self.sums(motion))
     }
 
-    /// The same with linear equations for (z0, moving, still) that have to hold. If they cannot all
-    /// hold, err grows fast.
+    /// The same with linear constraints on (z0, moving, still). If they cannot all hold, err grows
+    /// fast.
     pub fn held(&self, motion: &Motion, rows: &[([f64; 3], f64)]) -> (f64, Sensor) {
         /// The weight of an equation relative to the record.
         const WEIGHT: f64 = 1e4;

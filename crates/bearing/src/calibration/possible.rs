@@ -1,22 +1,21 @@
-//! Which values a bearing can have.
+//! Physical bounds of the parameters of a bearing.
 
 use super::bearing::Response;
 use super::quantity::{Quantity, values};
 
-/// What holds of every bearing.
+/// The condition that every bearing satisfies.
 pub(super) const CONDITION: &str = "A > 0.05 K, 0 < G <= 2 A and 0 < K/K_BP < 1";
 
-/// The smallest A of a bearing, in kelvin. A bearing holds kelvins, and what thermometers resolve is
-/// tenths.
+/// The smallest A of a bearing, in kelvin. Bearings stick over several kelvins, and thermometers
+/// resolve tenths.
 const LEAST: f64 = 0.05;
 
-/// A bearing that is not sheared has K/K_BP = 0, and noise makes the estimate a little smaller.
-/// Without K_BP no force is computed from it, so as much as this is allowed.
+/// A rigid bearing has K/K_BP = 0, and noise can make the estimate slightly negative. Without K_BP
+/// no force is computed from it, so a value down to this is allowed.
 const UNSHEARED: f64 = -0.02;
 
 impl Response {
-    /// The first quantity whose value no bearing can have, with this value. `None` for the response
-    /// of a possible bearing.
+    /// The first quantity with an unphysical value, and this value. `None` for a possible bearing.
     pub fn impossible(&self, shear_stiffness: Option<f64>) -> Option<(Quantity, f64)> {
         let all = values(self, shear_stiffness);
         let of = |quantity: Quantity| all[quantity as usize];

@@ -1,11 +1,11 @@
-//! A record as it is fitted.
+//! Prepares a record for fitting.
 
 use super::question::{CalibrationError, LEAST};
 use super::samples::MeasuredRecord;
 use crate::Unsound;
 use crate::moments::mean;
 
-/// Check that the record is long enough, and that its numbers are sound and not all the same.
+/// Check that the record is long enough, and that its numbers are valid and not all equal.
 pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
     let seen = record.samples();
     if seen.times.len() < LEAST {

@@ -54,7 +54,7 @@ impl Quantity {
     /// Number of parameters.
     pub const PARAMETERS: usize = 7;
 
-    /// The parameters that can be fitted or held; f_s - f_d follows from them.
+    /// The parameters that can be fitted or fixed; f_s - f_d follows from them.
     pub const FITTED: [Quantity; 6] =
         [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
 
@@ -80,7 +80,7 @@ impl Quantity {
         ROWS[self as usize].unit
     }
 
-    /// What it is, for a reader who does not know the model.
+    /// Its meaning, for a reader who does not know the model.
     pub fn words(self) -> &'static str {
         ROWS[self as usize].words
     }
@@ -163,26 +163,26 @@ const ROWS: [Row; Quantity::ALL.len()] = [
         "jump",
         "G",
         "K",
-        "change of temperature that a slip makes up for",
+        "change of temperature that a slip releases",
     ),
     row(
         "static_way",
         "f_s/K",
         "m",
-        "movement held back before a slip",
+        "restrained movement before a slip",
     ),
     row(
         "dynamic_way",
         "f_d/K",
         "m",
-        "movement held back while it slides",
+        "restrained movement while it slides",
     ),
 ];
 
 /// One value for each of [`Quantity::ALL`].
 pub type Values = [f64; Quantity::ALL.len()];
 
-/// A quantity, and the value at which it is held.
+/// A quantity, and the value at which it is fixed.
 pub type Held = (Quantity, f64);
 
 /// The quantities of a response. `shear_stiffness` is K_BP, if it is known; without it, the

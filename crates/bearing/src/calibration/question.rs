@@ -1,4 +1,4 @@
-//! What is asked of a record, and why there may be no answer.
+//! The question of a calibration, and why it may have no answer.
 
 use super::bearing::Response;
 use super::motion::Motion;
@@ -14,7 +14,7 @@ pub enum CalibrationMethod {
     /// From the slips alone.
     #[default]
     Slips,
-    /// By the paper's least squares.
+    /// By the paper's least-squares criterion.
     Err,
     /// From the slips, and by the least squares for comparison.
     Both,
@@ -43,35 +43,35 @@ impl CalibrationMethod {
     }
 }
 
-/// What is known of the lag of steel behind the thermometer.
+/// The lag of steel behind the thermometer: estimated or known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lag {
-    /// It is not known. It is estimated, and taken to be 0 unless the data clearly show a lag.
+    /// It is estimated, and set to 0 unless the data clearly show a lag.
     #[default]
     Auto,
     /// It is known, in seconds.
     Known(f64),
 }
 
-/// What is asked of a record.
+/// The question of a calibration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CalibrationQuestion {
     /// How the parameters are found.
     pub method: CalibrationMethod,
     /// K_BP, if it is known; without it no force can be determined.
     pub shear_stiffness: Option<f64>,
-    /// Number of starts of the least squares.
+    /// Number of starts of the least-squares search.
     pub starts: u32,
     /// The lag of steel behind the thermometer.
     pub lag: Lag,
     /// The coverage probability of the intervals.
     pub level: f64,
-    /// Parameters that are held at given values instead of fitted. Those that need K_BP can be held
-    /// only if it is known.
+    /// Parameters fixed at given values instead of fitted. Those that need K_BP can be fixed only
+    /// if it is known.
     pub held: Vec<Held>,
-    /// The interval in which the least squares searches a quantity.
+    /// The search interval of a quantity in least squares.
     pub bounds: Vec<(Quantity, [f64; 2])>,
-    /// Where the search begins if no slips are visible.
+    /// The starting point if no slips are visible.
     pub guess: Motion,
 }
 
@@ -91,9 +91,9 @@ impl CalibrationQuestion {
         }
     }
 
-    /// The same with only some quantities fitted, if any are named. The others are held at the
-    /// values of the scenario. Fails if the scenario has no number for one of them, if K_BP is needed
-    /// and missing, or if there are bounds and the method does not use them.
+    /// The same with only some quantities fitted, if any are named. The others are fixed at the
+    /// values of the scenario. Fails if the scenario has no number for one of them, if K_BP is
+    /// needed and missing, or if there are bounds and the method does not use them.
     pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
         if self.method == CalibrationMethod::Slips && !self.bounds.is_empty() {
             return Err(NotHeld::UnusedBounds);
@@ -127,17 +127,17 @@ impl CalibrationQuestion {
     }
 }
 
-/// Why a quantity cannot be held or bounded.
+/// Why a quantity cannot be fixed or bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotHeld {
-    /// The scenario has no value at which to hold it.
-    #[error("{} is not fitted, and is not a number in the scenario", .0.key())]
+    /// The scenario has no value at which to fix it.
+    #[error("{} is neither fitted nor given as a number in the scenario", .0.key())]
     NoNumber(Quantity),
     /// It can be known only together with K_BP.
-    #[error("{} cannot be held or bounded without K_BP", .0.key())]
+    #[error("{} cannot be fixed or bounded without K_BP", .0.key())]
     TakesShearStiffness(Quantity),
-    /// It is for the least squares, which were not asked for.
-    #[error("bounds are for the least squares, and method = slips does not use them")]
+    /// It applies to least squares, which were not requested.
+    #[error("bounds apply to the least-squares search, which method = slips does not use")]
     UnusedBounds,
 }
 
@@ -150,48 +150,48 @@ pub enum CalibrationError {
     /// The temperature or the displacement cannot be used.
     #[error(transparent)]
     Unsound(#[from] Unsound),
-    /// No slips are visible, and no other method was asked for.
+    /// No slips are visible, and no other method was requested.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
-    /// The jumps that were found are not slips of this model.
-    #[error("the {jumps} jumps that were found are not the slips of a bearing: they give {}, and a bearing has {CONDITION}",
+    /// The detected jumps are not slips of this model.
+    #[error("the {jumps} jumps that were found are not the slips of a bearing: they give {}, but a bearing has {CONDITION}",
             stated(.quantity, .value))]
     NotSlips {
         /// Number of jumps.
         jumps: usize,
-        /// A quantity that they give a value that no bearing can have.
+        /// A quantity with an unphysical value.
         quantity: Quantity,
         /// That value.
         value: f64,
     },
-    /// The jumps that were found are too few, or too different, to determine a bearing.
+    /// The detected jumps are too few, or too different, to determine a bearing.
     #[error(
-        "the {jumps} jumps that were found do not constrain the bearing: {impossible} of {all} synthetic records like this one \
-             give impossible values, and a bearing has {CONDITION}"
+        "the {jumps} jumps that were found do not constrain the bearing: {impossible} of {all} \
+             synthetic records like this one give impossible values; a bearing has {CONDITION}"
     )]
     Undetermined {
         /// Number of jumps.
         jumps: usize,
-        /// Number of synthetic records from which no bearing was found.
+        /// Number of synthetic records with unphysical estimates.
         impossible: usize,
         /// Number of synthetic records.
         all: usize,
     },
-    /// The sensor shows steps that may be as large as jumps.
+    /// The resolution steps of the sensor may be as large as the jumps.
     #[error(
-        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be distinguished \
-             from steps of the sensor", 1e3 * resolution, 1e3 * jump
+        "the resolution of the displacement is {:.3} mm, and the detected jumps are {:.3} mm: \
+             slips cannot be distinguished from steps of the sensor", 1e3 * resolution, 1e3 * jump
     )]
     Coarse {
-        /// The usual size of the jumps, in metres.
+        /// The typical size of the jumps, in metres.
         jump: f64,
         /// The resolution of the readings, in metres.
         resolution: f64,
     },
-    /// The least squares find no bearing.
-    #[error("the least squares give {}, and a bearing has {CONDITION}", stated(.quantity, .value))]
+    /// Least squares give no physical bearing.
+    #[error("least squares give {}, but a bearing has {CONDITION}", stated(.quantity, .value))]
     NoBearing {
-        /// A quantity that they give a value that no bearing can have.
+        /// A quantity with an unphysical value.
         quantity: Quantity,
         /// That value.
         value: f64,
@@ -220,7 +220,7 @@ impl CalibrationError {
                 "measure for longer, until the record has tens of slips"
             }
             CalibrationError::Coarse { .. } => {
-                "store the displacement with more digits, or take a sensor whose resolution is a fifth of a slip or better"
+                "store the displacement with more digits, or use a sensor with a resolution of a fifth of a slip or better"
             }
             CalibrationError::NotSlips { .. } => {
                 "check columns, units and K_BP; if they are right, the jumps have another cause, such as a crack that opens or a \
@@ -230,7 +230,7 @@ impl CalibrationError {
     }
 }
 
-/// Number of starts of the least squares, if no other is asked for.
+/// Default number of starts of the least-squares search.
 const STARTS: u32 = 10;
 
 /// Fewest samples of a record.

@@ -47,16 +47,17 @@ impl ParameterEstimate {
     }
 }
 
-/// Factors of the standard deviations of the estimates by slips, with which intervals around those of
-/// the paper's least squares contain the truth in 90 % of 150 synthetic records of the paper's bridge.
+/// Factors of the standard deviations of the estimates by slips, with which intervals around the
+/// paper's least-squares estimates contain the true values in 90 % of 150 synthetic records of the
+/// paper's bridge.
 ///
-/// Least squares determines A and G far better if friction is always the same. It determines K, f_s
-/// and f_d far worse, because it takes red noise for independent.
+/// Least squares determines A and G far better if friction is constant. It determines K, f_s and
+/// f_d far worse, because it treats red noise as independent.
 const WIDENING_ERR: Values = [
     2.85, 0.85, 3.2, 3.2, 2.55, 0.87, 3.4, 2.85, 0.45, 0.12, 0.95, 0.85,
 ];
 
-/// A slip that was seen.
+/// A detected slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSlip {
     /// The time in the middle between two samples, in seconds.
@@ -65,7 +66,7 @@ pub struct SeenSlip {
     pub temperature: f64,
     /// The jump of z - kappa beta T, with its sign.
     pub jump: f64,
-    /// Whether it has the usual size; only such slips were fitted.
+    /// Whether it has the typical size; only such slips were fitted.
     pub is_usual: bool,
 }
 
@@ -81,14 +82,14 @@ pub struct Residuals {
 /// The result of a calibration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
-    /// What was asked.
+    /// The question.
     pub question: CalibrationQuestion,
-    /// The record, with the sign with which displacements grow with temperature.
+    /// The record, with the sign for which displacements grow with temperature.
     pub record: MeasuredRecord,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
-    /// The variance that the temperature of the steel gains between samples, in K^2/s; 0 for
-    /// straight lines.
+    /// The variance that the temperature of the steel gains between samples, in K^2/s; 0 for linear
+    /// interpolation.
     pub roughness: f64,
     /// How the zero of the sensor moves.
     pub zero: Zero,
@@ -100,7 +101,7 @@ pub struct Calibration {
     pub response: Response,
     /// One estimate for each of [`Quantity::ALL`].
     pub estimates: [ParameterEstimate; Quantity::ALL.len()],
-    /// The same by the least squares, from the best of its starts; `None` if it was not asked for.
+    /// The same by the least squares, from the best of its starts; `None` if not requested.
     pub least_squares: Option<[ParameterEstimate; Quantity::ALL.len()]>,
     /// Correlations of the errors of the estimates, one row for each quantity; empty if there are
     /// no slips.
@@ -124,7 +125,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The result of the steps from a record whose sign was not changed, without warnings.
+    /// The result for a record whose sign was not changed, without warnings.
     pub(super) fn new(
         question: &CalibrationQuestion,
         record: MeasuredRecord,
@@ -160,7 +161,7 @@ impl Calibration {
         calibration
     }
 
-    /// Set the estimates by the method that was asked for.
+    /// Set the estimates of the requested method.
     fn estimate_all(&mut self, by_slips: Option<&BySlips>, objective: &FitObjective) {
         let best = self.starts.iter().min_by(|a, b| a.err.total_cmp(&b.err));
         let best = best.map(|start| start.response);
@@ -189,7 +190,7 @@ impl Calibration {
         };
     }
 
-    /// Add what the slips show.
+    /// Add the results from the slips.
     fn add_slips(&mut self, by_slips: &BySlips, is_lag_estimated: bool) {
         let BySlips {
             zero,
@@ -240,7 +241,7 @@ impl Calibration {
     }
 }
 
-/// The distance from 0 within which a standard normal lies with this probability.
+/// The half-width of the central interval of a standard normal with this probability.
 fn normal_quantile(level: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * level)
 }

@@ -1,15 +1,15 @@
-//! How rough a temperature is between its samples.
+//! The roughness of a temperature between its samples.
 //!
 //! Between two samples a rough temperature is a Brownian bridge, whose variance grows by the
-//! roughness in the unit of time. This holds for the noise of a scenario, for every time between
+//! roughness per unit of time. This holds for the noise of a scenario, for every time between
 //! samples that is short compared with its correlation time.
 
 use super::samples::{starts, stretches};
 
-/// By how many kelvin a level has to be closer, so that samples of this interval go beyond it as
-/// often as the temperature between them goes beyond the level itself. That is 0.5826 standard
-/// deviations of what the temperature gains from one sample to the next; 0.5826 is
-/// -zeta(1/2)/sqrt(2 pi) (Broadie, Glasserman and Kou, *Mathematical Finance* 7, 1997).
+/// The shift of a level in kelvin for which samples with this interval cross the shifted level as
+/// often as the continuous temperature crosses the level itself: 0.5826 standard deviations of the
+/// increment from one sample to the next; 0.5826 is -zeta(1/2)/sqrt(2 pi) (Broadie, Glasserman and
+/// Kou, *Mathematical Finance* 7, 1997).
 pub fn overlooked(roughness: f64, interval: f64) -> f64 {
     let overlooked = 0.582_597_157_9 * (roughness * interval).sqrt();
     if overlooked.is_finite() {
@@ -19,13 +19,13 @@ pub fn overlooked(roughness: f64, interval: f64) -> f64 {
     }
 }
 
-/// The roughness of samples at these times, from how far each sample is from the straight line
+/// The roughness of samples at these times, from the distance of each sample from the straight line
 /// between its two neighbours, and from that between the samples two before and two after it.
 ///
-/// For a diffusion, the mean square of that distance grows with the time between the samples, g
-/// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
-/// What is smooth adds a part that grows at least as g^3. Of two mean squares only one such
-/// part can be determined, so it is the one that leaves less roughness.
+/// For a diffusion, the mean square of that distance grows with the time between the samples, g =
+/// ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant. A
+/// smooth component adds a part that grows at least as g^3. Two mean squares determine only one of
+/// these parts, so the one that leaves less roughness is subtracted.
 pub fn shown_roughness(t: &[f64], x: &[f64]) -> f64 {
     let starts = starts(t);
     let mean_square = |step: usize| {

@@ -15,11 +15,10 @@ pub struct MeasuredRecord {
     pub temperatures: Vec<f64>,
     /// Readings of the sensor; NaN where there is none.
     pub readings: Vec<f64>,
-    /// The indices of temperatures that are not the thermometer's own but interpolated between
-    /// them, in ascending order.
+    /// The indices of interpolated temperatures, in ascending order.
     pub interpolated: Vec<usize>,
-    /// The times over which each temperature and each reading is a mean, around its time, in seconds;
-    /// 0 if it is that of an instant.
+    /// The averaging times of temperatures and readings, centred on their times, in seconds; 0 for
+    /// instantaneous values.
     pub averaged: [f64; 2],
     /// The instant from which the times count, if it is known.
     pub start: Option<Start>,
@@ -53,9 +52,10 @@ impl From<&BearingData> for MeasuredRecord {
 }
 
 impl MeasuredRecord {
-    /// The same as [`MeasuredRecord::of`] from temperatures and displacements that are means over so
-    /// many seconds before their times; 0 for those of an instant. A mean stands for the middle of its
-    /// time, and all times are later by half of the longer one, so that they stay at or above 0.
+    /// The same as [`MeasuredRecord::of`] from temperatures and displacements that are means over
+    /// this many seconds before their times; 0 for instantaneous values. A mean is assigned to the
+    /// middle of its interval, and all times are shifted by half of the longer one, so that they
+    /// are not negative.
     pub fn of_means(
         temperatures: [&[f64]; 2],
         readings: [&[f64]; 2],
@@ -120,7 +120,7 @@ impl MeasuredRecord {
         [&self.times, &self.temperatures].map(|values| own.iter().map(|i| values[*i]).collect())
     }
 
-    /// The same record with readings that the sensor would show if its zero had not moved.
+    /// The same record with readings corrected for the movement of the zero.
     pub fn without(&self, zero: &Zero) -> MeasuredRecord {
         let readings = self
             .times
@@ -208,15 +208,15 @@ impl MeasuredRecord {
         self.with_temperatures(&times, &followed)
     }
 
-    /// The same record with the temperature of so many seconds earlier, interpolated between its
-    /// neighbours, as if the clock of the sensor were behind that of the thermometer.
+    /// The same record with the temperature of this many seconds earlier, interpolated between
+    /// samples, as if the clock of the sensor were behind that of the thermometer.
     pub fn shifted(&self, seconds: f64) -> MeasuredRecord {
         let later: Vec<f64> = self.times.iter().map(|time| time + seconds).collect();
         self.with_temperatures(&later, &self.temperatures)
     }
 
-    /// The time that each sample stands for, in seconds: half of the distance to each of its
-    /// neighbours, or half a usual interval towards a gap. It is zero for a sample without a
+    /// The time that each sample represents, in seconds: half of the distance to each of its
+    /// neighbours, or half a typical interval towards a gap. It is zero for a sample without a
     /// reading.
     pub fn shares(&self) -> Vec<f64> {
         let samples = self.samples();
@@ -255,12 +255,12 @@ pub struct Samples {
     pub temperatures: Vec<f64>,
     /// Readings of the sensor.
     pub readings: Vec<f64>,
-    /// The index at which each stretch without a gap begins; the first is 0.
+    /// The index at which each segment without a gap begins; the first is 0.
     pub starts: Vec<usize>,
 }
 
 impl Samples {
-    /// The stretches without a gap.
+    /// The segments without a gap.
     pub fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
         stretches(&self.starts, self.times.len())
     }
@@ -270,7 +270,8 @@ impl Samples {
         (seconds / self.interval()).round() as usize
     }
 
-    /// The indices of pairs of samples that are so many intervals apart, without a gap between them.
+    /// The indices of pairs of samples that are this many intervals apart, without a gap between
+    /// them.
     pub fn pairs(&self, step: usize) -> impl Iterator<Item = [usize; 2]> {
         let later = self
             .stretches()
@@ -294,7 +295,7 @@ pub fn interval(times: &[f64]) -> f64 {
     )
 }
 
-/// The index at which each stretch without a gap begins.
+/// The index at which each segment without a gap begins.
 pub fn starts(times: &[f64]) -> Vec<usize> {
     let interval = interval(times);
     (0..times.len())
@@ -302,7 +303,7 @@ pub fn starts(times: &[f64]) -> Vec<usize> {
         .collect()
 }
 
-/// The stretches that begin at these indices, of samples up to this end.
+/// The segments that begin at these indices, of samples up to this end.
 pub fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>> {
     let ends = starts.iter().skip(1).copied().chain([end]);
     starts.iter().zip(ends).map(|(start, end)| *start..end)

@@ -18,16 +18,17 @@ pub struct Slip {
     pub time: f64,
     /// Its direction: 1 or -1.
     pub sign: f64,
-    /// The temperature at which it began, if the temperature moves in straight lines between samples.
+    /// The temperature at which it began, if the temperature is interpolated linearly between
+    /// samples.
     pub temperature: f64,
-    /// Whether no sample goes beyond the farthest one before the slip, so that the temperature does
-    /// not move in straight lines.
+    /// Whether no sample exceeds the extreme one before the slip, so that the temperature is not
+    /// linear between samples.
     pub is_early: bool,
     /// The level of z before it, from all samples of its stick.
     pub before: Level,
     /// The level after it.
     pub after: Level,
-    /// Whether it has the usual size, so that it is a single slip that was seen clearly.
+    /// Whether it has the typical size and is therefore a single, clearly detected slip.
     pub is_usual: bool,
 }
 
@@ -54,7 +55,7 @@ pub struct Reversal {
     pub time: f64,
 }
 
-/// Everything that the samples show of slips, and of the sticks between them.
+/// The detected slips, and the sticks between them.
 #[derive(Clone, Debug)]
 pub struct DetectedSlips {
     /// The slips in order of time.
@@ -63,7 +64,7 @@ pub struct DetectedSlips {
     pub reversals: Vec<Reversal>,
     /// Sums for the regression of z on T during sticks.
     pub sums: LevelSums,
-    /// The size of a usual jump divided by the standard deviation of the noise.
+    /// The size of a typical jump divided by the standard deviation of the noise.
     pub contrast: f64,
     /// Length of the bins of that regression, in seconds.
     pub bin: f64,
@@ -73,14 +74,14 @@ pub struct DetectedSlips {
     pub white: f64,
     /// The movements of the zero of the sensor that the slips show.
     pub zero: ZeroColumns,
-    /// Jumps that are no slips, but a zero that was set: the index of the first sample after each.
+    /// Jumps that are not slips but resets of the zero: the index of the first sample after each.
     set: Vec<usize>,
-    /// The level at the start of the record, if a gap lies between it and the first slip that was
-    /// seen.
+    /// The level at the start of the record, if there is a gap between it and the first detected
+    /// slip.
     pub beginning: Option<Level>,
 }
 
-/// Jumps that are less than this many steps of the resolution of the sensor may be such steps.
+/// Jumps smaller than this many resolution steps of the sensor may be such steps.
 const COARSE: f64 = 3.5;
 
 /// Largest number of repeated searches for slips.
@@ -95,9 +96,9 @@ const MOST_UNUSUAL: f64 = 4.0;
 impl DetectedSlips {
     /// Find the slips of a record; `None` if there are none.
     ///
-    /// The first search compares windows and needs no knowledge of the bearing. The later ones use
-    /// the sticks in between: how the level drifts, and where a level that is known from all
-    /// samples of a stick jumps.
+    /// The first search compares windows and does not use the parameters of the bearing. Later ones
+    /// use the sticks: the drift of their levels, and jumps between levels estimated from whole
+    /// sticks.
     pub fn find(record: &MeasuredRecord, resolution: f64) -> Option<Self> {
         let samples = &record.samples();
         let seconds = bin_length(samples, resolution);
@@ -127,8 +128,8 @@ impl DetectedSlips {
         Some(all)
     }
 
-    /// The slips of a record like the one of these, whose jumps are about these: the time of the
-    /// first reading after each, and its size.
+    /// The slips of a similar record with approximately known jumps: the time of the first reading
+    /// after each, and its size.
     pub fn like_these(&self, record: &MeasuredRecord, jumps: &[[f64; 2]]) -> Option<Self> {
         let samples = &record.samples();
         let jump = |[time, size]: &[f64; 2]| Jump {
@@ -173,7 +174,7 @@ impl DetectedSlips {
         })
     }
 
-    /// The slips among these jumps, of which those in `set` are none.
+    /// The slips among these jumps, excluding those in `set`.
     fn of(
         record: &MeasuredRecord,
         found: &Jumps,
@@ -247,7 +248,7 @@ impl DetectedSlips {
         0.5 * mean(&changes)
     }
 
-    /// The share of slips that came although no sample goes beyond the farthest one before.
+    /// The share of slips although no sample exceeds the previous extreme.
     pub fn early(&self) -> f64 {
         let early = self.slips.iter().filter(|slip| slip.is_early).count();
         early as f64 / self.slips.len() as f64
@@ -259,12 +260,12 @@ impl DetectedSlips {
         self.slips.iter().map(|slip| slip.size(still)).collect()
     }
 
-    /// The slips of the usual size.
+    /// The slips of typical size.
     pub fn usual(&self) -> impl Iterator<Item = &Slip> {
         self.slips.iter().filter(|slip| slip.is_usual)
     }
 
-    /// The middles of the usual jumps.
+    /// The middles of the typical jumps.
     pub fn middles(&self) -> Vec<Middle> {
         let still = self.still();
         let kinetic = self.kinetic_reach();
@@ -276,8 +277,8 @@ impl DetectedSlips {
         self.usual().map(middle).collect()
     }
 
-    /// The slips that are none: the zero of the sensor moved there, by what z jumped to half of a
-    /// usual slip.
+    /// False slips: the zero of the sensor was reset there, and z jumped by half of a typical slip
+    /// or less.
     fn jumps_of_zero(&self) -> Vec<usize> {
         let Some(line) = self.zero.line(&self.middles()) else {
             return Vec::new();
@@ -292,8 +293,8 @@ impl DetectedSlips {
         set.map(|(slip, _)| slip.index).collect()
     }
 
-    /// The readings that are means over a slip: of the two beside each jump, the one that is farther
-    /// from the level on its side.
+    /// Readings averaged over a slip: of the two next to each jump, the one farther from the level
+    /// on its side.
     pub fn mixed(&self, record: &MeasuredRecord) -> Vec<usize> {
         let seen: Vec<usize> = (0..record.times.len())
             .filter(|i| record.readings[*i].is_finite())
@@ -329,8 +330,8 @@ const SAME: f64 = 1e-3;
 /// The temperature at which a slip began, and whether the slip is early. `times` are those of the
 /// first sample after the slip before, and of the samples before and after this slip.
 ///
-/// With straight lines between samples it is between the farthest sample before the slip and the
-/// farthest one until after it. A temperature that is rough between samples makes it too small;
+/// With linear interpolation it is between the extreme sample before the slip and the extreme one
+/// up to the sample after it. A temperature that is rough between samples makes it too small;
 /// synthetic records show by how much.
 fn crossing(record: &MeasuredRecord, times: [f64; 3], sign: f64) -> Option<(f64, bool)> {
     let [since, before, after] = times;
@@ -347,7 +348,7 @@ fn crossing(record: &MeasuredRecord, times: [f64; 3], sign: f64) -> Option<(f64,
     Some((sign * (held + 0.5 * beyond), beyond == 0.0))
 }
 
-/// Mark the slips that have the usual size.
+/// Mark the slips of typical size.
 fn mark_usual(slips: &mut [Slip], still: f64) {
     let sizes: Vec<f64> = slips.iter().map(|slip| slip.size(still)).collect();
     let middle = median(&mut sizes.clone());
@@ -359,14 +360,15 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
-/// A jump of more than this many usual ones is that of several slips.
+/// A jump larger than this many typical ones consists of several slips.
 const TWO: f64 = 1.5;
 
 /// The differences between slips and those before them in the other direction.
 fn reversals(slips: &[Slip], still: f64, is_whole: impl Fn(usize, usize) -> bool) -> Vec<Reversal> {
     let size = |slip: &Slip| slip.size(still);
     let middle = median(&mut slips.iter().map(size).collect::<Vec<_>>());
-    // Of two slips between two samples, the temperature of one is known, and they are no single one.
+    // Of two slips between two samples only one temperature is known, and they are not a single
+    // slip.
     let is_single = |pair: &[Slip]| pair.iter().all(|slip| size(slip) < TWO * middle);
     let turns = slips.windows(2).filter(|pair| {
         pair[0].sign != pair[1].sign && is_single(pair) && is_whole(pair[0].index, pair[1].index)
@@ -380,8 +382,8 @@ fn reversals(slips: &[Slip], still: f64, is_whole: impl Fn(usize, usize) -> bool
         .collect()
 }
 
-/// The values that are not far from the median. If a slip was not seen, the difference at the next
-/// reversal is too large by G, of which half distinguishes them, within what makes sense for the scatter.
+/// The values close to the median. If a slip was missed, the difference at the next reversal is too
+/// large by G; the limit is half of that, within sensible bounds for the scatter.
 fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
     let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));

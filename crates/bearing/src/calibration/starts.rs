@@ -1,4 +1,4 @@
-//! The paper's least squares from several starts.
+//! The paper's least-squares fit from several starts.
 
 use super::bearing::Response;
 use super::evolve;
@@ -15,9 +15,9 @@ use stickslip::ensemble::in_order;
 /// The box in which A, G and xi(0) are searched: the interval of each.
 pub type Search = [[f64; 2]; 3];
 
-/// The box around a motion that was computed from slips, with the standard deviations of A and G.
-/// It is so wide that the minimum lies in it almost certainly. A and G are positive, and so are the
-/// ends of their intervals, of which the lower one is below the upper one.
+/// The box around a motion computed from slips, with the standard deviations of A and G. It is wide
+/// enough to contain the minimum almost certainly. The ends of the intervals of A and G are
+/// positive.
 pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
     let Motion {
         reach: a,
@@ -34,7 +34,7 @@ pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
     ]
 }
 
-/// The box around a motion that was only guessed.
+/// The box around a guessed motion.
 pub fn around_guess(motion: &Motion) -> Search {
     let Motion {
         reach: a,
@@ -58,8 +58,8 @@ pub struct SearchStart {
     pub response: Response,
 }
 
-/// Run all starts of a question on these threads. Each is a search of its own, with its own random
-/// numbers. One that is stopped is left out.
+/// Run all starts of a question on these threads. Each is an independent search with its own random
+/// numbers. Stopped searches are left out.
 pub fn starts(
     objective: &FitObjective,
     search: &Search,

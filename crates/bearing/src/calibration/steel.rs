@@ -1,4 +1,4 @@
-//! The temperature of the steel, and the slips that are seen with it.
+//! The temperature of the steel, and the slips detected with it.
 
 use super::bearing::Response;
 use super::fit::SensorNoise;
@@ -10,15 +10,15 @@ use super::slips::DetectedSlips;
 use super::synthetic::Synthetic;
 use crate::weather::HiddenTemperature;
 
-/// The fewest usual slips that determine anything.
+/// The minimum number of typical slips for any estimate.
 const FEWEST_SLIPS: usize = 6;
 
-/// Largest number of searches for a lag, each with the slips that the lag before it shows, and the
-/// relative difference of two of them that are the same.
+/// Maximum number of searches for a lag, each with the slips detected with the previous lag, and
+/// the relative difference below which two lags are equal.
 const LAG_ROUNDS: u32 = 6;
 const SAME_LAG: f64 = 0.002;
 
-/// The longest step in which a mean over some time is followed, as a share of that time.
+/// The longest step in simulating a mean, as a fraction of its averaging time.
 const SHARE: f64 = 1.0 / 6.0;
 
 /// A record whose clocks agree, and what is known of its temperature.
@@ -27,7 +27,7 @@ pub struct MeasuredAir {
     hidden: Option<HiddenTemperature>,
     /// The variance that the temperature gains between samples, in K^2/s.
     roughness: f64,
-    /// Whether it moves in straight lines instead.
+    /// Whether it is interpolated linearly instead.
     is_straight: bool,
     resolution: f64,
 }
@@ -67,8 +67,8 @@ impl MeasuredAir {
         }
     }
 
-    /// A record of this air with the temperature behind its samples, where they have noise or are
-    /// means beside readings of an instant: the slope of z against T would be too small otherwise.
+    /// A record of this air with the underlying temperature, if its samples are noisy, or means
+    /// combined with instantaneous readings: otherwise the slope of z against T would be too small.
     fn smoothed(&self, record: &MeasuredRecord) -> MeasuredRecord {
         let averaged = record.averaged;
         match &self.hidden {
@@ -80,7 +80,7 @@ impl MeasuredAir {
         }
     }
 
-    /// A record like this one without readings that are means over a slip.
+    /// This record without readings averaged over a slip.
     fn cleaned(
         &self,
         record: MeasuredRecord,
@@ -112,14 +112,14 @@ pub struct Steel {
     pub profile: Option<LagProfile>,
     /// Whether the thermometer is slower than the steel.
     pub is_thermometer_slow: bool,
-    /// The slips; `None` if too few are seen.
+    /// The slips; `None` if too few were detected.
     pub slips: Option<DetectedSlips>,
     air: MeasuredAir,
 }
 
 impl Steel {
-    /// Use the lag that is known, or estimate it from the slips. An estimate is used only if the
-    /// data clearly show a lag.
+    /// Use the known lag, or estimate it from the slips. An estimate is used only if the data
+    /// clearly show a lag.
     pub fn new(record: &MeasuredRecord, lag: Lag) -> Self {
         let given = match lag {
             Lag::Known(lag) => lag,
@@ -193,8 +193,7 @@ impl Steel {
         }
     }
 
-    /// By how many kelvin friction seems to hold less, because temperatures between samples are
-    /// overlooked.
+    /// The apparent decrease of A in kelvin, because temperatures between samples are not seen.
     pub fn overlooked(&self) -> f64 {
         overlooked(
             self.roughness(),
@@ -202,13 +201,13 @@ impl Steel {
         )
     }
 
-    /// Whether samples alone do not show how the temperature moves between them.
+    /// Whether the samples alone do not determine the temperature between them.
     pub fn may_be_straight(&self) -> bool {
         let white = self.air.hidden.as_ref().map_or(0.0, |hidden| hidden.white);
         white == 0.0 && self.air.record.averaged == [0.0; 2] && self.lag == 0.0
     }
 
-    /// Let the temperature move in straight lines between samples, or as rough as it is.
+    /// Choose linear interpolation between samples, or the roughness of the temperature.
     pub fn straighten(&mut self, is_straight: bool) {
         self.air.is_straight = is_straight;
     }
@@ -236,8 +235,8 @@ impl Steel {
         }
     }
 
-    /// The slips of a synthetic record whose jumps are these, at its most likely lag near the one that
-    /// was estimated, and that lag.
+    /// The slips of a synthetic record with these jumps, at its most likely lag near the estimated
+    /// one, and that lag.
     pub fn slips_of(
         &self,
         slips: &DetectedSlips,
@@ -275,7 +274,7 @@ impl Steel {
     }
 }
 
-/// Whether enough slips are seen to determine the parameters.
+/// Whether enough slips were detected to determine the parameters.
 fn is_visible(slips: &DetectedSlips) -> bool {
     slips.usual().count() >= FEWEST_SLIPS && slips.reversals.len() >= 2
 }

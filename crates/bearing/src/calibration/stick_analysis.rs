@@ -1,5 +1,5 @@
-//! What sticks show once their ends are known: the slope of z against T, the noise, and jumps that
-//! the first search missed.
+//! Analysis of sticks with known ends: the slope of z against T, the noise, and jumps that the
+//! first search missed.
 
 use super::detect::{Jump, Jumps};
 use super::level::{self, Bin, Level, LevelSums};
@@ -27,10 +27,10 @@ pub struct StickAnalysis {
 /// A new jump must exceed this many standard deviations.
 const NEW: f64 = 4.0;
 
-/// A jump that was found before is kept if it exceeds this many standard deviations.
+/// A previously detected jump is kept if it exceeds this many standard deviations.
 const KEPT: f64 = 3.5;
 
-/// A new jump must have at least this share of the usual size.
+/// A new jump must have at least this fraction of the typical size.
 const SHARE: f64 = 0.35;
 
 /// A new jump must be the clearest within this many samples on each side.
@@ -103,7 +103,7 @@ impl StickAnalysis {
         steps
     }
 
-    /// The jumps that stand out when every level is known from its whole stick: those of `found`
+    /// The significant jumps when every level is estimated from its whole stick: those of `found`
     /// that are still clear enough, and new ones.
     pub fn jumps(&self, samples: &Samples, found: &Jumps) -> Jumps {
         let steps = self.steps(samples);

@@ -4,7 +4,7 @@ use super::level::Bin;
 use super::samples::{HOUR, Samples, stretches};
 use std::ops::Range;
 
-/// The stretches of samples without a gap and without a jump. `jumps` are the indices of first
+/// The segments of samples without a gap and without a jump. `jumps` are the indices of first
 /// samples after a jump.
 pub fn sticks(samples: &Samples, jumps: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut starts: Vec<usize> = samples.starts.iter().copied().chain(jumps).collect();
@@ -14,7 +14,7 @@ pub fn sticks(samples: &Samples, jumps: impl Iterator<Item = usize>) -> Vec<Rang
 }
 
 /// Bins of this many seconds. The `margin` samples at both ends of each stick are left out, so that
-/// a jump which was found a sample too early or too late is not in them.
+/// a jump detected a sample too early or too late is not in them.
 pub fn bins(samples: &Samples, sticks: &[Range<usize>], seconds: f64, margin: usize) -> Vec<Bin> {
     let mut bins = Vec::new();
     for stick in sticks {

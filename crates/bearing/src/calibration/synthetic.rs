@@ -1,23 +1,24 @@
-//! Synthetic records like a measured one, drawn given its samples: the temperature between and
-//! behind the samples from its posterior distribution, the bearing with known parameters, and the
-//! errors of the sensor.
+//! Synthetic records like a measured one, drawn given its samples: the temperature at and between
+//! the samples from its posterior distribution, the bearing with known parameters, and the errors
+//! of the sensor.
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, STEP, course};
 use super::fit::SensorNoise;
 use super::motion::Motion;
 use super::samples::MeasuredRecord;
+use super::trajectory::{STEP, Trajectory, trajectory};
 use crate::weather::HiddenTemperature;
 use stickslip::noise::{Stream, Transition};
 
-/// What synthetic records are made of.
+/// The ingredients of synthetic records.
 pub struct Synthetic<'a> {
     /// The record, whose samples they share.
     pub record: &'a MeasuredRecord,
     /// The temperature, if its samples do not show it directly.
     pub hidden: Option<&'a HiddenTemperature>,
-    /// The variance that the temperature gains between samples, in K^2/s; 0 for straight lines.
+    /// The variance that the temperature gains between samples, in K^2/s; 0 for linear
+    /// interpolation.
     pub roughness: f64,
     /// The lag of the steel, in seconds.
     pub lag: f64,
@@ -33,14 +34,14 @@ pub struct Synthetic<'a> {
 const SEED: u64 = 0xCA11;
 const SHIFT_SEED: u64 = 0x51F7;
 
-/// The longest step in which the temperature is followed without a lag, in seconds. The farthest
-/// temperature within a step has its exact law.
+/// The longest temperature step without a lag, in seconds. The extreme temperature within a step
+/// has its exact law.
 const LONGEST: f64 = 600.0;
 
 /// Times that are closer than this are the same, in seconds.
 const SAME: f64 = 1e-3;
 
-/// Values at ascending times as a sensor sees them at these instants, or as means over so many
+/// Values at ascending times, as read by a sensor at these instants or as means over this many
 /// seconds around them.
 fn seen([times, values]: [&[f64]; 2], when: &[f64], over: f64) -> Vec<f64> {
     let before = |time: f64| times.partition_point(|t| *t <= time + SAME).max(1) - 1;
@@ -62,9 +63,9 @@ fn seen([times, values]: [&[f64]; 2], when: &[f64], over: f64) -> Vec<f64> {
 }
 
 impl Synthetic<'_> {
-    /// By how much xi(0) of the record of this number is larger: by up to G/2 to either side, as far as
-    /// friction holds the body there. All slips come at other temperatures then, as if A were another
-    /// one; otherwise they would come between the same two samples in every record.
+    /// The shift of xi(0) in the record of this number: up to G/2 to either side, as far as the
+    /// body still sticks. It changes the temperatures of all slips; otherwise they would occur
+    /// between the same two samples in every record.
     pub fn shift(&self, number: u64) -> f64 {
         let Motion { reach, jump, start } = self.response.motion;
         let first = self.record.temperatures.first().copied().unwrap_or(start);
@@ -92,9 +93,9 @@ impl Synthetic<'_> {
                 ..Air::straight(self.record.times.clone(), self.record.temperatures.clone())
             },
         };
-        let Course {
+        let Trajectory {
             steel, positions, ..
-        } = course(
+        } = trajectory(
             &response,
             &air,
             self.lag,

@@ -1,8 +1,8 @@
-//! Synthetic records: the model, seen by an imperfect sensor and thermometer.
+//! Synthetic records: the model, measured with an imperfect sensor and thermometer.
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, STEP, course};
+use super::trajectory::{STEP, Trajectory, trajectory};
 use super::zero::Zero;
 use std::ops::Range;
 use stickslip::noise::{Stream, Transition};
@@ -22,16 +22,16 @@ pub struct Imperfections {
     pub lag: f64,
     /// Resolution of the thermometer, in kelvin; 0 for a perfect one.
     pub resolution: f64,
-    /// Share of samples whose displacement is wrong, by up to 20 standard deviations of red and
+    /// Fraction of displacements that are outliers, by up to 20 standard deviations of red and
     /// white noise together.
     pub spikes: f64,
     /// Number of gaps, of one to five days each.
     pub gaps: u32,
     /// Drift of the sensor, in the unit of displacement per year.
     pub drift: f64,
-    /// When the zero of the sensor is set, in seconds, and by how much it is moved.
+    /// When the zero of the sensor is reset, in seconds, and the shift.
     pub zero_set: Option<(f64, f64)>,
-    /// The thermometer shows only every so-many-th sample.
+    /// The thermometer shows only one in this many samples.
     pub thermometer_every: usize,
 }
 
@@ -70,15 +70,15 @@ pub struct Twin {
 
 /// A record of a bearing under this temperature, measured with these imperfections.
 pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed: u64) -> Twin {
-    // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
-    // others as they are.
+    // Each imperfection has its own stream of random numbers, so that changing one leaves the
+    // others unchanged.
     let [mut sensor, friction, mut spikes, mut gaps, between] =
         std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let Course {
+    let Trajectory {
         steel,
         positions,
         slips,
-    } = course(
+    } = trajectory(
         response,
         air,
         imperfections.lag,

@@ -1,11 +1,11 @@
 //! The errors of the estimates, from synthetic records like the measured one.
 //!
-//! Each record is drawn from the estimates given the samples of the thermometer (`synthetic.rs`), and
-//! its slips are found and fitted in the same way. What the estimates of these records are off by on
-//! average is the bias of the method, for this sampling and this noise; it is taken out of the
-//! estimates (indirect inference: Gourieroux, Monfort and Renault, *Journal of Applied Econometrics*
-//! 8, 1993). Their scatter gives the intervals (the parametric bootstrap: Efron and Tibshirani, *An
-//! Introduction to the Bootstrap*, 1993).
+//! Each record is drawn from the estimates given the samples of the thermometer (`synthetic.rs`),
+//! and its slips are detected and fitted in the same way. The mean error of the estimates of these
+//! records is the bias of the method for this sampling and this noise; it is removed from the
+//! estimates (indirect inference: Gourieroux, Monfort and Renault, *Journal of Applied
+//! Econometrics* 8, 1993). Their scatter gives the intervals (the parametric bootstrap: Efron and
+//! Tibshirani, *An Introduction to the Bootstrap*, 1993).
 
 use super::bearing::{Response, Sensor};
 use super::by_slips::BySlips;
@@ -21,20 +21,20 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use stickslip::ensemble::in_order;
 
-/// Number of records, and of those that give a first correction.
+/// Number of records, also for the first correction.
 const RECORDS: u64 = 32;
 const FIRST: u64 = 8;
 
-/// The numbers of records from which roughness is judged begin here.
+/// First number of the records used to judge roughness.
 const JUDGED: u64 = 1000;
 
-/// A share of early slips that is larger than this times that of rough synthetic records is not that
-/// of straight lines.
+/// If the share of early slips exceeds this times that of rough synthetic records, the temperature
+/// is rough.
 const SURELY_ROUGH: f64 = 0.6;
 
-/// Straight lines are used where the share of early slips is nearer than this to that of synthetic
-/// records with straight lines, as a share of its distance to that of rough ones. Temperatures
-/// outdoors are rough.
+/// Linear interpolation is used if the share of early slips is closer than this to that of
+/// synthetic records with linear interpolation, relative to the distance to that of rough ones.
+/// Outdoor temperatures are rough.
 const STRAIGHT: f64 = 0.35;
 
 /// The estimates of synthetic records.
@@ -42,7 +42,7 @@ const STRAIGHT: f64 = 0.35;
 pub struct Replicates {
     values: Vec<Values>,
     lags: Vec<f64>,
-    /// What their slips show beyond the estimates.
+    /// Further statistics of their slips.
     pub statistics: Vec<SlipStatistics>,
     tried: usize,
 }
@@ -55,7 +55,7 @@ pub struct Workers<'a> {
 }
 
 impl Replicates {
-    /// The estimates of the records with these numbers of a bearing with this response.
+    /// The estimates of synthetic records with these numbers, for a bearing with this response.
     fn new(
         (steel, slips): (&Steel, &DetectedSlips),
         (response, noise): (Response, SensorNoise),
@@ -127,8 +127,8 @@ impl Replicates {
         Some((response, all))
     }
 
-    /// Noise whose red part is corrected by what that of these records seems to be: slips cluster in
-    /// days, in which they see the same noise.
+    /// Noise whose red part is corrected by its estimates in these records: slips cluster in days,
+    /// with the same noise.
     fn corrected_noise(&self, noise: SensorNoise) -> SensorNoise {
         let factor = noise.red / self.mean_of(|shown| shown.red);
         let factor = if factor.is_finite() {
@@ -143,7 +143,7 @@ impl Replicates {
         }
     }
 
-    /// The response `fit` without the bias that these estimates of records of `from` have.
+    /// The response `fit`, corrected for the bias of these estimates of records of `from`.
     fn corrected_from(&self, from: &Response, fit: &Response) -> Option<Response> {
         let responses: Vec<Response> = self.values.iter().map(response_of).collect();
         let off = |of: fn(&Response) -> f64| {
@@ -169,12 +169,12 @@ impl Replicates {
         mean(&self.statistics.iter().map(statistic).collect::<Vec<_>>())
     }
 
-    /// Number of records whose estimates were those of no possible bearing, and of all.
+    /// Number of records with unphysical estimates, and of all records.
     pub fn impossible(&self) -> [usize; 2] {
         [self.tried - self.values.len(), self.tried]
     }
 
-    /// The estimates and lags scaled by K_BP, which they were made without.
+    /// The estimates, made without K_BP, scaled by it.
     pub fn with_shear(mut self, shear_stiffness: f64) -> Self {
         for all in &mut self.values {
             *all = values(&response_of(all), Some(shear_stiffness));
@@ -223,9 +223,9 @@ impl Replicates {
         self.values.iter().map(|values| values[i]).collect()
     }
 
-    /// The standard deviation of an estimate. The correction is the mean of as many records, which
-    /// has an error of its own, and the variance that few records show makes the distribution
-    /// Student's.
+    /// The standard deviation of an estimate. The correction is the mean over the records and has
+    /// an error itself, and the variance is estimated from few records, which makes the
+    /// distribution Student's.
     fn deviation(&self, values: &[f64]) -> f64 {
         let n = values.len() as f64;
         (variance(values) * (1.0 + 1.0 / n) * (n - 1.0) / (n - 3.0)).sqrt()

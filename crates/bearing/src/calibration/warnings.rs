@@ -1,6 +1,7 @@
 //! Which warnings a calibration gets.
 //!
-//! A warning is one row of the list below: its name, and the function that says it where it is due.
+//! A warning is one row of the list below: its name, and the function that returns it if it
+//! applies.
 
 use super::by_slips::BySlips;
 use super::lag::{CONVINCING, is_small};
@@ -10,13 +11,13 @@ use super::report::{Calibration, ParameterEstimate};
 use super::samples::{HOUR, interval};
 use crate::warning::CalibrationWarning;
 
-/// A calibration, and the slips from which it was computed, if any were seen.
+/// A calibration, and the slips from which it was computed, if any were detected.
 struct Case<'a> {
     calibration: &'a Calibration,
     by_slips: Option<&'a BySlips>,
 }
 
-/// Says a warning in a sentence or two, if it is due.
+/// Returns a warning in a sentence or two, if it applies.
 type Says = fn(&Case) -> Option<String>;
 
 /// All warnings, in the order in which they are given.
@@ -41,7 +42,7 @@ const ALL: &[(&str, Says)] = &[
     ("mirrored", mirrored),
 ];
 
-/// The warnings of a calibration. `by_slips` is given if slips were seen.
+/// The warnings of a calibration. `by_slips` is given if slips were detected.
 pub(super) fn warnings(
     calibration: &Calibration,
     by_slips: Option<&BySlips>,
@@ -65,7 +66,7 @@ impl Case<'_> {
         self.calibration.estimate(quantity)
     }
 
-    /// What the temperature moves from one sample to the next, in kelvin.
+    /// The change of temperature from one sample to the next, in kelvin.
     fn moved(&self) -> f64 {
         let [times, _] = self.calibration.record.thermometer();
         (self.calibration.roughness * interval(&times)).sqrt()
@@ -74,8 +75,8 @@ impl Case<'_> {
 
 /// K_BP is not known.
 fn no_shear_stiffness(case: &Case) -> Option<String> {
-    let text = "bearing.stiffness is not given, so beta, f_s/K and f_d/K are estimated, but no force; give bearing.stiffness to \
-                estimate K, f_s and f_d";
+    let text = "bearing.stiffness is not given, so only beta, f_s/K and f_d/K are estimated; give \
+                it to estimate K, f_s and f_d";
     case.calibration
         .question
         .shear_stiffness
@@ -85,13 +86,13 @@ fn no_shear_stiffness(case: &Case) -> Option<String> {
 
 /// No slips can be distinguished from noise.
 fn no_slips(case: &Case) -> Option<String> {
-    let text = "no slips are visible: the estimates are those of the least squares, started from the scenario's values, and have no \
-                intervals; measure for longer";
+    let text = "no slips are visible: the estimates are from least squares, started from the \
+                scenario's values, and have no intervals; measure for longer";
     case.by_slips.is_none().then(|| text.into())
 }
 
-/// The rest, as a share of the jump of z in a slip, above which the model is often a slip away from
-/// what was measured. It was 0.4 to 0.7 in sound records, at most 1.02 with red noise as large as the
+/// The residual relative to the jump of z in a slip above which the model is often a slip away from
+/// the measurement. It was 0.4 to 0.7 in sound records, at most 1.02 with red noise as large as the
 /// slips, and 1.3 to 1.6 for two bearings as one.
 const A_SLIP_AWAY: f64 = 1.15;
 
@@ -106,34 +107,35 @@ fn poor_fit(case: &Case) -> Option<String> {
     case.by_slips
         .filter(|_| residuals.rms > A_SLIP_AWAY * jump)?;
     Some(format!(
-        "the model does not fit: it differs from the measurement by {:.2} mm (root mean square), and a slip is {:.2} mm; check \
-         whether the sensor sees several bearings, or the thermometer is at another place; do not use the intervals",
+        "the model does not fit: it differs from the measurement by {:.2} mm (root mean square), \
+         but a slip is only {:.2} mm; check whether the sensor measures several bearings or the \
+         thermometer is elsewhere; do not use the intervals",
         1e3 * residuals.rms,
         1e3 * jump
     ))
 }
 
-/// The free movement of two kilometres of steel, in metres per kelvin. No bridge is as long without
-/// a joint.
+/// The free movement of two kilometres of steel, in metres per kelvin. No bridge without a joint is
+/// this long.
 const LONGEST: f64 = 0.024;
 
-/// No bridge expands so far.
+/// No bridge expands this far.
 fn large_dilatation(case: &Case) -> Option<String> {
     let beta = case.estimate(Quantity::Dilatation).estimate;
     (beta.abs() > LONGEST).then(|| {
         format!(
-            "beta = {beta:.3} m/K is the dilatation of {:.0} km of steel; check the unit of the displacements, and name the column \
-             e.g. displacement_mm",
+            "beta = {beta:.3} m/K corresponds to {:.0} km of steel; check the unit of the \
+             displacements, and name the column e.g. displacement_mm",
             beta.abs() / 1.2e-5 / 1e3
         )
     })
 }
 
-/// f_s - f_d counts as not identified if its standard error is more than this share of it,
-/// whatever the level of the intervals.
+/// f_s - f_d counts as not identified if its relative standard error exceeds this, whatever the
+/// level of the intervals.
 const IDENTIFIED: f64 = 0.25;
 
-/// If slips explain less than this share of the motion, some were not seen or the body also slides
+/// If slips explain less than this share of the motion, some were missed or the body also slides
 /// without them.
 const EXPLAINED: f64 = 0.9;
 
@@ -144,16 +146,17 @@ fn gap_not_identified(case: &Case) -> Option<String> {
     let explained = case.by_slips.map_or(1.0, |by_slips| {
         by_slips.slips.explained(&case.calibration.response)
     });
-    let text = "f_s - f_d cannot be estimated well: slips are few, hardly larger than the noise, or do not explain all of the motion; \
-                measure for longer, and check whether the sensor sees several bearings";
+    let text = "f_s - f_d cannot be estimated well: slips are few, hardly larger than the noise, \
+                or do not explain all of the motion; measure for longer, and check whether the \
+                sensor measures several bearings";
     (!is_identified || explained < EXPLAINED).then(|| text.into())
 }
 
-/// With fewer slips, intervals were seen to hold less often than they say
+/// With fewer slips, the coverage of intervals was below their level
 /// (`tests/calibration/accuracy.rs`, `few_slips`).
 const FEW: usize = 18;
 
-/// Slips are so few that intervals promise too much.
+/// There are too few slips for reliable intervals.
 fn few_slips(case: &Case) -> Option<String> {
     let slips = case
         .by_slips
@@ -164,11 +167,11 @@ fn few_slips(case: &Case) -> Option<String> {
     ))
 }
 
-/// What the temperature may move between two samples, as a share of the jump G. Beyond, estimates were
-/// off by one per cent.
+/// Limit of the change of temperature between two samples, relative to the jump G. Beyond it,
+/// estimates were off by one per cent.
 const SPARSE: f64 = 0.75;
 
-/// The temperature moves far between two samples.
+/// The temperature changes too much between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
     let jump = case
         .by_slips
@@ -176,8 +179,9 @@ fn sparse_samples(case: &Case) -> Option<String> {
     let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
         format!(
-            "the temperature moves by {moved:.2} K from one sample to the next, and a slip releases {jump:.2} K: f_s and f_d may \
-             be off by 1 %, beyond their intervals; sample more often"
+            "the temperature changes by {moved:.2} K from one sample to the next, but a slip \
+             releases only {jump:.2} K: f_s and f_d may be off by 1 %, beyond their intervals; \
+             sample more often"
         )
     })
 }
@@ -192,8 +196,9 @@ fn scatter(case: &Case) -> Option<String> {
         .map(|by_slips| by_slips.slips.excess_scatter())
         .filter(|scatter| *scatter > SCATTER)?;
     Some(format!(
-        "slips differ in size by {:.0} % more than noise explains: f_s varies from slip to slip, or the body slides without \
-         slips; the estimates are those of the mean f_s, and the interval of f_s - f_d is too narrow",
+        "slips differ in size by {:.0} % more than noise explains: f_s varies from slip to slip, \
+         or the body slides without slips; the estimates are for the mean f_s, and the interval \
+         of f_s - f_d is too narrow",
         100.0 * share
     ))
 }
@@ -207,14 +212,15 @@ fn friction_changes(case: &Case) -> Option<String> {
     };
     let [low, high] = range.map(|share| factor * share * case.estimate(quantity).estimate);
     Some(format!(
-        "{} changes over the record, from {low:.3} to {high:.3} {unit}, as the temperatures and sizes of slips against their \
-         dates show: the estimates and intervals are those of its mean, and a forecast takes friction from this range",
+        "{} changes over the record, from {low:.3} to {high:.3} {unit}, according to the \
+         temperatures and sizes of slips over time: the estimates and intervals are for its mean, \
+         and a forecast draws friction from this range",
         quantity.symbol()
     ))
 }
 
-/// The scatter of the temperatures of slips, as a multiple of what samples explain, above which they are
-/// not those of the steel.
+/// The scatter of the temperatures of slips, as a multiple of that explained by sampling, above
+/// which they are not those of the steel.
 const ELSEWHERE: f64 = 1.8;
 
 /// The thermometer is slower than the steel, or the temperatures at which slips begin scatter too much.
@@ -232,14 +238,15 @@ fn temperature_elsewhere(case: &Case) -> Option<String> {
     let expected = by_slips.replicates.mean_of(|shown| shown.scatter);
     (scatter > ELSEWHERE * expected).then(|| {
         format!(
-            "the temperatures of slips scatter by {scatter:.2} K, and noise explains {expected:.2} K: the thermometer may be at \
-             another place, or slower than the steel; f_s and f_d may be 5 to 20 % too small, beyond their intervals; put the \
-             thermometer on the steel"
+            "the temperatures of slips scatter by {scatter:.2} K, but noise explains only \
+             {expected:.2} K: the thermometer may be elsewhere, or slower than the steel; f_s and \
+             f_d may be 5 to 20 % too small, beyond their intervals; put the thermometer on the \
+             steel"
         )
     })
 }
 
-/// A sensor at the end of its range stays there for as many samples.
+/// A sensor at the end of its range stays there for at least this many samples.
 const STAYS: usize = 12;
 
 /// Readings stay at the largest or the smallest value.
@@ -261,7 +268,7 @@ fn saturated(case: &Case) -> Option<String> {
                 .count()
         };
         let at_end = count(end, end);
-        // Of a sensor with a coarse resolution, as many readings are a step further in.
+        // With a coarse resolution, a similar number of readings is one step further in.
         let next = samples
             .readings
             .iter()
@@ -272,8 +279,8 @@ fn saturated(case: &Case) -> Option<String> {
     };
     let (count, reading) = [1.0, -1.0].into_iter().find_map(end)?;
     Some(format!(
-        "{count} readings are {:.3} mm, and none is beyond: the sensor may be at the end of its range, where slips are not seen; \
-         remove these readings, and move the sensor",
+        "{count} readings are {:.3} mm, and none is beyond: the sensor may be at the end of its \
+         range, where slips are missed; remove these readings, and move the sensor",
         1e3 * reading
     ))
 }
@@ -288,8 +295,8 @@ fn lag_beyond(case: &Case) -> Option<String> {
     let longest = profile.profile.last()?.0 / HOUR;
     (case.calibration.question.lag == Lag::Auto).then(|| {
         format!(
-            "a lag of {longest:.0} h or more fits best, which is too long for steel; it is not used, and f_s, f_d and K may be far \
-             off; measure the temperature of the steel"
+            "a lag of {longest:.0} h or more fits best, which is too long for steel and is not \
+             used; f_s, f_d and K may be far off; measure the temperature of the steel"
         )
     })
 }
@@ -336,11 +343,11 @@ fn clocks(case: &Case) -> Option<String> {
             "the clocks may differ; this is corrected to five minutes; set the clock that is wrong"
         }
         false => {
-            "check whether one of the clocks has summer time or another zone, and correct it; do not use the intervals until then"
+            "check whether one of the clocks uses summer time or another time zone, and correct it; until then, do not use the intervals"
         }
     };
     Some(format!(
-        "the temperature of {by} {side} explains the displacement far better than that of the same time, with or without a lag: {taken}"
+        "the temperature {by} {side} explains the displacement far better than the simultaneous one, with or without a lag: {taken}"
     ))
 }
 
@@ -352,7 +359,7 @@ fn zero_set(case: &Case) -> Option<String> {
     let steps: Vec<String> = case.calibration.zero.steps.iter().map(of).collect();
     (!steps.is_empty()).then(|| {
         format!(
-            "the sensor jumps where no slip does: {}; this is fitted and removed; check whether its zero was set",
+            "the sensor reading jumps without a slip: {}; this is fitted and removed; check whether its zero was reset",
             steps.join(", ")
         )
     })
@@ -371,7 +378,7 @@ fn zero_drift(case: &Case) -> Option<String> {
 
 /// The displacement falls as the temperature rises, so its sign was changed.
 fn mirrored(case: &Case) -> Option<String> {
-    let text = "the displacement falls as the temperature rises, so its sign was changed; z0 has the changed sign";
+    let text = "the displacement falls as the temperature rises, so its sign was changed; z0 is given with the changed sign";
     case.calibration.is_mirrored.then(|| text.into())
 }
 
@@ -386,7 +393,7 @@ mod tests {
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,
     /// whether the intervals have 50 %, 90 % or 99.9 %.
     #[test]
-    fn the_gap_is_identified_at_every_level_of_the_intervals_or_at_none() {
+    fn identification_of_the_gap_is_independent_of_the_level() {
         let motion = Motion {
             reach: 4.0,
             jump: 1.0,

@@ -1,16 +1,15 @@
-//! The zero of the displacement sensor, which jumps where somebody sets it and drifts as it ages.
+//! The zero of the displacement sensor, which jumps when it is reset and drifts with age.
 //!
-//! The middles of the jumps of z, less still T, lie on a line over the temperature (`fit.rs`). A
-//! sensor whose zero moves leaves that line: by a step at the time at which it was set, or in
-//! proportion to the time. Steps and a drift are columns of the same regression, where they are
-//! needed.
+//! The middles of the jumps of z, minus still T, lie on a line over the temperature (`fit.rs`). If
+//! the zero moves, they deviate from that line: by a step at the time of the reset, or in
+//! proportion to time. Steps and a drift are additional columns of the same regression, if needed.
 
 use crate::linear::Normal;
 
 /// Which movements of the zero are fitted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ZeroColumns {
-    /// The time of the first sample, from which a drift counts.
+    /// The time of the first sample, the origin of a drift.
     pub start: f64,
     /// Times of steps.
     pub steps: Vec<f64>,
@@ -23,7 +22,7 @@ pub struct ZeroColumns {
 pub struct Zero {
     /// The time from which the drift counts.
     pub start: f64,
-    /// The drift per second; 0 if none is seen.
+    /// The drift per second; 0 if none is detected.
     pub drift: f64,
     /// Steps in order of time: when, and by how much.
     pub steps: Vec<(f64, f64)>,
@@ -33,7 +32,7 @@ pub struct Zero {
 const YEAR: f64 = 365.25 * 86_400.0;
 
 impl Zero {
-    /// A zero that drifts by so much in a year from `start` on, and may be set once.
+    /// A zero that drifts by this much per year from `start` on, and may be reset once.
     pub fn moving(start: f64, per_year: f64, set: Option<(f64, f64)>) -> Self {
         Zero {
             start,
@@ -42,7 +41,7 @@ impl Zero {
         }
     }
 
-    /// Where the zero is at this time, relative to the start.
+    /// The zero at this time, relative to the start.
     pub fn at(&self, time: f64) -> f64 {
         let stepped: f64 = self
             .steps
@@ -59,7 +58,7 @@ impl Zero {
     }
 }
 
-/// The middle of a jump: its time, the temperature that it belongs to, and where it is.
+/// The middle of a jump: its time, its temperature, and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Middle {
     /// The time of the jump.
@@ -80,31 +79,31 @@ pub struct MiddleLine {
     squares: f64,
 }
 
-/// Twice the logarithm of the likelihood that a step has to gain. The noise of the sensor is
-/// correlated from slip to slip, and of some hundred places of a step the best is chosen. In 400
-/// synthetic records whose zero did not move, neither a step nor a drift was found.
+/// Threshold of twice the log-likelihood ratio for a step. The noise of the sensor is correlated
+/// from slip to slip, and the best of some hundred places of a step is chosen. In 400 synthetic
+/// records whose zero did not move, neither a step nor a drift was found.
 const STEP: f64 = 40.0;
 
-/// The same for a drift, which has one place.
+/// The same for a drift, which needs no choice of place.
 const DRIFT: f64 = 20.0;
 
-/// The same as multiples of what chance gains: those of one column exceed 15 once in ten thousand
-/// records, and of some hundred places of a step the best is chosen.
+/// The same as a multiple of random gains: that of one column exceeds 15 once in ten thousand
+/// records, and the best of some hundred places of a step is chosen.
 const CLEAR_STEP: f64 = 25.0;
 const CLEAR_DRIFT: f64 = 15.0;
 
-/// Middles of one day count as one, because noise of the sensor that lasts is the same in them, in
-/// seconds.
+/// Middles within this time, in seconds, count as one, because slow noise of the sensor is the same
+/// in them.
 const DAY: f64 = 86_400.0;
 
-/// A step must have as many jumps on each side.
+/// A step must have at least this many jumps on each side.
 const BESIDE: usize = 5;
 
 /// The most steps of a record.
 const MOST: usize = 8;
 
 impl ZeroColumns {
-    /// The movements that these middles ask for. `candidates` are the times at which the zero may
+    /// The movements that these middles require. `candidates` are the times at which the zero may
     /// have been set: those of jumps, and the ends of gaps.
     pub fn asked_by(middles: &[Middle], candidates: &[f64], start: f64) -> Self {
         let mut columns = ZeroColumns {
@@ -115,9 +114,9 @@ impl ZeroColumns {
         let is_inside =
             |when: &f64| (BESIDE..=middles.len().saturating_sub(BESIDE)).contains(&sides(*when));
         let places: Vec<f64> = candidates.iter().copied().filter(is_inside).collect();
-        // A step is a drift to many middles, and a drift is some steps. So the one with the larger
-        // gain beyond what it has to gain is taken first, and what is no longer needed beside later
-        // ones is taken out.
+        // A step can resemble a drift, and a drift several steps. So the one with the larger gain
+        // above its threshold is taken first, and movements made unnecessary by later ones are
+        // removed.
         while columns.steps.len() < MOST {
             let more = columns.more(&places);
             let best = more
@@ -142,7 +141,7 @@ impl ZeroColumns {
         columns
     }
 
-    /// The same with one movement more: a step at one of these places, or a drift.
+    /// The same with one more movement: a step at one of these places, or a drift.
     fn more(&self, places: &[f64]) -> Vec<Self> {
         let steps = places
             .iter()
@@ -161,7 +160,7 @@ impl ZeroColumns {
         steps.chain(drift).collect()
     }
 
-    /// The same with one movement less.
+    /// The same with one movement fewer.
     fn less(&self) -> Vec<Self> {
         let without = |i: usize| {
             let steps = self
@@ -185,8 +184,7 @@ impl ZeroColumns {
             .collect()
     }
 
-    /// Twice the logarithm of the likelihood that these columns gain over fewer of them, less what
-    /// they have to gain.
+    /// Twice the log-likelihood ratio of these columns to fewer of them, minus the threshold.
     fn gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
         let price = if self.drifts == fewer.drifts {
             STEP
@@ -209,7 +207,7 @@ impl ZeroColumns {
         days as f64 * libm::log(squares(fewer) / squares(self))
     }
 
-    /// Twice the logarithm of the likelihood that these columns gain over none.
+    /// Twice the log-likelihood ratio of these columns to none.
     pub fn gain(&self, middles: &[Middle]) -> f64 {
         self.plain_gain_over(&self.none(), middles)
     }
@@ -222,9 +220,9 @@ impl ZeroColumns {
         }
     }
 
-    /// Whether columns that gain so much are convincing, if they gain `chance` on average in records
-    /// whose zero does not move. Chance gains more than 1 for each column where the noise of the sensor
-    /// is the same in slips of several days.
+    /// Whether a gain is convincing, if it is `chance` on average in records whose zero does not
+    /// move. Random gains exceed 1 per column if the noise of the sensor is the same in slips of
+    /// several days.
     pub fn is_convincing(&self, gain: f64, chance: f64) -> bool {
         let columns = self.steps.len() + usize::from(self.drifts);
         let least =
@@ -249,7 +247,7 @@ impl ZeroColumns {
             if self.drifts {
                 row[2] = (time - self.start) / YEAR;
             }
-            // The middle of a jump at the time of a step is half-way.
+            // A jump at the time of a step has its middle half-way.
             let stepped = |when: &f64| {
                 if when < time {
                     1.0

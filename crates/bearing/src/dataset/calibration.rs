@@ -1,5 +1,4 @@
-//! A calibration as a data set: the measured record, what was found in it, and what the model
-//! gives.
+//! A calibration as a data set: the measured record, the estimates, and the model.
 
 use crate::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion,
@@ -17,24 +16,25 @@ use stickslip_files::dataset::{
 /// Name and version of the format.
 pub const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));
 
-/// A calibration as it is read back from a data set.
+/// A calibration read from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredCalibration {
     /// The title of the calibration, one line.
     pub title: String,
-    /// The scenario, as it was written.
+    /// The scenario, as written.
     pub scenario_text: String,
-    /// The result. Where it was read back, its list of warnings is empty; they are in `warnings`.
+    /// The result. If it was read from a data set, its list of warnings is empty; they are in
+    /// `warnings`.
     pub calibration: Calibration,
     /// Name and sentence of each warning.
     pub warnings: Vec<(String, String)>,
-    /// The program that wrote the calibration, if it was another one.
+    /// The program that wrote the calibration, if it was a different one.
     pub other_program: Option<String>,
 }
 
 impl StoredCalibration {
-    /// A calibration as it is to be stored. `title` is one line, and `scenario_text` is the
-    /// scenario as it was written.
+    /// A calibration to be stored. `title` is one line, and `scenario_text` is the scenario as
+    /// written.
     pub fn of(title: &str, scenario_text: &str, calibration: Calibration) -> Self {
         let warnings = calibration.warnings.iter();
         let warnings = warnings
@@ -88,7 +88,7 @@ pub(super) fn write_quantities(to: &mut Dataset) {
     to.write(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)));
 }
 
-/// Walk over a calibration. Everything that follows from other things is computed again.
+/// Walk over a calibration. Derived data are computed again.
 fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     attributes(walk, stored)?;
     let calibration = &mut stored.calibration;
@@ -176,7 +176,7 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     Ok(())
 }
 
-/// What was asked and does not follow from the answer.
+/// The question, except what follows from the answer.
 fn asked(walk: &mut Walk, question: &mut CalibrationQuestion) -> Walked {
     let Motion { reach, jump, start } = &mut question.guess;
     walk.attribute("guess_reach", reach)?;
@@ -247,7 +247,7 @@ fn estimates(
     Ok(())
 }
 
-/// The estimates, and what was seen on the way to them.
+/// The estimates, and intermediate results.
 fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     let all = Quantity::ALL.len();
     let rows = |values: &[f64]| -> Vec<Values> {
@@ -322,7 +322,7 @@ fn pairs(walk: &mut Walk, [at, of]: [&Variable; 2], pairs: &mut Vec<(f64, f64)>)
     Ok(())
 }
 
-/// The measurement, and what the model gives.
+/// The measurement and the model.
 fn measured(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     let Calibration {
         record,

@@ -1,4 +1,4 @@
-//! A forecast as a data set: what is expected of a year, and every year that was simulated.
+//! A forecast as a data set: expected values for a year, and every simulated year.
 
 use super::calibration::units;
 use crate::forecast::{Forecast, ForecastLevel, ReturnLevel};

@@ -1,4 +1,4 @@
-//! What a study of a bearing leaves as a data set: the contents of each kind, described once.
+//! Results of studies of a bearing as data sets: the contents of each kind, described once.
 
 mod calibration;
 mod forecast;

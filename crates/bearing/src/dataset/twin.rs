@@ -1,4 +1,4 @@
-//! Synthetic measurements of a bearing as a data set, with the true values beside them.
+//! Synthetic measurements of a bearing as a data set, with the true values.
 
 use super::calibration::{TIME, of_quantity, units, write_quantities};
 use crate::calibration::{Twin, Values};

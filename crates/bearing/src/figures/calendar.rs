@@ -1,11 +1,11 @@
-//! An axis of time with dates, where the dates of a record are known.
+//! A time axis with dates, if the dates of a record are known.
 
 use jiff::Span;
 use jiff::civil::Date;
 use stickslip_data::Start;
 use stickslip_figure::{Axis, Label};
 
-/// The most dates on an axis.
+/// The maximum number of dates on an axis.
 const MOST: f64 = 5.0;
 
 /// An axis over these days since the start of a record.

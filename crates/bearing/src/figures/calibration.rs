@@ -1,5 +1,5 @@
 //! A calibrated bearing over time: the displacement as measured and as modelled, and the
-//! temperature. They are shown for the whole record and for two shorter stretches.
+//! temperature. They are shown for the whole record and for two shorter segments.
 
 use super::calendar;
 use super::measured::{DAY, Measured, thinned};
@@ -8,10 +8,10 @@ use stickslip_figure::{
     Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, THIN, range_of, sheet,
 };
 
-/// A gap is longer than this number of usual steps.
+/// A gap is longer than this number of typical steps.
 const GAP: f64 = 6.0;
 
-/// The beginnings of the shorter stretches, as shares of the whole record, and their length in
+/// The beginnings of the shorter segments, as fractions of the whole record, and their length in
 /// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
@@ -61,8 +61,8 @@ fn pair(of: Measured, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> 
     let mut above = Panel::new(time(), Axis::around([mark, high], "*z*", "mm"), height);
     above.line(measured, Stroke::solid(palette.first, THIN));
     above.line(modelled, Stroke::solid(palette.second, THIN));
-    // In a stretch of this length the marks of slips are separate; in a longer one they would merge
-    // to a line.
+    // In a segment of this length the marks of slips are separate; in a longer one they would merge
+    // into a line.
     if days[1] - days[0] <= CLOSER.1 {
         let slips = of.numbers("slip_time").iter().map(|time| time / DAY);
         for slip in slips.filter(|slip| (days[0]..days[1]).contains(slip)) {
@@ -77,8 +77,8 @@ fn pair(of: Measured, days: [f64; 2], height: f64, style: &Style) -> Vec<Panel> 
     vec![above.above_another(), below]
 }
 
-/// A curve through the samples of one logger, whatever the times of the other are. It ends and
-/// begins again where samples are missing.
+/// A curve through the samples of one logger, whatever the times of the other. It is interrupted
+/// where samples are missing.
 fn with_gaps(samples: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let steps = samples.windows(2).map(|pair| pair[1][0] - pair[0][0]);
     let usual = stickslip_data::median(&mut steps.collect::<Vec<f64>>());

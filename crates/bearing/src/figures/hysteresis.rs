@@ -12,7 +12,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let temperatures = of.numbers("temperature");
     let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
-        // Of two loggers, one has no sample at the times of the other.
+        // One logger has no samples at the times of the other.
         let own: Vec<usize> = (0..readings.len())
             .filter(|i| readings[*i].is_finite())
             .collect();

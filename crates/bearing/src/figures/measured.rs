@@ -1,4 +1,4 @@
-//! What the figures of a calibration take from its data set.
+//! Data for the figures of a calibration.
 
 use crate::dataset::CALIBRATION_FORMAT;
 use std::ops::Range;
@@ -8,7 +8,8 @@ use stickslip_files::dataset::{Attribute, Column, Dataset};
 
 pub const DAY: f64 = 86_400.0;
 
-/// The most points of a curve. More of them would be closer together than the dots of a printer.
+/// The maximum number of points of a curve. More would be closer together than the dots of a
+/// printer.
 const POINTS: usize = 8_000;
 
 /// The data set of a calibration.
@@ -68,7 +69,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// The indices of the samples that a curve goes through: not more than `POINTS` of them.
+/// The indices of the samples of a curve: at most `POINTS` of them.
 pub fn thinned(samples: Range<usize>) -> impl Iterator<Item = usize> {
     let step = samples.len().div_ceil(POINTS).max(1);
     samples.step_by(step)

@@ -1,5 +1,5 @@
-//! The residuals of a calibrated model: over time, their correlation, and the results of the
-//! starting points of the least squares.
+//! The residuals of a calibrated model: over time, their correlation, and the least-squares results
+//! from all starting points.
 
 use super::calendar;
 use super::measured::{DAY, Measured, thinned};
@@ -60,7 +60,7 @@ fn correlation(of: Measured, palette: &Palette) -> Panel {
     panel
 }
 
-/// The results of the starting points, beside the interval of the estimate.
+/// The results from the starting points, next to the interval of the estimate.
 fn starts(of: Measured, palette: &Palette) -> Panel {
     let errs = of.numbers("start_err");
     let best = errs.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,5 +1,5 @@
-//! The years of a forecast: how the sliding path, the number of slips and the largest force differ
-//! from year to year, with the range in which most single years are.
+//! The years of a forecast: distributions of the sliding path, the number of slips and the largest
+//! force over years, with the range of most single years.
 
 use crate::forecast::{Forecast, ForecastQuantity};
 use stickslip_data::numbers::grouped;

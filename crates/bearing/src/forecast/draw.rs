@@ -1,4 +1,4 @@
-//! Random bearings, distributed as a calibration allows.
+//! Random bearings, distributed according to a calibration.
 
 use crate::calibration::{Calibration, Motion, Quantity, Response, Sensor};
 use crate::linear::{Matrix, cholesky, times};
@@ -19,19 +19,19 @@ const DRAWN: [Quantity; 5] = [
 /// enormous number of slips.
 const LEAST: f64 = 0.1;
 
-/// A draw is repeated as often as this until it is that of a possible bearing.
+/// A draw is repeated up to this many times until it is a possible bearing.
 const REPEATS: u64 = 100;
 
 /// A bearing, in kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnBearing {
-    /// Its motion, from anywhere on, and how a sensor sees it.
+    /// Its motion, from any start, and the reading of its sensor.
     pub response: Response,
     /// K; 1 if it is not known.
     pub stiffness: f64,
 }
 
-/// The weather, and how far the steel is behind the thermometer.
+/// The weather, and the lag of the steel behind the thermometer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawnSteel {
     pub weather: Weather,
@@ -48,7 +48,7 @@ impl DrawnSteel {
         }
     }
 
-    /// A random one, as the errors allow.
+    /// A random one, distributed according to the errors.
     pub fn drawn(calibration: &Calibration, weather: &WeatherFit, random: &mut Stream) -> Self {
         let lag = calibration.lag.estimate + calibration.lag_error() * random.normal();
         DrawnSteel {
@@ -63,7 +63,7 @@ pub struct BearingDraws {
     estimates: [f64; DRAWN.len()],
     errors: Matrix,
     shear_stiffness: Option<f64>,
-    /// A in the record, as shares of its mean, if friction changes.
+    /// A in the record relative to its mean, if friction changes.
     range: Option<[f64; 2]>,
 }
 
@@ -84,8 +84,8 @@ impl BearingDraws {
                     .collect()
             })
             .collect();
-        // A quantity that was held has no error. The matrix then has a row of zeros and no Cholesky
-        // factor, so the correlations are left out.
+        // A fixed quantity has no error. The matrix then has a row of zeros and no Cholesky factor,
+        // so the correlations are left out.
         let errors = cholesky(&covariance).unwrap_or_else(|| {
             let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
             (0..DRAWN.len())
@@ -109,13 +109,13 @@ impl BearingDraws {
         self.at(&[0.0; DRAWN.len()])
     }
 
-    /// A random bearing among those that are possible, and the number of impossible ones that were
-    /// drawn before it. `None` if many draws in a row gave no possible bearing.
+    /// A random possible bearing, and the number of impossible ones drawn before it. `None` if many
+    /// draws in a row were impossible.
     pub fn draw(&self, random: &mut Stream) -> Option<(DrawnBearing, u64)> {
         (0..REPEATS).find_map(|before| {
             let mut bearing = self.at(&DRAWN.map(|_| random.normal()));
             if let Some([low, high]) = self.range {
-                // Friction that changes is that of any day of the record.
+                // Changing friction is drawn from any day of the record.
                 let share = low + (high - low) * random.uniform();
                 let Motion { reach, jump, .. } = &mut bearing.response.motion;
                 (*reach, *jump) = (share * *reach, share * *jump);

@@ -1,4 +1,4 @@
-//! A forecast of coming years for a bearing, from a calibration and a model of the weather.
+//! A forecast of future years for a bearing, from a calibration and a model of the weather.
 //!
 //! ```text
 //! Calibration, WeatherFit
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The expected value is the mean over years with the most likely parameters. The mean over all
-//! draws would be too high by some percent, because the number of slips grows faster than the
+//! draws would be too high by a few percent, because the number of slips grows faster than the
 //! variance of the weather.
 //!
 //! Crossings of the thresholds are those of the model in continuous time. A sampled temperature,
@@ -40,7 +40,7 @@ use year::{SteelOfAYear, YearAndRecord, year};
 /// Number of years of a task.
 const TASK: u64 = 10;
 
-/// A forecast, with the calibration and the weather that it is made from.
+/// A forecast, with its calibration and weather.
 #[derive(Clone, Debug)]
 pub struct BearingForecast {
     /// The calibration from the slips, because only that method gives errors of the parameters to
@@ -48,13 +48,13 @@ pub struct BearingForecast {
     pub calibration: Calibration,
     /// The model of the weather at the thermometer's own samples.
     pub weather: WeatherFit,
-    /// The years to come.
+    /// The future years.
     pub forecast: Forecast,
 }
 
 impl BearingForecast {
-    /// The forecast of a record, with at most so many processes in the weather. `None` if `stop` is
-    /// raised before two draws are done. `begins` is called with what begins.
+    /// The forecast of a record, with at most this many processes in the weather. `None` if `stop`
+    /// is raised before two draws are done. `begins` is called with a description of each stage.
     ///
     /// # Errors
     ///
@@ -95,8 +95,8 @@ impl BearingForecast {
         }))
     }
 
-    /// Reasons why the years may mislead: those of the calibration, of the weather and of the years,
-    /// each with its name.
+    /// Warnings about the years: those of the calibration, of the weather and of the years, each
+    /// with its name.
     pub fn warnings(&self) -> Vec<(String, String)> {
         let of_bearing = self
             .calibration
@@ -111,13 +111,13 @@ impl BearingForecast {
 }
 
 /// Simulate years with parameters drawn from a calibration by slips and from a model of the
-/// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than asked
-/// for, and the result is `None` if it would have fewer than two.
+/// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than
+/// requested, and the result is `None` if there are fewer than two.
 ///
 /// # Errors
 ///
-/// It fails if most of the parameters that the calibration leaves open are those of no bearing, or
-/// if the record shows far more or far fewer slips than the same time has in the forecast.
+/// It fails if most sampled parameter sets are unphysical, or if the record has far more or far
+/// fewer slips than the same time in the forecast.
 pub fn forecast(
     calibration: &Calibration,
     weather: &WeatherFit,
@@ -126,8 +126,8 @@ pub fn forecast(
     stop: &AtomicBool,
 ) -> Result<Option<Forecast>, ForecastError> {
     let bearings = BearingDraws::new(calibration);
-    // Draw 0 has the most likely parameters. Every other draw has a stream of random numbers of its
-    // own, separate from those of the years.
+    // Draw 0 has the most likely parameters. Every other draw has its own stream of random numbers,
+    // separate from those of the years.
     let mut models = vec![(
         bearings.likeliest(),
         DrawnSteel::likeliest(calibration, weather),

@@ -1,9 +1,9 @@
-//! What is asked of a forecast, and why there may be none.
+//! The question of a forecast, and why there may be none.
 
 use crate::calibration::CalibrationError;
 use crate::weather::{HarmonicError, WeatherError};
 
-/// What is asked of a forecast.
+/// The question of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForecastQuestion {
     /// Number of draws of the parameters of bearing and weather.
@@ -35,11 +35,11 @@ pub enum ForecastError {
         "the record does not constrain the bearing: most sampled parameter sets are unphysical"
     )]
     Unknown,
-    /// The record and the forecast of the same time are too far apart.
+    /// The record and the forecast of the same time differ too much.
     #[error(
-        "the record shows {slips:.0} slips in {days:.0} days, a sliding path of {:.1} mm, and 99.8 % of the simulated \
-         records of the same days between {:.0} and {:.0}: the model does not describe this weather or this bearing, so \
-         there is no forecast",
+        "the record shows {slips:.0} slips in {days:.0} days, a sliding path of {:.1} mm, but \
+         99.8 % of the simulated records of the same days show between {:.0} and {:.0}: the model \
+         does not describe this weather or this bearing, so no forecast is made",
         1e3 * path, range[0], range[1]
     )]
     NotTheRecord {
@@ -49,7 +49,7 @@ pub enum ForecastError {
         path: f64,
         /// The days of the record.
         days: f64,
-        /// The numbers of slips between which simulated records are.
+        /// The range of the number of slips in simulated records.
         range: [f64; 2],
     },
 }
@@ -59,17 +59,17 @@ impl ForecastError {
     pub fn remedy(&self) -> &'static str {
         match self {
             ForecastError::Bearing(CalibrationError::NoSlips) => {
-                "measure for longer, until tens of slips are in the record"
+                "measure for longer, until the record has tens of slips"
             }
             ForecastError::Bearing(error) => error.remedy(),
             ForecastError::Weather(WeatherError::Harmonic(HarmonicError::Short(_))) => {
-                "measure for at least half a year: a forecast needs to know the seasons"
+                "measure for at least half a year, because a forecast needs the seasons"
             }
             ForecastError::Weather(error) => error.remedy(),
-            ForecastError::Unknown => "measure for longer, so that the parameters are known better",
+            ForecastError::Unknown => "measure for longer, to constrain the parameters",
             ForecastError::NotTheRecord { .. } => {
-                "take a thermometer of the air in the shade, give `averaged` if the logger stores means, and see the residuals of \
-                 mc calibrate"
+                "use air temperatures measured in the shade, give `averaged` if the logger stores \
+                 means, and inspect the residuals of mc calibrate"
             }
         }
     }

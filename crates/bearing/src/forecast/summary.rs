@@ -35,7 +35,7 @@ pub struct ReturnLevel {
 /// The forecast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
-    /// What was asked.
+    /// The question.
     pub question: ForecastQuestion,
     /// The years with the most likely parameters.
     pub likeliest: Vec<Year>,
@@ -45,28 +45,27 @@ pub struct Forecast {
     pub levels: Vec<ForecastLevel>,
     /// Return levels of the largest |z| of a year.
     pub return_levels: Vec<ReturnLevel>,
-    /// What the record showed.
+    /// The slips of the record.
     pub showed: Showed,
-    /// The numbers of slips between which nearly all simulated records of the same time are.
+    /// The range of the number of slips in nearly all simulated records of the same time.
     pub usual: [f64; 2],
     /// Number of unphysical posterior samples, which were drawn again.
     pub redrawn: u64,
 }
 
-/// What a record showed of slips.
+/// The slips of a record.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Showed {
     /// Number of slips, from their jumps.
     pub slips: f64,
     /// Their sum, in metres.
     pub path: f64,
-    /// The time in which they were seen, at most a year, in seconds.
+    /// The time in which they were detected, at most a year, in seconds.
     pub duration: f64,
 }
 
 impl Showed {
-    /// What the record of a calibration showed. Of a record of more than a year, it is a year's
-    /// share.
+    /// The slips of the record of a calibration; of a record longer than a year, per year.
     pub fn of(calibration: &Calibration) -> Self {
         let Calibration {
             record,
@@ -90,11 +89,11 @@ impl Showed {
     }
 }
 
-/// The share of simulated records that have fewer slips, or more, than the usual ones.
+/// The share of simulated records below the usual range, and above it.
 const UNUSUAL: f64 = 1e-3;
 
-/// A record with this many times as many slips as simulated ones, or as many times fewer, is not
-/// that of the model.
+/// If the record differs from simulated ones by more than this factor in its number of slips, the
+/// model does not describe it.
 const ANOTHER: f64 = 1.25;
 
 /// The return periods, in years.
@@ -104,9 +103,9 @@ const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
 const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
-    /// Summarise years: first those with the most likely parameters, then those of each draw. A
-    /// draw whose years are not all there, because the forecast was stopped, is left out. `None` if
-    /// the forecast was stopped before two draws were simulated.
+    /// Summarise years: first those with the most likely parameters, then those of each draw. An
+    /// incomplete draw of a stopped forecast is left out. `None` if the forecast was stopped before
+    /// two draws were simulated.
     pub(super) fn of(
         draws: &[Vec<YearAndRecord>],
         question: &ForecastQuestion,
@@ -182,8 +181,9 @@ impl Forecast {
         } = self;
         let another = (slips < low || slips > high).then(|| {
             format!(
-                "the record shows {slips:.0} slips in {:.0} days, and nearly all simulated records of the same days between {low:.0} and \
-                 {high:.0}: the model does not describe this weather or this bearing, so do not use the intervals",
+                "the record shows {slips:.0} slips in {:.0} days, but nearly all simulated \
+                 records of the same days show between {low:.0} and {high:.0}: the model does not \
+                 describe this weather or this bearing, so do not use the intervals",
                 duration / 86_400.0
             )
         });
@@ -225,8 +225,8 @@ fn level(
     let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
     let expected_interval =
         if expected > 0.0 && means.iter().all(|mean| *mean > 0.0) && quantity.is_unbounded() {
-            // A count or a length is a product of what is not known, so its logarithm is more nearly
-            // normal, and no end of the interval is below zero.
+            // A count or a length is a product of uncertain factors, so its logarithm is closer to
+            // normal, and the interval stays above zero.
             let relative = within
                 .zip(&means)
                 .map(|(variance, mean)| variance / (mean * mean))
@@ -260,8 +260,8 @@ fn level(
 }
 
 /// Half of the width of the interval of the true mean. Its variance is that of the means of draws,
-/// minus the part which comes from the few years of each draw, plus the error of the mean over all
-/// years.
+/// minus the part due to the finite number of years of each draw, plus the error of the mean over
+/// all years.
 fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
     let n = means.len() as f64;
     let variance = (variance(means) - within).max(0.0) + within / n;
@@ -269,9 +269,9 @@ fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
         * variance.sqrt()
 }
 
-/// The largest value of a year nearly has a Gumbel distribution, which gives a return level for
-/// each draw from few years, and so the interval. The expected return level is the quantile of all
-/// years, without this assumption.
+/// The largest value of a year has nearly a Gumbel distribution, which gives a return level for
+/// each draw from few years, and thus the interval. The expected return level is the quantile of
+/// all years, without this assumption.
 fn return_level(years: &[Vec<Year>], period: f64, question: &ForecastQuestion) -> ReturnLevel {
     let greatest = |year: &Year| year[ForecastQuantity::Greatest as usize];
     let mut all: Vec<f64> = years.iter().flatten().map(greatest).collect();
@@ -417,7 +417,7 @@ mod tests {
     /// wide; without the skewness, what the few years of a draw leave uncertain would make it up to
     /// 14 % too wide.
     #[test]
-    fn a_return_level_is_as_uncertain_as_the_location_and_the_scale_make_it() {
+    fn return_levels_have_the_error_of_location_and_scale() {
         let question = ForecastQuestion {
             draws: 4000,
             years: 400,

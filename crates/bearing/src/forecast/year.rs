@@ -1,8 +1,8 @@
 //! A year of a bearing under random weather.
 //!
-//! The weather is drawn exactly at the times of a grid. Where it is rough between them, its farthest
-//! value in a step is drawn from the law of a Brownian bridge; where steel smooths it, it is a
-//! straight line. The body then slips as [`Motion`] says.
+//! The weather is drawn exactly at the times of a grid. If it is rough, its extreme value in a step
+//! is drawn from the law of a Brownian bridge; if steel smooths it, it is linear in a step. The
+//! body then slips according to [`Motion`].
 
 use super::draw::{DrawnBearing, DrawnSteel};
 use crate::calibration::{Motion, Response, farthest};
@@ -17,7 +17,7 @@ pub const BURN_IN: f64 = 90.0 * 86_400.0;
 /// A year, in seconds.
 pub const YEAR: f64 = 365.25 * 86_400.0;
 
-/// A quantity that is kept of a simulated year.
+/// A quantity recorded for a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForecastQuantity {
     /// The sum of the distances of all slips.
@@ -80,17 +80,19 @@ const LONGEST: f64 = 600.0;
 /// The shortest one.
 const SHORTEST: f64 = 30.0;
 
-/// A step as a share of the shortest memory of rough weather, within which it is a Brownian motion
-/// to a few percent, or of the time constant of steel, within which its temperature is straight.
+/// A step as a fraction of the shortest correlation time of rough weather, within which it is a
+/// Brownian motion to a few percent, or of the time constant of steel, within which its temperature
+/// is linear.
 const SHARE: f64 = 0.2;
 
-/// The temperature of the steel on a grid, which begins a burn-in before t = 0 and ends a year after.
+/// The temperature of the steel on a grid that begins one burn-in before t = 0 and ends a year
+/// after it.
 pub struct SteelOfAYear {
     step: f64,
-    /// What is periodic.
+    /// The periodic part.
     mean: Vec<f64>,
     passage: Passage,
-    /// Cholesky factors of the covariances that the states have at first, and gain in a step.
+    /// Cholesky factors of the covariances of the states at the start, and gained in a step.
     factors: [Square; 2],
     states: usize,
     seen: States,
@@ -227,7 +229,7 @@ pub fn year(
     }
 }
 
-/// Independent normals for so many states, and zeros for the others.
+/// Independent normals for this many states, and zeros for the others.
 fn normals(states: usize, random: &mut Stream) -> States {
     std::array::from_fn(|i| if i < states { random.normal() } else { 0.0 })
 }

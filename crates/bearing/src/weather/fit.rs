@@ -17,8 +17,10 @@ pub enum WeatherError {
     /// The temperature cannot be used.
     #[error(transparent)]
     Unsound(#[from] Unsound),
-    /// The samples leave nothing to fit.
-    #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
+    /// The samples have no variation to fit.
+    #[error(
+        "no process explains these samples: the temperature may be constant or purely periodic"
+    )]
     NoProcess,
 }
 
@@ -37,22 +39,22 @@ impl WeatherError {
 /// Fewest samples of a record.
 const LEAST: usize = 100;
 
-/// A second process is used if it raises twice the logarithm of the likelihood by more than
-/// this. By chance its two numbers gain as much in one of 20 records (chi^2 with two degrees of
-/// freedom).
+/// A second process is used if it raises twice the log-likelihood by more than this. By chance its
+/// two parameters gain this much in one of 20 records (chi^2 with two degrees of freedom).
 const SECOND: f64 = 6.0;
 
-/// The thinned records that a fit is compared with: every so-many-th sample.
+/// The thinned records with which a fit is compared: one in this many samples.
 const THINNED: [usize; 3] = [2, 4, 8];
 
 /// Fit harmonics of these periods and at most this many processes, one or two, to samples at
 /// ascending times, by the largest restricted likelihood. Each sample is a mean over `window`
 /// seconds around its time, or instantaneous if that is 0. A second process that the samples do not
-/// distinguish from the first is left out, and so is a time constant that smooths them. A process whose
-/// memory is not short against the record is held at the longest memory that the record can show.
+/// distinguish from the first is left out, and so is a smoothing time constant. A process whose
+/// correlation time is not short compared with the record is fixed at the longest correlation time
+/// that the record can resolve.
 ///
-/// The same model is fitted to every 2nd, 4th and 8th sample as well: where it is right, all of
-/// them give the same numbers.
+/// The same model is fitted to every 2nd, 4th and 8th sample as well: if it is correct, all of them
+/// give the same numbers.
 ///
 /// # Errors
 ///
@@ -76,8 +78,8 @@ pub fn fit(
     let search = |processes: usize, smooths: bool| {
         ProcessSearch::new(samples, periods, processes, smooths, window)
     };
-    // The time constant is one number more, for which twice the logarithm of the likelihood has to
-    // gain log n (Schwarz, Annals of Statistics 6, 1978).
+    // The time constant is one more parameter, for which twice the log-likelihood has to gain log n
+    // (Schwarz, Annals of Statistics 6, 1978).
     let price = libm::log(n as f64);
     let deviance = |smooths: bool| {
         let lowest = |n: usize| {
@@ -100,7 +102,7 @@ pub fn fit(
     let of = |every: usize| {
         let [times, temperatures] =
             samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
-        // Samples that are farther apart than the memory do not determine it.
+        // Samples farther apart than the correlation time do not determine it.
         let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
         if times.len() < LEAST || check_harmonics(&times, periods).is_err() || !is_dense {
             return None;

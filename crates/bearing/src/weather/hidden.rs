@@ -1,6 +1,6 @@
-//! A temperature between and behind its samples: behind the noise of a thermometer, within the time
-//! over which a sample is a mean, and between samples that are far apart compared with its
-//! correlation time.
+//! The temperature underlying its samples: without the noise of the thermometer, within the
+//! averaging time of a sample, and between samples that are far apart compared with its correlation
+//! time.
 
 use super::kalman::Shape;
 use super::periods::usual;
@@ -8,7 +8,7 @@ use super::search::ProcessSearch;
 use super::smoother::{Smoother, WeatherNode};
 use stickslip::noise::Stream;
 
-/// A temperature of which only samples are known, at times that are close to each other.
+/// A temperature known only by samples, on a fine grid of times.
 pub struct HiddenTemperature {
     /// Times, in seconds.
     pub times: Vec<f64>,
@@ -22,26 +22,26 @@ pub struct HiddenTemperature {
     waves: [Vec<f64>; 2],
 }
 
-/// The most samples from which the shape is estimated, which takes a third of a second, and the
-/// length of the segments in which they are taken.
+/// The maximum number of samples for estimating the shape, which takes a third of a second, and the
+/// length of the segments from which they are taken.
 const MOST: usize = 12_000;
 const SEGMENT: usize = 400;
 
-/// White noise has to lower the deviance by this much: in one of 200 records without noise it does by
-/// chance (chi^2 with one degree of freedom, on one side).
+/// White noise has to lower the deviance by this much, which happens by chance in one of 200
+/// records without noise (chi^2 with one degree of freedom, on one side).
 const CLEAR: f64 = 6.6;
 
 /// The longest step between nodes as a share of the shortest correlation time.
 const SHARE: f64 = 0.1;
 
-/// White noise matters where it has more than this share of the standard deviation that the
-/// temperature gains from one sample to the next.
+/// White noise matters if it exceeds this fraction of the standard deviation that the temperature
+/// gains from one sample to the next.
 const NOISY: f64 = 0.15;
 
 /// Times that are closer than this are the same, in seconds.
 const SAME: f64 = 1e-3;
 
-/// The most parts of the time between two samples.
+/// The maximum number of parts of the time between two samples.
 const PARTS: f64 = 12.0;
 
 /// The shape of the temperature of these samples, and its largest relevant rate.
@@ -56,7 +56,7 @@ fn shape([times, temperatures]: [&[f64]; 2], interval: f64, window: f64) -> Opti
     let search = ProcessSearch::new([&some, &values], &periods, 2, false, window);
     let mut shape = search.scaled(&search.rough(None, CLEAR)?)?;
     shape.processes.retain(|(_, variance)| *variance > 1e-6);
-    // A process that has forgotten itself from one sample to the next is noise.
+    // A process that decorrelates from one sample to the next is noise.
     if window == 0.0 && shape.processes.len() > 1 {
         let forgotten = |(rate, _): &&(f64, f64)| rate * interval > 1.0;
         shape.white += shape

@@ -20,14 +20,14 @@ use crate::linear::{Matrix, cholesky, inverse, solve};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// The processes and how they are seen, with all variances relative to that of the first.
+/// The processes and their observation, with all variances relative to that of the first.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// theta_j, and the variance of u_j divided by that of u_1.
     pub processes: Vec<(f64, f64)>,
-    /// tau, the time constant of what smooths their sum; 0 if nothing does.
+    /// tau, the time constant that smooths their sum; 0 for no smoothing.
     pub smoothing: f64,
-    /// w, the time over which a sample is a mean; 0 if it is instantaneous.
+    /// w, the averaging time of a sample; 0 if it is instantaneous.
     pub window: f64,
     /// r, divided by the variance of u_1.
     pub white: f64,
@@ -58,7 +58,8 @@ struct Filter {
     covariance: Square,
     interval: f64,
     passage: Passage,
-    /// The passages over intervals that have come before, each with its interval in microseconds.
+    /// The passages over intervals that have already occurred, each with its interval in
+    /// microseconds.
     known: HashMap<i64, Passage>,
     variance: f64,
     log_variance: f64,
@@ -89,7 +90,7 @@ impl Filter {
         filter
     }
 
-    /// Go on to the next sample, a time h later.
+    /// Advance to the next sample, a time h later.
     fn advance(&mut self, h: f64) {
         // Stamps are whole seconds, but times computed from them are rounded, so intervals may
         // differ slightly.

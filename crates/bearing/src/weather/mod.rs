@@ -6,17 +6,17 @@
 //! du_j = -theta_j u_j dt + sd_j sqrt(2 theta_j) dW_j,    e_k ~ N(0, r)
 //! ```
 //!
-//! Where the likelihood asks for it, the sum of the processes is smoothed before it is seen, as
-//! steel smooths the temperature of the air: ds/dt = (u_1 + u_2 - s)/tau takes the place of u_1 +
-//! u_2. A sample may also be a mean over the time between samples. All of these are linear, so the
-//! likelihood stays exact (`system.rs`).
+//! If the likelihood requires it, the sum of the processes is smoothed before it is observed, as
+//! steel smooths the air temperature: ds/dt = (u_1 + u_2 - s)/tau replaces u_1 + u_2. A sample may
+//! also be a mean over the time between samples. All of these are linear, so the likelihood stays
+//! exact (`system.rs`).
 //!
 //! The periods of the harmonics are given, such as a year and a day. Amplitudes, rates and
-//! variances are those of the largest restricted likelihood, which is exact for samples at any
-//! times. A Kalman filter gives the innovations (`kalman.rs`), a regression gives the amplitudes
-//! and the best scale of all variances, and one to five numbers are left to be searched
-//! (`search.rs`, `simplex.rs`). The white noise e comes from the thermometer, for example because
-//! it shows whole tenths. It is not part of the weather that is simulated.
+//! variances maximise the restricted likelihood, which is exact for samples at any times. A Kalman
+//! filter gives the innovations (`kalman.rs`), a regression gives the amplitudes and the best scale
+//! of all variances, and one to five parameters remain to be searched (`search.rs`, `simplex.rs`).
+//! The white noise e is due to the thermometer, for example because it shows whole tenths. It is
+//! not part of the simulated weather.
 //!
 //! With one process, the temperature varies either more than real weather from one sample to the
 //! next, or less from day to day. One process therefore gives too many slips or too few, and two

@@ -1,4 +1,4 @@
-//! Which harmonics the times of the samples resolve.
+//! Harmonics that the sample times resolve.
 
 use crate::linear::{Normal, cholesky};
 use std::f64::consts::TAU;
@@ -20,7 +20,7 @@ pub enum HarmonicError {
         period: f64,
     },
     /// Two harmonics have this period.
-    #[error("one period is named twice: {}", words(*.0))]
+    #[error("the period {} is listed twice", words(*.0))]
     Twice(f64),
 }
 
@@ -30,7 +30,7 @@ impl HarmonicError {
         match self {
             HarmonicError::Short(_) => "measure for at least half of that period, or leave it out",
             HarmonicError::Sparse { .. } => "leave that harmonic out, or sample more often",
-            HarmonicError::Twice(_) => "name it once",
+            HarmonicError::Twice(_) => "list it once",
         }
     }
 }
@@ -45,14 +45,14 @@ fn words(seconds: f64) -> String {
     }
 }
 
-/// A harmonic is resolved if at least this share of its variance is its own, so that neither the
-/// mean nor another harmonic takes the same values at the samples. Half a period has 0.19; samples
-/// twice a period, each time ten minutes early or late at random, have 0.0006.
+/// A harmonic is resolved if at least this share of its variance is independent of the mean and the
+/// other harmonics at the samples. Half a period has 0.19; samples twice a period, each time ten
+/// minutes early or late at random, have 0.0006.
 const OWN_SHARE: f64 = 1e-3;
 
 /// An error if the samples do not resolve the harmonics of these periods. The record may be shorter
-/// than half a period, or samples may follow each other no faster than twice in a period. A
-/// harmonic may also have the same values at the samples as the mean and the others together.
+/// than half a period, or there may be at most two samples per period. A harmonic may also have the
+/// same values at the samples as a combination of the mean and the others.
 pub fn check_harmonics(times: &[f64], periods: &[f64]) -> Result<(), HarmonicError> {
     let duration = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
     let interval = median(
@@ -86,17 +86,16 @@ pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
         let more = [&found[..], &[period]].concat();
         match check_harmonics(times, &more) {
             Ok(()) => found = more,
-            Err(error) => remarks.push(format!(
-                "no harmonic of {} is fitted: {error}",
-                words(period)
-            )),
+            Err(error) => {
+                remarks.push(format!("harmonic of {} not fitted: {error}", words(period)))
+            }
         }
     }
     (found, remarks)
 }
 
 /// Whether the last harmonic differs from the mean and the harmonics before it. Each diagonal
-/// number of the Cholesky factor of the columns' products is what a column has of its own.
+/// element of the Cholesky factor of the columns' products is the independent part of a column.
 fn is_own(times: &[f64], periods: &[f64]) -> bool {
     let columns = 2 * periods.len() + 1;
     let mut normal = Normal::of(columns);

@@ -42,14 +42,14 @@ pub struct WeatherFit {
     /// The standard deviation of the white noise that the thermometer adds to every sample; 0 if
     /// the data show none.
     pub white: f64,
-    /// Whether two processes were asked for, and the samples do not determine a second one.
+    /// Whether two processes were requested but the samples do not determine a second one.
     pub is_one_of_two: bool,
-    /// The memory in seconds at which the slowest process is held, because the record is too short
-    /// to determine a longer one.
+    /// The correlation time in seconds at which the slowest process is fixed, because the record is
+    /// too short to determine a longer one.
     pub held_memory: Option<f64>,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
-    /// Whether something smooths the sum of the processes.
+    /// Whether the sum of the processes is smoothed.
     pub is_smoothed: bool,
     /// The same model fitted to every 2nd, 4th and 8th sample, each with that number.
     pub thinned: Vec<(usize, WeatherFit)>,
@@ -57,19 +57,19 @@ pub struct WeatherFit {
     pub(super) periods: Vec<f64>,
     /// a_0, b_1, c_1, b_2, ...
     pub(super) coefficients: Estimates,
-    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first, and log tau if something
-    /// smooths their sum.
+    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first, and log tau if their sum
+    /// is smoothed.
     pub(super) logarithms: Estimates,
 }
 
-/// Numbers that describe a temperature.
+/// The parameters of a temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weather {
-    /// What is periodic, with the mean as the first.
+    /// The periodic part, with the mean as the first.
     pub harmonics: Vec<Harmonic>,
     /// theta and the variance of each process.
     pub processes: Vec<(f64, f64)>,
-    /// tau, the time constant of what smooths their sum; 0 if nothing does.
+    /// tau, the time constant that smooths their sum; 0 for no smoothing.
     pub smoothing: f64,
 }
 
@@ -104,7 +104,7 @@ impl Estimates {
     }
 }
 
-/// A memory that moves by more than this many standard errors is said.
+/// A change of the correlation time by more than this many standard errors is reported.
 const MOVED: f64 = 3.0;
 
 impl WeatherFit {
@@ -125,16 +125,17 @@ impl WeatherFit {
         });
         let held = self.held_memory.map(|memory| {
             let text = format!(
-                "the slow noise is held at a correlation time of {:.3} h, a tenth of the record, within a factor of 2, because the \
-                 record is too short for it; measure the temperature for longer",
+                "the record is too short to estimate the correlation time of the slow noise, \
+                 which is kept near a tenth of the record, {:.3} h (within a factor of 2); \
+                 measure the temperature for longer",
                 memory / 3600.0
             );
             named("held_memory", text)
         });
         let smoothed = self.smoothing().map(|(tau, _)| {
             let text = format!(
-                "the temperature is smoother than air, as that of steel or of a shaded box; it is modelled as air followed with a \
-                 time constant of {:.2} h",
+                "the temperature is smoother than that of air, like that of steel or of a shaded \
+                 box; it is modelled as air temperature smoothed with a time constant of {:.2} h",
                 tau / 3600.0
             );
             named("smooth_temperature", text)
@@ -145,8 +146,8 @@ impl WeatherFit {
             let hours = |process: Process| 1.0 / process.relaxation_rate / 3600.0;
             let text = || {
                 format!(
-                    "the fast noise has a correlation time of {:.3} h, but {:.3} h in every {every}th sample, which is more than their \
-                     errors explain: use a forecast with care",
+                    "the correlation time of the fast noise is {:.3} h in all samples but {:.3} h \
+                     in every {every}th, more than their errors explain: use a forecast with care",
                     hours(here),
                     hours(there)
                 )
@@ -160,7 +161,7 @@ impl WeatherFit {
             .collect()
     }
 
-    /// The time constant of what smooths the weather, and the standard error of its logarithm.
+    /// The time constant that smooths the weather, and the standard error of its logarithm.
     pub fn smoothing(&self) -> Option<(f64, f64)> {
         let last = self.logarithms.values.len() - 1;
         self.is_smoothed.then(|| {
@@ -213,7 +214,7 @@ impl WeatherFit {
             .collect()
     }
 
-    /// The most likely temperature in the form of a scenario, without what smooths it. Its noise is
+    /// The most likely temperature in the form of a scenario, without smoothing. Its noise is
     /// stationary from t = 0 on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
         let Weather {

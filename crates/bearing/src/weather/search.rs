@@ -1,10 +1,10 @@
 //! The search for the most likely processes, and their errors.
 //!
 //! A point holds log theta of each process, and for two processes the logarithm of the variance of
-//! the second over that of the first. Then comes log tau, if something smooths their sum, and last
-//! the variance of the white noise over that of the first, if there is any. It is not a logarithm,
-//! because it may be next to nothing, where a logarithm has no error. Some of these numbers are
-//! searched, and the others are held.
+//! the second over that of the first. Then comes log tau, if their sum is smoothed, and last the
+//! variance of the white noise over that of the first, if there is any. It is not a logarithm,
+//! because it may be nearly zero, where the error of a logarithm is undefined. Some of these
+//! numbers are searched, and the others are fixed.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::result::{Estimates, WeatherFit};
@@ -16,8 +16,8 @@ use std::f64::consts::{LN_2, TAU};
 /// to a thousandth of their errors.
 const ENOUGH: f64 = 1e-6;
 
-/// The steps with which a search begins, in logarithms: far from the most likely point, where a
-/// rough search ended, and where other samples of the same weather have it.
+/// The initial steps of a search, in logarithms: far from the most likely point, after a rough
+/// search, and near that of other samples of the same weather.
 const AFAR: f64 = 0.7;
 const FROM_ROUGH: f64 = 0.1;
 const FROM_ANOTHER: f64 = 0.3;
@@ -25,34 +25,34 @@ const FROM_ANOTHER: f64 = 0.3;
 /// White noise of less than this share of the variance is rounding.
 const LEAST_WHITE: f64 = 1e-10;
 
-/// The longest memory of a process as a share of the record. From fewer than ten memories neither
-/// it nor the standard deviation can be determined.
+/// The longest correlation time of a process as a fraction of the record. From fewer than ten
+/// correlation times neither it nor the standard deviation can be determined.
 const LONGEST: f64 = 0.1;
 
 /// A standard deviation must be known to this factor, as the standard error of its logarithm.
 const KNOWN: f64 = LN_2;
 
-/// The standard error of the logarithm of a rate that is held: a factor of 2.
+/// The standard error of the logarithm of a fixed rate: a factor of 2.
 const HELD_ERROR: f64 = LN_2;
 
-/// A memory is not held where that costs more than this of twice the logarithm of the likelihood:
-/// the record then says that the memory is shorter. By chance it says so in one of 20 records (chi^2
-/// with one degree of freedom).
+/// A correlation time is not fixed if that lowers twice the log-likelihood by more than this: the
+/// record then shows that it is shorter. This happens by chance in one of 20 records (chi^2 with
+/// one degree of freedom).
 const REFUSED: f64 = 3.84;
 
 /// The samples, with the columns of the regression.
 pub struct ProcessSearch<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
-    /// What a regression leaves of the temperatures, in which a search begins: it takes a fifth of
-    /// the time, and ends near the most likely point.
+    /// Residuals of a regression of the temperatures. A search starts with them, because it takes a
+    /// fifth of the time and ends near the most likely point.
     left: Vec<Vec<f64>>,
     /// The mean and the amplitudes of that regression.
     waves: Vec<f64>,
     periods: &'a [f64],
     /// Number of processes.
     processes: usize,
-    /// Whether something smooths their sum.
+    /// Whether their sum is smoothed.
     smooths: bool,
     /// The time over which each sample is a mean, around its time.
     window: f64,
@@ -65,7 +65,7 @@ pub struct Peak {
     point: Vec<f64>,
     /// Minus twice the logarithm of the likelihood there.
     pub deviance: f64,
-    /// Whether the rate of the slowest process is held.
+    /// Whether the rate of the slowest process is fixed.
     is_held: bool,
     /// The covariance of the errors; `None` if the samples do not determine them.
     errors: Option<Matrix>,
@@ -167,13 +167,12 @@ impl<'a> ProcessSearch<'a> {
                 .sum::<f64>()
     }
 
-    /// What it leaves of each sample.
+    /// The residual of each sample.
     pub fn left(&self) -> &[f64] {
         &self.left[0]
     }
 
-    /// The shape at a point for what the regression leaves, whose variances are those of
-    /// temperatures.
+    /// The shape at a point for the residuals of the regression, with variances of temperatures.
     pub fn scaled(&self, found: &Peak) -> Option<Shape> {
         let mut shape = self.shape(&found.point);
         let scale = likelihood(self.times, &self.left, &shape)?.scale;
@@ -190,10 +189,10 @@ impl<'a> ProcessSearch<'a> {
         self.duration / (self.times.len() as f64 - 1.0)
     }
 
-    /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
-    /// process is longer than the record can show, or its standard deviation not known to a factor
-    /// of 2, the memory is held at the longest that the record can show, unless the record refuses
-    /// that.
+    /// The most likely point; `None` if nothing explains the samples. If the correlation time of
+    /// the slowest process is longer than the record can resolve, or its standard deviation not
+    /// known to a factor of 2, the correlation time is fixed at the longest that the record can
+    /// resolve, unless the likelihood excludes that.
     pub fn best(&self) -> Option<Peak> {
         let free = self.polished(&self.rough(None, 0.0)?, FROM_ROUGH)?;
         let held = -libm::log(LONGEST * self.duration);
@@ -229,7 +228,7 @@ impl<'a> ProcessSearch<'a> {
     fn polished(&self, from: &Peak, step: f64) -> Option<Peak> {
         let found =
             self.fastest_first(self.lowest(&from.point, from.is_held, &self.columns, step)?);
-        // The process that is held has to be the slowest.
+        // The fixed process has to be the slowest.
         if self.processes > 1 && found.point[0] <= found.point[1] {
             return None;
         }
@@ -244,8 +243,9 @@ impl<'a> ProcessSearch<'a> {
         self.processes - 1
     }
 
-    /// The most likely point for what a regression leaves, with the rate of the slowest process held
-    /// if one is given. White noise is kept if it lowers the deviance by more than `least`.
+    /// The most likely point for the residuals of a regression, with the rate of the slowest
+    /// process fixed if one is given. White noise is kept if it lowers the deviance by more than
+    /// `least`.
     pub fn rough(&self, held: Option<f64>, least: f64) -> Option<Peak> {
         let interval = self.interval();
         // The search starts from a correlation time of half a day, or from three hours and four
@@ -338,14 +338,14 @@ impl<'a> ProcessSearch<'a> {
         2 * self.processes - 1 + usize::from(self.smooths)
     }
 
-    /// The numbers of a point that are searched.
+    /// The components of a point that are searched.
     fn free(&self, length: usize, is_held: bool) -> Vec<usize> {
         (0..length)
             .filter(|i| !(is_held && *i == self.slowest()))
             .collect()
     }
 
-    /// The same with the faster process first. A process that is held stays where it is.
+    /// The same with the faster process first. A fixed process keeps its place.
     fn fastest_first(&self, found: Peak) -> Peak {
         let p = &found.point;
         if self.processes == 1 || found.is_held || p[0] >= p[1] {
@@ -392,7 +392,7 @@ impl<'a> ProcessSearch<'a> {
         let best = self.likelihood(&found.point)?;
         let shape = self.shape(&found.point);
         let errors = found.errors.clone()?;
-        // A time constant below that of the samples is not seen in them.
+        // A time constant shorter than the sampling interval is not resolved.
         if (self.processes > 1 && !self.is_known(found))
             || (self.smooths && shape.smoothing < 0.5 * self.interval())
         {
@@ -427,8 +427,8 @@ impl<'a> ProcessSearch<'a> {
     }
 
     /// A step of number `i` that changes the deviance by about one, so that differences of it keep
-    /// many digits. White noise may become less than none, as far as the variances of the samples
-    /// stay positive.
+    /// many digits. White noise may become negative, as long as the variances of the samples stay
+    /// positive.
     fn step(&self, point: &[f64], i: usize, lowest: f64) -> f64 {
         let mut step = 0.02;
         for _ in 0..40 {
@@ -447,8 +447,8 @@ impl<'a> ProcessSearch<'a> {
     /// inverse of the second derivatives of the deviance; the second derivative with respect to the
     /// logarithm of the scale is n - p.
     ///
-    /// A rate that is held is known to a factor of 2, and what is known of its process beside that
-    /// is how much it gains in a short time, 2 theta sd^2.
+    /// A fixed rate is known to a factor of 2; otherwise only the growth of its process in a short
+    /// time is known, 2 theta sd^2.
     fn errors(&self, found: &Peak) -> Option<Matrix> {
         let (point, lowest) = (&found.point, found.deviance);
         let n = (self.times.len() + 1 - self.columns.len()) as f64;

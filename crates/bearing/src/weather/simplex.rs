@@ -3,8 +3,8 @@
 //! Nelder and Mead, *A simplex method for function minimization*, Computer Journal 7 (1965).
 
 /// The lowest point found, and its value. The search begins at `start` with steps of length `step`,
-/// and ends when the values of the simplex agree within `enough`. Where the function is not a
-/// number it counts as infinite, and where its lowest value is infinite the search ends as well.
+/// and ends when the values of the simplex agree within `enough`. A value that is not a number
+/// counts as infinite, and an infinite lowest value also ends the search.
 pub fn lowest(
     start: &[f64],
     step: f64,

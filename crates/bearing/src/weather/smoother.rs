@@ -1,8 +1,8 @@
-//! What a temperature was at any time, given all samples: its mean, and draws from its law.
+//! The temperature at any time, given all samples: its mean, and random draws.
 //!
-//! A Kalman filter runs forwards and the smoother of Bryson and Frazier backwards. A draw is a path
-//! of the weather, made and sampled as the record was, plus what the smoother makes of the
-//! difference of the samples (Durbin and Koopman, Biometrika 89, 2002).
+//! A Kalman filter runs forwards and the smoother of Bryson and Frazier backwards. A draw is a
+//! simulated path of the weather, sampled like the record, plus the smoothed difference of the
+//! samples (Durbin and Koopman, Biometrika 89, 2002).
 
 use super::kalman::Shape;
 use super::system::{
@@ -17,7 +17,7 @@ pub struct WeatherNode {
     pub time: f64,
     /// The sample that ends here.
     pub sample: Option<f64>,
-    /// Whether the time over which the next sample is a mean begins here.
+    /// Whether the averaging interval of the next sample begins here.
     pub opens: bool,
 }
 
@@ -29,15 +29,15 @@ struct Step {
     /// The covariance before the sample.
     covariance: Square,
     gain: States,
-    /// The inverse of the variance of what a sample brings; 0 without one.
+    /// The inverse variance of the innovation of a sample; 0 without one.
     weight: f64,
 }
 
-/// The weather at nodes, with all that does not depend on the samples.
+/// The weather at nodes, with everything that does not depend on the samples.
 pub struct Smoother {
     steps: Vec<Step>,
     seen: States,
-    /// What an instantaneous sample would show.
+    /// The states in an instantaneous sample.
     instant: States,
     noise: f64,
 }

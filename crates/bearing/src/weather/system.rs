@@ -1,5 +1,5 @@
-//! The weather as a linear system driven by white noise: what varies, what follows it, and what a
-//! sample is.
+//! The weather as a linear system driven by white noise: the processes, their smoothing, and the
+//! samples.
 //!
 //! ```text
 //! du_j = -theta_j u_j dt + sqrt(2 theta_j v_j) dW_j        the processes
@@ -20,7 +20,8 @@ pub type States = [f64; STATES];
 /// A matrix of the states.
 pub type Square = [States; STATES];
 
-/// How the states go on over some time: x(t + h) = carry x(t) + a normal with this covariance.
+/// The evolution of the states over some time: x(t + h) = carry x(t) + a normal with this
+/// covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
     pub carry: Square,
@@ -34,7 +35,7 @@ pub struct System {
     noise: States,
     /// Number of states.
     pub states: usize,
-    /// The state that is seen is the sum of these.
+    /// The weights of the states in an observation.
     pub seen: States,
     /// w; 0 if samples are instantaneous.
     window: f64,
@@ -71,7 +72,7 @@ impl System {
         }
     }
 
-    /// The covariance of the states at a sample before which nothing is known.
+    /// The stationary covariance of the states at a sample.
     pub fn stationary(&self) -> Square {
         let settled = self.settled();
         if self.window == 0.0 {
@@ -131,7 +132,7 @@ impl System {
             .fold(f64::MIN_POSITIVE, f64::max)
     }
 
-    /// The flow over a time that is short against all rates.
+    /// The flow over a time that is short compared with all rates.
     fn short(&self, h: f64) -> Passage {
         let mut carry: Square = std::array::from_fn(unit);
         let mut gained: Square = std::array::from_fn(|i| unit(i).map(|x| h * x * self.noise[i]));
@@ -150,7 +151,7 @@ impl System {
 /// Terms of the series of a short flow, whose size is below 1/16.
 const TERMS: usize = 11;
 
-/// More doublings than a double holds rates.
+/// More doublings than any rate in double precision needs.
 const MOST_DOUBLINGS: u32 = 200;
 
 impl Passage {
@@ -168,7 +169,7 @@ fn unit(i: usize) -> States {
     std::array::from_fn(|j| f64::from(u8::from(i == j)))
 }
 
-/// The sum of the products of what two have of each state.
+/// The scalar product of two state vectors.
 pub fn dot(a: &States, b: &States) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -178,7 +179,7 @@ pub fn times(a: &Square, x: &States) -> States {
     std::array::from_fn(|i| dot(&a[i], x))
 }
 
-/// The covariance after a sample with this gain, which shows the states so much.
+/// The covariance after a sample with this gain and these weights.
 pub fn updated(covariance: &Square, gain: &States, shown: &States) -> Square {
     std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * shown[j]))
 }
@@ -209,7 +210,7 @@ pub fn carried(carry: &Square, covariance: &Square) -> Square {
     product(&product(carry, covariance), &transposed(carry))
 }
 
-/// A lower triangle L with A = L L^T. A state that others determine has no part of its own.
+/// A lower triangle L with A = L L^T. A state determined by others has a zero diagonal.
 pub fn root(a: &Square) -> Square {
     let mut root = [[0.0; STATES]; STATES];
     for i in 0..STATES {

@@ -139,7 +139,7 @@ fn no_two_draws_see_the_same_weather() {
 /// measurements, because it takes the slow weather for faster than it is.
 #[test]
 #[ignore = "a minute and a half; truth 198.7 +- 2.2, two processes 199.5, 11 of 12 held, one process 260.4"]
-fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
+fn slip_forecasts_need_two_processes_to_cover_the_truth() {
     let (truth, error) = true_slips(WEATHER, 0.0, 60);
     let [mut sum, mut held, mut of_one] = [0.0; 3];
     for seed in 300..312 {

@@ -1,4 +1,4 @@
-//! Attributes of a data set, and where a data set is read back from, be it a file or memory.
+//! Attributes of a data set, and the sources from which it is read: a file or memory.
 
 use super::layout::Described;
 use super::{Column, Element, ElementType};
@@ -46,12 +46,12 @@ pub(crate) fn attributes_of(variable: &Described, units: &Units) -> Vec<(String,
     all.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// A value that is kept as an attribute of a data set.
+/// A value stored as an attribute of a data set.
 pub trait AttributeValue: Sized {
     /// The attribute; none if it is left out.
     fn attribute(&self) -> Option<Attribute>;
 
-    /// The value of an attribute of this name, or what is wrong with it.
+    /// The value of an attribute of this name, or the error in it.
     fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String>;
 }
 
@@ -160,7 +160,7 @@ pub trait Source: Sync {
     /// to variables.
     fn attributes(&self, variable: Option<&str>) -> Result<Vec<(String, Attribute)>, String>;
 
-    /// Whether another program may have laid it out, and left out what only a layout needs.
+    /// Whether another program may have written it, without what only the layout needs.
     fn is_laid_out_anew(&self) -> bool;
 }
 
@@ -172,7 +172,7 @@ pub(crate) fn read_attribute<T: AttributeValue>(
     T::of(from.attribute(None, name)?, name)
 }
 
-/// The program that wrote the data set, if it was another one.
+/// The program that wrote the data set, if it was a different one.
 pub fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
     let [version, hash]: [Result<String, _>; 2] =
         ["program_version", "git_hash"].map(|name| read_attribute(from, name));

@@ -1,5 +1,5 @@
-//! The attributes of the data set of a run, which say where its numbers come from. One walk writes
-//! them and reads them back.
+//! The attributes of the data set of a run: the provenance of its numbers. One walk writes them and
+//! reads them back.
 
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, read_attribute};
@@ -40,7 +40,7 @@ pub(crate) fn read(
     Ok(header)
 }
 
-/// Walk over the attributes that say what a data set is and which program made it.
+/// Walk over the attributes that identify a data set and the program that made it.
 pub fn walk_origin(
     walk: &mut Walk,
     (name, (major, minor)): Format,
@@ -59,7 +59,7 @@ pub fn walk_origin(
     walk.attribute("git_hash", git_hash)
 }
 
-/// Write what a data set is, and that this program made it.
+/// Write the attributes that identify a data set and this program.
 pub fn write_origin(to: &mut Dataset, format: Format, title: &str) {
     to.write_by(|to| walk_origin(to, format, &mut title.into(), &mut Program::mine()));
 }
@@ -82,7 +82,7 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
                 force,
                 temperature,
             },
-        // Coordinates and variables, and what only a scenario knows.
+        // Coordinates, variables, and facts from the scenario.
         time: _,
         samples: _,
         series_start: _,
@@ -105,8 +105,8 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
         ("force_unit", force),
         ("temperature_unit", temperature),
     ] {
-        // A label that is empty stands for a dimensionless quantity. It is left out, because some
-        // readers fail at empty strings.
+        // An empty label denotes a dimensionless quantity. It is left out, because some readers
+        // fail on empty strings.
         let mut there = Some(std::mem::take(label)).filter(|label| !label.is_empty());
         walk.attribute(name, &mut there)?;
         *label = there.unwrap_or_default();

@@ -1,5 +1,5 @@
 //! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
-//! and meaning. The columns of single paths are declared where they are kept
+//! and meaning. The columns of single paths are declared where they are stored
 //! ([`stickslip::stats::PathColumns`], [`stickslip::stats::EventColumns`],
 //! [`stickslip::stats::TrajectoryRows`]).
 
@@ -48,7 +48,7 @@ impl WithInterval {
     }
 }
 
-/// A variable with its intervals, which are those of the same or of something else.
+/// A variable with its intervals, which may be those of another quantity.
 macro_rules! measured {
     ($name:expr, [$($axis:literal),*], $unit:expr, $what:expr) => {
         measured!($name, [$($axis),*], $unit, $what, interval of the $what)
@@ -185,8 +185,8 @@ table! {
         "long-term motion of a deterministic scenario, missing if no state recurs");
     SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of the state in the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement less its drift at the ends of the last forcing periods, or at the starts of the last slips; \
-            missing if there are fewer");
+        "displacement minus its drift at the ends of the last forcing periods, or at the starts \
+            of the last slips; missing if there are fewer");
 
     FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE,
         "completed first sticks");

@@ -1,9 +1,9 @@
-//! The data sets that the program makes, each described once: names, axes, units, attributes and
-//! values. Nothing here depends on a file format.
+//! The data sets of the program, each described once: names, axes, units, attributes and values.
+//! Nothing here depends on a file format.
 //!
 //! ```text
 //! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
-//! run, trade, sweep   the contents of each kind of data set; other crates have kinds of their own
+//! run, trade, sweep   the contents of each kind of data set; other crates add further kinds
 //! walk            for runs and fits, one walk writes the contents or reads them back
 //!   -> Dataset       in memory, which is written to a file or compared with one
 //!   <- Source        a file, or memory

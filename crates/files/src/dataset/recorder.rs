@@ -6,7 +6,7 @@ use stickslip::scenario::Scenario;
 use stickslip::stats::BlockResult;
 
 /// Keeps a run in memory, with everything that its scenario records. The result is the data set
-/// that a file of the run would hold.
+/// that a file of the run would contain.
 ///
 /// ```
 /// use stickslip_files::dataset::{Column, Recorder};

@@ -1,4 +1,4 @@
-//! What is recorded of single paths: the tables along `path`, `event` and `trajectory`.
+//! Records of single paths: the tables along `path`, `event` and `trajectory`.
 
 use super::layout;
 use super::{Dataset, Element as _, Entry};
@@ -71,7 +71,7 @@ impl Dataset {
         let columns = columns.chain(events.iter().flat_map(|columns| columns.columns()));
         let columns = columns.chain(trajectories.iter().flat_map(|columns| columns.columns()));
         columns.for_each(|(variable, values)| dataset.begin(variable, values));
-        // What a sensor shows is included only if there is a sensor.
+        // The reading of a sensor is included only if there is a sensor.
         if let (Some(bearing), Some(trajectories)) = (bearing, trajectories) {
             let places = trajectories.displacement.iter().zip(&trajectories.friction);
             let shown: Vec<f64> = places
@@ -92,8 +92,8 @@ impl Dataset {
         }
     }
 
-    /// Add the rows of single paths that another part of the run holds. Fails if a variable is
-    /// missing there or has another type.
+    /// Add the rows of single paths from another part of the run. Fails if a variable is missing
+    /// there or has another type.
     pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
         for entry in self
             .entries

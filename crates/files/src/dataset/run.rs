@@ -1,5 +1,5 @@
-//! A run as a data set, except for the rows of single paths: what is known at its start, and what
-//! is known at its end.
+//! A run as a data set, except for the rows of single paths: what is written at its start, and at
+//! its end.
 
 use super::{Dataset, Source, header, layout, read_attribute, read_or_empty, series, summary};
 use std::path::PathBuf;
@@ -49,8 +49,7 @@ impl StoredRun {
     }
 }
 
-/// Where the numbers of the run come from, the coordinates, and the variables of single paths,
-/// without rows.
+/// The provenance of the run, the coordinates, and the variables of single paths, without rows.
 pub(crate) fn start(header: &Provenance, record: &Record) -> Dataset {
     let mut dataset = Dataset::new(&header.units);
     header::write(&mut dataset, header);

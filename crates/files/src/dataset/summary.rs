@@ -306,7 +306,7 @@ const EXTREMES: [(&str, &str, Dimension); 2] = [
     ("largest_speed", "largest speed", Dimension::VELOCITY),
 ];
 
-/// The laws of sticks, of what is asked for, and of extremes, each of which has bins of its own.
+/// The laws of sticks, the requested laws, and those of extremes, each with its own bins.
 fn walk_laws(
     walk: &mut Walk,
     sticks: &mut Distribution,
@@ -450,7 +450,7 @@ fn walk_ragged<'a, T: Element + 'a>(
     Ok(())
 }
 
-/// The edges of bins: the upper and the lower one of each.
+/// The upper and lower edges of bins.
 fn walk_edges(
     walk: &mut Walk,
     [upper, lower]: &[layout::Variable; 2],

@@ -24,12 +24,12 @@ use stickslip::study::sweep::{
 /// Name and version of the format.
 pub const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 
-/// A sweep as it is read back from a data set.
+/// A sweep read from a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredSweep {
     /// The sweep, with the points that are done.
     pub sweep: Sweep,
-    /// The program that wrote the sweep, if it was another one.
+    /// The program that wrote the sweep, if it was a different one.
     pub other_program: Option<String>,
 }
 
@@ -53,7 +53,7 @@ impl Dataset {
     }
 }
 
-/// What the attributes say of the bias of the step.
+/// The value of the attribute about the bias of the step.
 pub(crate) fn bias_name(with_bias: bool) -> &'static str {
     if with_bias { "estimated" } else { "left out" }
 }
@@ -401,7 +401,7 @@ pub(crate) fn read_points(from: &dyn Source) -> Result<(Design, Vec<Option<Point
     };
     let groups = |p: usize| -> Vec<GroupValues> {
         let (groups, _) = without[p * GROUPS * STATISTICS..].as_chunks();
-        // There are fewer groups where there are fewer paths.
+        // With few paths there are fewer groups.
         let is_there = |values: &&GroupValues| values.iter().any(|x| !x.is_nan());
         groups
             .iter()

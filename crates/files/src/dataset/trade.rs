@@ -215,11 +215,11 @@ fn predicted(to: &mut Dataset, trade: &Trade) {
 /// A trade in a file or in a data set.
 #[derive(Clone, Debug)]
 pub struct StoredTrade {
-    /// What was measured. What follows from it is computed again, and not read.
+    /// The measurements. Derived numbers are computed again, not read.
     pub trade: Trade,
     /// Its scenario.
     pub scenario: Scenario,
-    /// The program that wrote the trade, if it was another one.
+    /// The program that wrote the trade, if it was a different one.
     pub other_program: Option<String>,
 }
 

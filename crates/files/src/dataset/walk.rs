@@ -1,5 +1,5 @@
-//! One walk over everything that a data set holds, in the order in which it is written. A walk
-//! writes a data set or reads one back, so that each variable is named once.
+//! One walk over the contents of a data set, in the order of writing. A walk writes a data set or
+//! reads one back, so that each variable is named once.
 
 use super::form::AttributeValue;
 use super::layout::{Described, WithInterval};
@@ -17,7 +17,7 @@ pub enum Walk<'a> {
     Reading(&'a dyn Source),
 }
 
-/// What is wrong with what was read. A walk that writes does not fail.
+/// The error of a walk that reads. A walk that writes does not fail.
 pub type Walked = Result<(), String>;
 
 impl Walk<'_> {
@@ -40,7 +40,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A variable. Reading fails if it is absent although its dimensions are there.
+    /// A variable. Reading fails if it is absent although its dimensions exist.
     pub fn variable<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>) -> Walked {
         match self {
             Walk::Writing(to) => to.write(variable, &*values),
@@ -95,8 +95,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The value of something that may be absent, if it is there. It is read if `first`, its first
-    /// variable, is there.
+    /// An optional value. It is read if `first`, its first variable, is present.
     pub fn present<'a, T: Default>(
         &mut self,
         first: &Described,
@@ -108,7 +107,7 @@ impl Walk<'_> {
         value.as_mut()
     }
 
-    /// Fail unless what was read is right.
+    /// Fail unless the data read are valid.
     pub fn check(&self, is_right: bool, cause: impl FnOnce() -> String) -> Walked {
         if is_right || matches!(self, Walk::Writing(_)) {
             Ok(())

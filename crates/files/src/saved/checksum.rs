@@ -1,12 +1,12 @@
 //! The checksum of everything that this program saves: CRC-32, which detects any single flipped bit
-//! and any burst of errors within 32 consecutive bits. That of a finished file is a few bytes behind
-//! the end that HDF5 sees.
+//! and any burst of errors within 32 consecutive bits. In a finished file it follows the end that
+//! HDF5 sees.
 //!
-//! HDF5 follows whatever address a flipped bit has made, which may give wrong numbers, a crash or
-//! an endless loop. A file is therefore compared with its checksum before the library opens it. A
-//! program that changes the file drops the bytes behind the end, and the checksum with them. Where
-//! there are bytes behind the end they must be a checksum, so that one which is itself damaged does
-//! not pass for one that is absent.
+//! HDF5 follows any address, even if a flipped bit has changed it, which may give wrong numbers, a
+//! crash or an endless loop. A file is therefore compared with its checksum before the library
+//! opens it. A program that changes the file drops the bytes after the end, including the checksum.
+//! If there are bytes after the end, they must be a checksum, so that a damaged checksum is not
+//! mistaken for a missing one.
 //!
 //! The end is in the superblock, the first bytes of an HDF5 file, which are read without the
 //! library, because it must not see a damaged file (HDF5 File Format Specification, version 3.0,
@@ -59,8 +59,8 @@ pub fn is_there(path: &Path) -> io::Result<bool> {
     find(&mut File::open(path)?).map(|found| found.is_some())
 }
 
-/// The length of the file before its checksum, and the checksum itself, or what stands where one
-/// must be. None if the file has none.
+/// The length of the file before its checksum, and the checksum itself, or the bytes in its place.
+/// None if the file has none.
 fn find(file: &mut File) -> io::Result<Option<(u64, [u8; LENGTH])>> {
     let all = file.metadata()?.len();
     let end = superblock(file)?.and_then(|superblock| superblock.end);
@@ -105,7 +105,7 @@ fn sum(file: &mut File, length: u64) -> io::Result<u32> {
 /// The first bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// What the superblock of a file says.
+/// The superblock of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Superblock {
     /// The length of the file in bytes, as HDF5 knows it; none in a version of the format that this

@@ -1,8 +1,8 @@
-//! Why what was saved of a run cannot be used.
+//! Why the saved data of a run cannot be used.
 
 use std::path::PathBuf;
 
-/// Why bytes that were saved of a run cannot be used. `path` is where they come from.
+/// Why the saved bytes of a run cannot be used. `path` is their origin.
 #[derive(Debug, thiserror::Error)]
 pub enum SavedError {
     /// The run was begun by another version or build of the program.

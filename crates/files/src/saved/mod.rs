@@ -1,5 +1,5 @@
-//! What is saved of a run, as bytes: how far it has come, and what joins its parts. Where these
-//! bytes are kept, in files or in memory, is not known here.
+//! The saved state of a run as bytes: its progress, and the data for joining its parts. Whether
+//! these bytes are in files or in memory does not matter here.
 //!
 //! ```text
 //! Question      what a run is asked to do

@@ -21,7 +21,7 @@ use stickslip::stats::{
 /// Why parts cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum PartsError {
-    /// What was saved of a part cannot be used.
+    /// The saved data of a part cannot be used.
     #[error(transparent)]
     Saved(#[from] SavedError),
     /// The parts belong to different runs, or to the same run cut into different numbers of parts.
@@ -114,7 +114,7 @@ fn check_same_run(parts: &[(PathBuf, State)]) -> Result<(), PartsError> {
     Ok(())
 }
 
-/// Check that each of the parts is there once, where parts are in the order of their numbers.
+/// Check that each part is present once. Parts are in the order of their numbers.
 fn check_complete(parts: &[(PathBuf, State)], count: u64) -> Result<(), PartsError> {
     let twice = parts
         .windows(2)
@@ -142,9 +142,8 @@ fn check_complete(parts: &[(PathBuf, State)], count: u64) -> Result<(), PartsErr
 }
 
 impl Parts {
-    /// Check that these states of parts, each with its name, are one whole run together. Parts that
-    /// are unreadable, unfinished, repeated, missing, of another run or of another program are
-    /// errors.
+    /// Check that these states of parts, each with its name, form one whole run. Parts that are
+    /// unreadable, unfinished, repeated, missing, of another run or of another program are errors.
     pub fn of_bytes(
         parts: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
     ) -> Result<Parts, PartsError> {
@@ -153,7 +152,7 @@ impl Parts {
         Parts::of(parts.into_iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// The same of states that are read already.
+    /// The same for states that have been read.
     pub(crate) fn of(mut parts: Vec<(PathBuf, State)>) -> Result<Parts, PartsError> {
         let Some((_, first)) = parts.first() else {
             return Err(PartsError::Missing {
@@ -173,7 +172,7 @@ impl Parts {
             let damaged = |_| SavedError::Damaged { path: path.clone() };
             totals.merge(state.so_far.totals.clone()).map_err(damaged)?;
         }
-        // What a part took is not in its file.
+        // The time that a part took is not in its file.
         Ok(Parts {
             question,
             so_far: SoFar {
@@ -204,7 +203,7 @@ impl Parts {
 }
 
 /// Read the rows of a part block by block, and compare them with the checksum of those that were
-/// simulated. What is wrong with them becomes an error by `wrong`.
+/// simulated. `wrong` turns a problem into an error.
 pub(crate) fn each_block<E>(
     state: &State,
     from: &dyn Source,
@@ -337,7 +336,7 @@ impl Sink for PartRecorder {
 
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         if let Some(question) = self.question.as_ref().filter(|_| moment.is_last) {
-            // The time that was spent is left out, so that equal parts are equal.
+            // The time spent is left out, so that equal parts have equal bytes.
             self.state = Some(to_bytes(
                 question,
                 &moment.state(),

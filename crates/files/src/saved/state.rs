@@ -1,5 +1,4 @@
-//! The saved state of a run: what was asked of it, how far it has come, and how much of its log is
-//! valid.
+//! The saved state of a run: its question, its progress, and how much of its log is valid.
 //!
 //! The bytes are a magic name, a version, the contents, and a checksum of all of these. Numbers are
 //! written as [`stickslip::sums::Codec`] writes them, texts as their length and their bytes.
@@ -65,7 +64,8 @@ pub(crate) fn lines(text: &str) -> Vec<String> {
     lines.filter(|line| !line.is_empty()).collect()
 }
 
-/// The first lines that differ. A title lists what was changed, so the changed key says more.
+/// The first lines that differ. A title lists what was changed, so the changed key is more
+/// informative.
 pub(crate) fn first_difference(first: &[String], second: &[String]) -> Option<[String; 2]> {
     let at = |list: &[String], i| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
     let differing = (0..first.len().max(second.len())).filter(|&i| first.get(i) != second.get(i));
@@ -306,7 +306,7 @@ fn read_series(from: &mut Reader<'_>) -> Result<NamedSeries, Damaged> {
     Ok(NamedSeries { name, series })
 }
 
-/// Whether these sums are of the first blocks that were asked for.
+/// Whether these sums are of the first requested blocks.
 fn is_of(totals: &RunTotals, asked: &Asked) -> bool {
     match totals.blocks().as_slice() {
         [] => true,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use stickslip_data::numbers::{bytes, grouped};
 
-/// Why a file could not be written or read. Each message names the file and says what to do.
+/// Why a file could not be written or read. Each message names the file and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The folder of the target is missing.
@@ -22,10 +22,11 @@ pub enum StoreError {
     NotCreated {
         /// The file to be made.
         partial: PathBuf,
-        /// What the system says.
+        /// The message of the system.
         cause: String,
     },
-    /// `NAME.partial`, the folder in which the file would be made, holds unfinished work already.
+    /// `NAME.partial`, the folder in which the file would be made, already contains unfinished
+    /// work.
     #[error(
         "{}: left behind by an unfinished command; move it to keep it, continue it with `mc resume {}`, or \
          discard it with --force", partial.display(), target.display()
@@ -46,14 +47,14 @@ pub enum StoreError {
         partial: PathBuf,
         /// The file that was to be made.
         target: PathBuf,
-        /// Whether it is the run that was asked for now, or how it differs from that run.
+        /// Whether it is the run requested now, or how it differs from that run.
         what: String,
         /// Number of paths that are saved.
         saved_paths: u64,
         /// Number of paths that the run asks for.
         paths: u64,
     },
-    /// Something else has the name, and it is nothing that this program may replace.
+    /// The name is taken by something that this program may not replace.
     #[error("{}: the name is taken by something else; move it, or choose another output file with -o", path.display())]
     InTheWay {
         /// The name in question.
@@ -67,7 +68,7 @@ pub enum StoreError {
         /// The folder in which an unfinished run would have been saved.
         partial: PathBuf,
     },
-    /// The folder in which a file is made was removed or replaced by another one meanwhile.
+    /// The folder in which a file is made was removed or replaced in the meantime.
     #[error("{}: moved, deleted or replaced while {} was being written in it; run again, and do not touch it", partial.display(), target.display())]
     TakenAway {
         /// The folder.
@@ -78,7 +79,7 @@ pub enum StoreError {
     /// What was saved of the run cannot be used.
     #[error(transparent)]
     Saved(#[from] SavedError),
-    /// A file appeared under the target's name while the results were being made.
+    /// A file with the target's name appeared during the computation.
     #[error(
         "{}: appeared during the run and was not replaced; the results are in {}\n  fix: move the file, or \
          replace it with --force, then run `mc resume {}`", target.display(), partial.display(), target.display()
@@ -89,7 +90,7 @@ pub enum StoreError {
         /// The file that appeared.
         target: PathBuf,
     },
-    /// The same for a file of which nothing is kept.
+    /// The same for a file whose results are not kept.
     #[error(
         "{}: appeared during the run and was not replaced; nothing was written\n  fix: choose another output \
          file with -o, or replace it with --force", target.display()
@@ -165,7 +166,7 @@ pub enum StoreError {
         target: PathBuf,
         /// Number of paths that are saved in the folder.
         saved_paths: u64,
-        /// What the system says.
+        /// The message of the system.
         cause: String,
     },
     /// Writing failed for another reason.
@@ -333,7 +334,7 @@ impl From<io::Error> for WriteFailure {
 
 static REMAINS: Mutex<Vec<(PathBuf, String)>> = Mutex::new(Vec::new());
 
-/// Note that this could not be removed.
+/// Note that a file could not be removed.
 pub(super) fn stays(path: &Path, error: &io::Error) {
     REMAINS
         .lock()
@@ -341,7 +342,7 @@ pub(super) fn stays(path: &Path, error: &io::Error) {
         .push((path.to_owned(), error.to_string()));
 }
 
-/// What this process has left behind so far, in sentences. Each is returned once.
+/// The leftover files of this process so far, in sentences. Each is returned once.
 pub fn take_leftovers() -> Vec<String> {
     let mut remains = std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner));
     // A second attempt may have removed it.

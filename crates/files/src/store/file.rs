@@ -1,13 +1,13 @@
-//! An HDF5 file while it is being written: nothing counts as written before it was read back.
+//! An HDF5 file being written. Nothing counts as written before it has been read back.
 //!
-//! HDF5 writes late, some of it only when a variable or the file is closed, and then it may fail
-//! without a word. So a file is written such that every failure is seen:
+//! HDF5 delays writing, in part until a variable or the file is closed, and may then fail silently.
+//! A file is therefore written in a way that detects every failure:
 //!
 //! ```text
 //! write     values go to the system at once, because there is no sieve buffer
-//! flush     writes what the library still holds, and its result is looked at
+//! flush     writes what the library still holds, and its result is checked
 //! close     has nothing left to write
-//! compare   the file is opened anew, and everything in it is compared with what was written
+//! compare   the file is opened again, and all of it is compared with what was written
 //! checksum  of the whole file, appended and synced to the disk with it
 //! ```
 //!
@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(super) struct StagedFile {
     path: PathBuf,
-    /// The open file, or why nothing can be written any more.
+    /// The open file, or why nothing more can be written.
     place: Result<OpenFile, WriteFailure>,
 }
 
@@ -66,8 +66,8 @@ impl StagedFile {
         })
     }
 
-    /// Close the file, of which every variable must be flushed, compare it with what was to be
-    /// written, and append its checksum.
+    /// Close the file, whose variables must all be flushed, compare it with the intended contents,
+    /// and append its checksum.
     pub fn finish(mut self) -> Result<(), WriteFailure> {
         let mut written = Written::default();
         self.write(|place| {
@@ -85,13 +85,13 @@ impl StagedFile {
             return Err(not_closed);
         }
         written.compare(&self.path)?;
-        // Some file systems report only at this point that they are full.
+        // Some file systems report only here that they are full.
         Ok(checksum::append(&self.path)?)
     }
 }
 
 impl Drop for StagedFile {
-    /// A file that is given up is closed if nothing is left to be written, and leaked otherwise.
+    /// An abandoned file is closed if nothing remains to be written, and leaked otherwise.
     fn drop(&mut self) {
         let _ = self.write(|place| place.file.flush());
     }

@@ -1,4 +1,4 @@
-//! Files of results as they are read: the format, which tells kinds apart, and the contents.
+//! Reads files of results: the format, which identifies the kind, and the contents.
 
 use super::StoreError;
 use super::errors::{cause, not_opened, system_error};
@@ -21,7 +21,7 @@ use stickslip::engine::Status;
 use stickslip::stats::PathColumns;
 use stickslip::stats::column::Columns as _;
 
-/// Files larger than this many bytes are opened without reading them through first, which would
+/// Files larger than this, in bytes, are opened without checking the checksum first, which would
 /// take minutes.
 const LARGEST: u64 = 1 << 30;
 
@@ -78,16 +78,16 @@ fn located(path: &Path) -> PathBuf {
     }
 }
 
-/// Check a file before the HDF5 library opens it, and return whether it has a checksum. The
-/// library gives the same error for a missing, an unreadable and a foreign file, and it follows
-/// whatever address a flipped bit has made.
+/// Check a file before the HDF5 library opens it, and return whether it has a checksum. The library
+/// gives the same error for a missing, an unreadable and a foreign file, and it follows corrupted
+/// addresses.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     check_is_hdf5(path)?;
     check_checksum(path, LARGEST)
 }
 
-/// Compare a file with its checksum, and return whether it has one. A wrong one is an error. In larger
-/// files than these it is found but not computed.
+/// Compare a file with its checksum, and return whether it has one. A wrong one is an error. In
+/// larger files it is found but not computed.
 pub(super) fn check_checksum(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let found = checksum::is_right(path, largest);
     match found.map_err(not_opened(path))? {
@@ -176,7 +176,7 @@ pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     })
 }
 
-/// What the names of all formats of this program begin with.
+/// Prefix of the names of all formats of this program.
 const PROGRAM: &str = "stick-slip ";
 
 /// Read the file of a trade. A file of another kind, of another format, or a damaged one, is an
@@ -192,7 +192,7 @@ pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
 }
 
 /// Check that there is a finished file of this name: every byte is what was written, and it can be
-/// read. Whether a file without a checksum was changed cannot be known.
+/// read. A changed file without a checksum is not detected.
 pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
     check_file(target)?;
     check_checksum(target, u64::MAX)?;

@@ -1,11 +1,10 @@
 //! An advisory lock on `NAME.lock`, so that only one process at a time makes a file. The system
-//! drops the lock when the process ends, however it ends.
+//! releases the lock when the process ends, for whatever reason.
 //!
-//! HDF5 has a lock of its own, but it is commonly switched off on file systems that many machines
-//! share.
+//! HDF5 has its own lock, but it is commonly switched off on shared file systems.
 //!
-//! The file holds a mark, because other programs have locks of such names too, `Cargo.lock` for
-//! example. What holds anything else is not touched.
+//! The file contains a mark, because other programs use such names too, for example `Cargo.lock`. A
+//! file with other contents is not touched.
 
 use super::system::identity;
 use super::{StoreError, errors, system};
@@ -16,12 +15,12 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// How often taking the lock is repeated while it is taken. A process that only asks whether the
-/// lock is taken ([`Lock::is_taken`]) holds it for an instant.
+/// How often to retry while the lock is taken. A process that only tests the lock
+/// ([`Lock::is_taken`]) holds it for an instant.
 const TRIES: u32 = 5;
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What a lock file holds. A process that was killed may have left a part of it, or nothing.
+/// The contents of a lock file. A killed process may have left part of it, or nothing.
 const MARK: &[u8] = b"made by mc, which removes it\n";
 
 /// The right to make a file. Dropping it removes the lock file.
@@ -77,7 +76,7 @@ impl Lock {
             // was locked. The lock is then on a file without a name, which excludes nobody, so it
             // is tried again.
             if is_at(&file, &path) {
-                // A disk that is full is reported by what needs room there.
+                // A full disk is reported by whatever needs the space.
                 let _ = file.write_all(MARK);
                 return Ok(Lock { path, file });
             }
@@ -91,15 +90,15 @@ impl Lock {
     }
 }
 
-/// Open the lock file; the flag is true if it was created just now. None if a file of this name is
-/// no lock of ours.
+/// Open the lock file; the flag is true if it was just created. None if a file of this name is not
+/// a lock of this program.
 fn open(path: &Path) -> io::Result<Option<(File, bool)>> {
     match File::options().create_new(true).write(true).open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
         made => return made.map(|file| Some((file, true))),
     }
     let mut file = match system::open(path, File::options().read(true).write(true)) {
-        // The previous holder has removed it meanwhile.
+        // The previous holder has removed it in the meantime.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return open(path),
         opened => opened?,
     };
@@ -118,8 +117,8 @@ fn is_at(file: &File, path: &Path) -> bool {
 }
 
 impl Drop for Lock {
-    /// Remove the lock file, unless somebody has replaced it. If it stays, it blocks nobody, since
-    /// nobody has it locked.
+    /// Remove the lock file, unless it was replaced. A remaining file blocks nobody, since it is
+    /// not locked.
     fn drop(&mut self) {
         if is_at(&self.file, &self.path)
             && let Err(error) = std::fs::remove_file(&self.path)

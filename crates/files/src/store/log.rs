@@ -1,9 +1,8 @@
-//! A run as it is saved: its state, and the log with the rows of its single paths, to which blocks
-//! are only ever appended.
+//! A saved run: its state, and an append-only log of the rows of single paths.
 //!
-//! A block is stored as its length in bytes and its bytes. The state of a run contains the length of
-//! the log that is valid, and its checksum ([`Position`]). Anything that an interrupted write has
-//! left beyond this length is cut off.
+//! A block is stored as its length in bytes and its bytes. The state of a run contains the length
+//! of the log that is valid, and its checksum ([`Position`]). Anything beyond this length, left by
+//! an interrupted write, is cut off.
 
 use super::errors::not_opened;
 use super::{StoreError, system};
@@ -15,19 +14,19 @@ use std::path::Path;
 use stickslip::stats::BlockRows;
 use stickslip::sums::Reader;
 
-/// Number of bytes that are gathered in memory before they are written.
+/// Number of bytes collected in memory before they are written.
 const BUFFER: usize = 1 << 20;
 
 /// A log that is open for writing.
 #[derive(Debug)]
 pub(super) struct Log {
     file: BufWriter<File>,
-    /// The end of the log, including the bytes that still wait in memory.
+    /// The end of the log, including bytes still in memory.
     end: Position,
 }
 
 impl Log {
-    /// Create a new log. One that a killed process has left is removed.
+    /// Create a new log. A leftover log of a killed process is removed.
     pub fn create(path: &Path) -> io::Result<Log> {
         Ok(Log::of(system::create(path)?, Position::default()))
     }
@@ -45,7 +44,7 @@ impl Log {
         Log { file, end }
     }
 
-    /// The open file, so that the caller can check that it still is the one of this name.
+    /// The open file, so that the caller can check that it still has this name.
     pub fn file(&self) -> &File {
         self.file.get_ref()
     }

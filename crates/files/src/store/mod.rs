@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! FileSink      a run that is being simulated, saved in the folder NAME.partial (log.rs)
-//!   -> go_on    continues the run from what was saved, after whatever ended the process
+//!   -> go_on    continues the run from the saved state, whatever ended the process
 //!   -> Writer   writes the file in that folder, once, at the end; then the file gets its name
 //! read          the header and the statistics of a finished file, or of an unfinished run
 //! ```

@@ -17,10 +17,10 @@ pub enum PartError {
     /// A file cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The parts do not go together.
+    /// The parts do not belong together.
     #[error(transparent)]
     Parts(#[from] PartsError),
-    /// A file is not one part of a run; it may hold a whole run, for example.
+    /// A file is not a part of a run; it may contain a whole run, for example.
     #[error("{}: not a part of a run (status `{}`)\n  fix: give files of mc run --part", path.display(), status.name())]
     NotAPart {
         /// The file.
@@ -45,8 +45,7 @@ impl Parts {
         )?)
     }
 
-    /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
-    /// it.
+    /// A sink that writes the file of the whole run to `target`, once it receives the merged sums.
     pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
         PartsSink {
             parts: self,

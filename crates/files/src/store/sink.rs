@@ -55,13 +55,13 @@ pub struct Unfinished {
     pub question: RunQuestion,
     /// The sums of the paths that are done, and the time spent on them.
     pub so_far: SoFar,
-    /// The sink that goes on saving the run.
+    /// The sink that continues to save the run.
     pub sink: FileSink,
 }
 
 impl FileSink {
     /// A sink that writes to `target`. With `force`, an existing file of this name is replaced, and
-    /// what an unfinished run to it left behind is removed.
+    /// leftovers of an unfinished run to it are removed.
     pub fn new(target: &Path, force: bool) -> Self {
         FileSink {
             target: target.to_owned(),
@@ -77,14 +77,13 @@ impl FileSink {
         FileSink { note, ..self }
     }
 
-    /// Write the file even if the run is interrupted; it then holds the paths that are done.
+    /// Write the file even if the run is interrupted; it then contains the finished paths.
     pub fn ending(self) -> Self {
         FileSink { ends: true, ..self }
     }
 
     /// Continue the run that is saved in `NAME.partial`, where `target` is `NAME`. Returns `None`
-    /// if the run was finished: the file exists and is whole, and the folder, if it was left
-    /// behind, is removed.
+    /// if the run was finished: the file exists and is intact, and a leftover folder is removed.
     ///
     /// It is an error if there is nothing to continue, if the file or the saved state is damaged,
     /// or if another program began the run. So is a file of the target's name that has appeared,
@@ -100,7 +99,7 @@ impl FileSink {
         if !is_there && !is_ours(staging::unfinished(target)) {
             return Err(nothing());
         }
-        // A lock file that a killed process has left is removed together with this lock.
+        // A leftover lock file of a killed process is removed together with this lock.
         let lock = lock(target)?;
         match staging::unfinished(target) {
             Partial::Run if is_there && !force => {
@@ -112,7 +111,7 @@ impl FileSink {
                 let target = target.to_owned();
                 return Err(StoreError::LeftOver { partial, target });
             }
-            // The run was finished, and at most its folder was left to be removed.
+            // The run was finished; at most its folder remains to be removed.
             left if is_there => {
                 check_finished(target)?;
                 if is_ours(left) {
@@ -137,7 +136,7 @@ impl FileSink {
             rows,
             ..
         } = state;
-        // Damage is an error before anything is simulated.
+        // Damage is reported before anything is simulated.
         let path = staging.path(ROWS);
         log::read(&path, rows, |_| Ok(()))?;
         let log = Log::go_on(&path, rows).map_err(|error| staging.failed(&error))?;
@@ -274,8 +273,7 @@ impl Sink for FileSink {
         let Some(open) = &mut self.open else {
             return Ok(());
         };
-        // A run of which no path is done leaves nothing behind, and what is saved already is not
-        // saved again.
+        // A run without a finished path leaves no files, and nothing is saved twice.
         let is_new = moment.paths > open.staging.saved_paths;
         let is_due = is_new && (moment.is_last || Instant::now() >= open.due);
         if is_due {
@@ -289,8 +287,7 @@ impl Sink for FileSink {
         let Some(open) = self.open.take() else {
             return Ok(());
         };
-        // An interrupted run is continued later, and a run of which no path is done leaves nothing
-        // behind.
+        // An interrupted run can be continued later; a run without a finished path leaves no files.
         let is_left = outcome.status == Status::Interrupted && !self.ends
             || outcome.summary.completed_paths == 0;
         if is_left {

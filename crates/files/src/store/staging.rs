@@ -6,15 +6,15 @@
 //! NAME.partial/rows         rows of its single paths
 //! NAME.partial/points.h5    the points of a sweep that are done, as a whole file
 //! NAME.partial/results.h5   a file while it is written
-//! NAME.partial/made-by-mc   the mark of the folder: what has these names in it is ours
+//! NAME.partial/made-by-mc   the mark of the folder: files with these names belong to this program
 //! ```
 //!
-//! A folder without the mark is not touched, unless it is empty. What is saved is
-//! replaced at intervals, in one step.
+//! A folder without the mark is not touched, unless it is empty. Saved files are replaced at
+//! intervals, atomically.
 //!
-//! The file gets its final name by a hard link, because a link cannot replace another file. If
-//! the process is interrupted after that, the two names of one file show that only the folder is
-//! left to be removed.
+//! The file gets its final name by a hard link, because a link cannot replace another file. If the
+//! process is interrupted after that, the two names of one file show that only the folder remains
+//! to be removed.
 
 use super::StoreError;
 use super::errors::{is_full, stays};
@@ -26,10 +26,11 @@ use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Time between two saves of a run or of a sweep: what a kill may lose.
+/// Time between two saves of a run or of a sweep: the most that a kill can lose.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// Saving takes at most one part in this many of the time; where a save takes long, the next one waits.
+/// Saving takes at most this fraction (one in ...) of the time; after a slow save, the next one is
+/// delayed.
 const ONE_PART_IN: u32 = 20;
 
 /// When the next save is due, after one that began at `start` and has just ended.
@@ -59,7 +60,7 @@ impl Staging {
         Staging::create(target, force, lock)
     }
 
-    /// The same, where there is room for it.
+    /// The same, if the name is free.
     pub fn create(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
         let made = DirBuilder::new().mode(mode(target, force)).create(&folder);
@@ -73,7 +74,7 @@ impl Staging {
         Staging::enter(target, force, lock)
     }
 
-    /// Take over the folder that an unfinished run has left, which must exist and be ours.
+    /// Take over the folder of an unfinished run, which must exist and belong to this program.
     pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
         let gone = || StoreError::TakenAway {
@@ -125,7 +126,7 @@ impl Staging {
         Ok(())
     }
 
-    /// Let a file of the folder, which is on the disk, replace another one.
+    /// Replace a file of the folder by another one that is on the disk.
     pub fn replace(&self, new: &str, old: &str) -> Result<(), StoreError> {
         fs::rename(self.path(new), self.path(old))
             .and_then(|()| sync_folder(&self.folder))
@@ -139,7 +140,7 @@ impl Staging {
 
     /// The same error, from the cause as text and whether the disk is full.
     pub fn failure(&self, cause: String, is_full: bool) -> StoreError {
-        // What was saved is gone with the folder.
+        // The saved data are gone with the folder.
         if let Err(taken_away) = self.check(None) {
             return taken_away;
         }
@@ -168,7 +169,7 @@ impl Staging {
         let (results, link) = (self.path(name), self.path(LINK));
         let named = give_name(&results, &link, &self.target, &self.folder, self.force);
         named.map_err(|error| match error {
-            // Without a saved state, the folder and the results in it go.
+            // Without a saved state, the folder is removed with its results.
             StoreError::Appeared { target, .. } if !self.is_saved() => {
                 StoreError::Overtaken { target }
             }
@@ -184,10 +185,9 @@ impl Staging {
         is_there(&self.folder, STATE) || is_there(&self.folder, POINTS)
     }
 
-    /// Remove the folder. If it contains files that are not of this program, they stay, and the
-    /// folder stays too.
+    /// Remove the folder. If it contains other files, they are kept, and so is the folder.
     pub fn discard(&self) {
-        // A folder without a state hinders no later run, so this is no more than said.
+        // A folder without a state does not block later runs, so this is only reported.
         if let Err(error) = remove_files(&self.folder) {
             stays(&self.folder, &error);
         }
@@ -209,8 +209,8 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
     write_together(&[(target, bytes)], force)
 }
 
-/// The same for several files, of which none gets its name before all are on the disk. If one
-/// cannot get its name, those that have one already lose it again, unless they have replaced others.
+/// The same for several files. None gets its name before all are on the disk. If one cannot get its
+/// name, those already named are removed, unless they have replaced others.
 pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(
     files: &[(P, B)],
     force: bool,
@@ -243,8 +243,8 @@ pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(
     Ok(())
 }
 
-/// The permissions of the folder: where a file is replaced that others may not read, they may not
-/// read the new one either, while it is made.
+/// The permissions of the folder: a new file that replaces a private one is private while it is
+/// written.
 fn mode(target: &Path, force: bool) -> u32 {
     let there = fs::symlink_metadata(target)
         .ok()
@@ -294,7 +294,7 @@ pub fn partial_path(target: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The target that a path stands for: `NAME` if the path is `NAME.partial`, and the path itself
+/// The target that a path denotes: `NAME` if the path is `NAME.partial`, and the path itself
 /// otherwise.
 pub fn file_of(path: &Path) -> PathBuf {
     if path
@@ -312,7 +312,7 @@ fn is_ours(folder: &Path) -> bool {
     is_file(folder, MARK) || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// The name of something in a folder of ours that this program has not made, if there is any.
+/// The name of a foreign file in a folder of this program, if there is any.
 fn foreign_file(folder: &Path) -> Option<String> {
     fs::read_dir(folder)
         .ok()?
@@ -324,8 +324,8 @@ fn is_file(folder: &Path, name: &str) -> bool {
     fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file())
 }
 
-/// Remove the files of this program, and then the folder. The folder stays, with an error, if it
-/// holds anything else.
+/// Remove the files of this program, and then the folder. If it contains anything else, the folder
+/// is kept and an error returned.
 fn remove_files(folder: &Path) -> io::Result<()> {
     NAMES
         .iter()
@@ -337,7 +337,7 @@ fn is_there(folder: &Path, name: &str) -> bool {
     fs::exists(folder.join(name)).unwrap_or(true)
 }
 
-/// What lies under `NAME.partial`.
+/// The contents of `NAME.partial`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Partial {
     /// Nothing.
@@ -348,13 +348,13 @@ pub(super) enum Partial {
     Run,
     /// The folder of a sweep.
     Sweep,
-    /// The folder of a file that has its name already; only the folder is left to be removed.
+    /// The folder of a file that already has its name; only the folder remains to be removed.
     Named,
-    /// Something that this program has not made.
+    /// Something not made by this program.
     Foreign,
 }
 
-/// Look at what lies under `NAME.partial`.
+/// Determine the contents of `NAME.partial`.
 pub(super) fn unfinished(target: &Path) -> Partial {
     let partial = partial_path(target);
     let is_named = |name| has_name(&partial.join(name), target);
@@ -373,8 +373,8 @@ pub fn is_unfinished_sweep(target: &Path) -> bool {
     unfinished(target) == Partial::Sweep
 }
 
-/// Remove what lies under `NAME.partial`, so that something new is begun there. Without `force`, a
-/// saved run or sweep is an error. What this program has not made is never removed.
+/// Remove `NAME.partial`, to start something new there. Without `force`, a saved run or sweep is an
+/// error. Foreign files are never removed.
 pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
     let partial = partial_path(target);
     match unfinished(target) {
@@ -388,7 +388,7 @@ pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
     }
 }
 
-/// Remove what lies under `NAME.partial`, which must be ours.
+/// Remove `NAME.partial`, which must belong to this program.
 pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
     let partial = partial_path(target);
     if let Some(name) = foreign_file(&partial) {

@@ -27,7 +27,7 @@ use stickslip::study::sweep::{Design, Point, Sweep, SweepQuestion};
 const OF_SAMPLE: usize = 20;
 
 /// The file of a sweep that is being simulated. It holds the lock, so that no other process writes
-/// the file meanwhile.
+/// the file at the same time.
 #[derive(Debug)]
 pub struct SweepFile {
     staging: Staging,
@@ -36,11 +36,11 @@ pub struct SweepFile {
 }
 
 impl SweepFile {
-    /// Take the lock for a sweep, and return the points that are known already. If the target
-    /// exists and answers the same question, these are its points, and there is no file to be
-    /// written if it has all of them; if an interrupted sweep of the same question left
-    /// `NAME.partial`, they are the points in it. A file of another question, or one that another
-    /// program has changed, is an error, unless `force` lets it be replaced.
+    /// Take the lock for a sweep, and return the points that are known already. They come from the
+    /// target, if it exists and has the same question (if it has all points, no file is written),
+    /// or from the `NAME.partial` of an interrupted sweep with the same question. A file with
+    /// another question, or one changed by another program, is an error, unless `force` allows
+    /// replacing it.
     pub fn open(
         target: &Path,
         question: &SweepQuestion,
@@ -74,14 +74,14 @@ impl SweepFile {
             Staging::enter(target, force, lock)?
         } else {
             staging::make_room(target, force)?;
-            // A file of this question without some of its points is replaced by one with all.
+            // An incomplete file of this question is replaced by a complete one.
             Staging::create(target, force || is_there, lock)?
         };
         let due = Instant::now();
         Ok((Some(SweepFile { staging, due }), points))
     }
 
-    /// Save the points, unless that was done a moment ago.
+    /// Save the points, unless they were saved recently.
     pub fn save(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
         if Instant::now() >= self.due {
             self.save_now(sweep)
@@ -99,7 +99,7 @@ impl SweepFile {
         Ok(())
     }
 
-    /// Save the points a last time and give the file its name. Every point must be done.
+    /// Save the points for the last time and give the file its name. Every point must be done.
     pub fn finish(mut self, sweep: &Sweep) -> Result<(), StoreError> {
         self.save_now(sweep)?;
         self.staging.publish(POINTS)

@@ -1,9 +1,9 @@
-//! The file system: files that this program makes for itself, how a finished file gets its name, and
-//! whether a disk has room.
+//! The file system: internal files of this program, renaming of finished files, and free disk
+//! space.
 //!
-//! The names of its own files are known beforehand, so anything may lie under them: a link to a
-//! file of somebody else, or a pipe, which would hold up whoever opens it. Only regular files are
-//! opened, a new file is always made anew, and nothing else is removed.
+//! The names of internal files are predictable, so anything may have them: a link to somebody
+//! else's file, or a pipe, which would block whoever opens it. Only regular files are opened and
+//! removed, and a new file is always created from scratch.
 
 use super::StoreError;
 use rustix::fs::OFlags;
@@ -12,11 +12,11 @@ use std::io;
 use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
-/// Open a regular file that exists. A link is not followed, and a pipe holds nobody up.
+/// Open a regular file that exists. Links are not followed, and a pipe does not block.
 pub(super) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits() as i32;
     let file = match options.custom_flags(flags).open(path) {
-        // What the system says of a link or of a pipe does not name the matter.
+        // The system's message about a link or a pipe is misleading.
         Err(_) if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) => {
             return Err(no_file(path));
         }
@@ -29,7 +29,7 @@ pub(super) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     }
 }
 
-/// Create a file. A regular file of this name, which a killed process has left, is removed first.
+/// Create a file. A leftover regular file of this name is removed first.
 pub(super) fn create(path: &Path) -> io::Result<File> {
     remove(path)?;
     File::options().create_new(true).write(true).open(path)
@@ -45,7 +45,7 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// What distinguishes a file from all others on this machine; none if there is no such file.
+/// The identity of a file on this machine; none if there is no such file.
 pub(super) fn identity(path: &Path) -> Option<(u64, u64)> {
     fs::symlink_metadata(path)
         .ok()
@@ -59,10 +59,10 @@ fn no_file(path: &Path) -> io::Error {
     ))
 }
 
-/// Give a file, which must be complete and on the disk, the name `target`, by a second name of the
-/// same file where that is possible. Nothing is replaced except a regular file, and that only with
-/// `force`; the new file then gets the permissions of the old one. `link` is a name for a moment,
-/// with which the first name stays even where a file is replaced. `partial` is named in messages.
+/// Give a file, which must be complete and on the disk, the name `target`, through a hard link if
+/// possible. Nothing is replaced except a regular file, and that only with `force`; the new file
+/// then gets the permissions of the old one. `link` is a temporary name that keeps the first name
+/// valid even if a file is replaced. `partial` is named in messages.
 pub(super) fn give_name(
     results: &Path,
     link: &Path,
@@ -117,8 +117,8 @@ pub(super) fn give_name(
     Ok(())
 }
 
-/// Whether `target` is a second name of `results`: then the file has its name already, and only its
-/// first name is left to be removed.
+/// Whether `target` is a second name of `results`: then the file already has its name, and only its
+/// first name remains to be removed.
 pub(super) fn has_name(results: &Path, target: &Path) -> bool {
     identity(target).is_some_and(|there| identity(results) == Some(there))
 }
@@ -148,8 +148,8 @@ pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Check that the disk of a folder has room for this number of bytes. This is done before a long run, so
-/// that it does not fail at its end.
+/// Check that the disk of a folder has room for this number of bytes. This is checked before a long
+/// run, so that it does not fail at its end.
 pub fn check_space(folder: &Path, needed: u64) -> Result<(), StoreError> {
     // The folder of a bare file name is the empty path.
     let folder = if folder.as_os_str().is_empty() {

@@ -203,8 +203,7 @@ const OF_LIBRARY: [&str; 8] = [
     "_nc3_strict",
 ];
 
-/// A file from which every variable is read whose type and shape are those with which it is
-/// written.
+/// Reads variables whose type and shape are those with which they are written.
 impl Source for File {
     fn names(&self) -> Read<Vec<String>> {
         said(self.member_names())
@@ -271,12 +270,12 @@ impl Source for File {
 
 type Read<T> = std::result::Result<T, String>;
 
-/// What HDF5 says, in a line.
+/// The message of HDF5, in one line.
 fn said<T>(read: Result<T>) -> Read<T> {
     read.map_err(|error| cause(&error))
 }
 
-/// What is read of the file, or of a variable of it.
+/// Reads from the file, or from one of its variables.
 fn of_location<T>(
     file: &File,
     variable: Option<&str>,
@@ -288,7 +287,7 @@ fn of_location<T>(
     })
 }
 
-/// Write a new attribute, or another value to one that exists.
+/// Write an attribute, or change its value if it exists.
 fn write_scalar<T: H5Type>(
     location: &Location,
     name: &str,
@@ -381,7 +380,7 @@ fn read_as<T: H5Type + AsRef<str>>(of: &Container) -> Result<Vec<String>> {
         .collect()
 }
 
-/// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
+/// The text of a file as UTF-8. The file may contain any bytes, so this is checked.
 fn readable(text: &str) -> Result<String> {
     std::str::from_utf8(text.as_bytes())
         .map(str::to_owned)
@@ -449,8 +448,8 @@ fn shaped(file: &File, variable: &Described) -> Result<Dataset> {
     if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
         return Err(format!("the shape of {name} differs from its axes").into());
     }
-    // A variable that claims to be larger than its file is damaged, unless another program
-    // compressed it, and then by a factor of a thousand at most.
+    // A variable larger than its file is damaged, unless another program compressed it, by at most
+    // a factor of a thousand.
     let bytes = (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64);
     let most = if dataset.filters().is_empty() {
         1

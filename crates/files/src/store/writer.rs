@@ -1,4 +1,4 @@
-//! Writing the file of a run, once its statistics are known, or a data set in one go.
+//! Writes the file of a run once its statistics are known, or a data set at once.
 
 use super::StoreError;
 use super::errors::WriteFailure;
@@ -34,7 +34,7 @@ pub struct Writer {
 impl Writer {
     /// Start a file: root attributes, coordinates, and the empty variables of what is recorded. The
     /// target itself is not touched before `finish`. With `force`, an existing file of this name is
-    /// replaced, and what an unfinished run to it left behind is removed.
+    /// replaced, and leftovers of an unfinished run to it are removed.
     pub fn create(
         target: &Path,
         header: &Provenance,
@@ -112,8 +112,8 @@ impl Writer {
         Ok(())
     }
 
-    /// Write the statistics, and give the file its name. At every moment the name belongs to no
-    /// file (or to the earlier one), or to the finished file.
+    /// Write the statistics, and give the file its name. At every moment the name denotes no file
+    /// (or the earlier one), or the finished file.
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
         let appended = self.appended;
@@ -146,7 +146,7 @@ impl Writer {
         staging.publish(RESULTS)
     }
 
-    /// Do something with the open file. After the first failure, every call returns that failure.
+    /// Do something with the open file. After the first failure, every call returns it.
     fn guarded(
         &mut self,
         work: impl FnOnce(&mut OpenFile, &mut Vec<GrowingTable>, &Provenance) -> hdf5::Result<()>,
@@ -204,7 +204,7 @@ struct GrowingVariable {
 #[derive(Debug)]
 struct GrowingTable {
     along: RowAxis,
-    /// The dataset of the dimension itself, where no variable is its coordinate.
+    /// The dataset of the dimension itself, if it has no coordinate variable.
     bare_dimension: Option<hdf5::Dataset>,
     columns: Vec<GrowingVariable>,
     /// Number of rows so far.

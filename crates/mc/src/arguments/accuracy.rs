@@ -21,12 +21,12 @@ pub const CHOSEN: [&str; 5] = [
     "time.step",
 ];
 
-/// A run for all statistics that takes more seconds than this is announced with a way to shorten
-/// it.
+/// A run for all statistics that takes longer than this, in seconds, is announced, with a way to
+/// shorten it.
 const NOTABLE: f64 = 20.0;
 
 /// Chooses how to run the scenario and prints the choice with its reasons, unless only errors are
-/// printed. Returns `Failure::Interrupted` when `stop` is raised meanwhile.
+/// printed. Returns `Failure::Interrupted` if `stop` is raised in the meantime.
 pub fn choose(
     accuracy: &Accuracy,
     is_quiet: bool,
@@ -137,7 +137,7 @@ fn reason(choice: &Choice) -> String {
         _ => format!("{decisive} needs the most paths"),
     };
     let mut why = format!(
-        "the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
+        "the cheapest run found, about {cost} of CPU time; {paths}; the bias of {decisive} is at most {bias}"
     );
     if !choice.is_measured {
         why += ", extrapolated from coarser steps: this step itself was not measured";

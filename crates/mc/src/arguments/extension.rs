@@ -1,10 +1,10 @@
-//! What the ending of a file's name promises.
+//! Output files whose extension does not match their format.
 
 use crate::{Failure, writable};
 use std::path::Path;
 
-/// Checks like [`writable`] that results may be written at `path`. Refuses to write HDF5 under a name
-/// whose ending promises something else, and names the command that makes that from the HDF5 file.
+/// Checks like [`writable`] that results may be written at `path`. Refuses to write HDF5 under an
+/// extension of another format, and names the command that makes that format from the HDF5 file.
 pub fn writable_hdf5<P: AsRef<Path>>(
     path: &Path,
     force: bool,
@@ -26,11 +26,11 @@ pub fn writable_hdf5<P: AsRef<Path>>(
         format!("-o {shown}: results are written as HDF5, but this name has another extension");
     Err(Failure::usage(
         problem,
-        format!("write `-o {file}`, and then `{makes}`"),
+        format!("write `-o {file}`, then run `{makes}`"),
     ))
 }
 
-/// Refuses to write a page for a browser under a name that does not say so.
+/// Refuses to write an HTML page under another extension.
 pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
     let (shown, of) = (path.display(), of.display());
     let remedy = match ending(path).as_str() {
@@ -46,7 +46,7 @@ pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
     ))
 }
 
-/// The ending of a file's name, in small letters; empty if it has none.
+/// The extension of a file's name, in lower case; empty if it has none.
 pub fn ending(path: &Path) -> String {
     path.extension()
         .map(|ending| ending.to_string_lossy().to_lowercase())

@@ -1,4 +1,5 @@
-//! Answers to a file where a command is missing, and to keys of a scenario written as options.
+//! Messages for two common mistakes: a file without a command, and keys of a scenario written as
+//! options.
 
 use crate::output::failure::Failure;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -6,7 +7,7 @@ use std::path::Path;
 use stickslip::config;
 use stickslip_files::store;
 
-/// The answer to an error of the argument parser; none if what the parser says is good.
+/// A better message for an error of the argument parser; none if the parser's own is good.
 pub fn answered(error: &clap::Error) -> Option<Failure> {
     let word = |kind| match error.get(kind)? {
         ContextValue::String(word) => Some(word.as_str()),
@@ -30,8 +31,8 @@ pub fn answered(error: &clap::Error) -> Option<Failure> {
     }
 }
 
-/// The message where a file stands in the place of a verb, as in `mc mine.toml`: the verbs that
-/// take such a file.
+/// The message for a file in the place of a verb, as in `mc mine.toml`: the verbs that take such a
+/// file.
 fn file_without_verb(word: &str) -> Option<Failure> {
     let path = Path::new(word);
     let is_shipped = config::shipped(word).is_some();

@@ -1,4 +1,4 @@
-//! Arguments that several verbs share, and what is said about words that are wrong.
+//! Arguments that several verbs share, and messages about wrong ones.
 
 pub(crate) mod accuracy;
 pub(crate) mod completion;

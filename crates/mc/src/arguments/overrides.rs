@@ -55,8 +55,8 @@ impl Settings {
 }
 
 impl Overrides {
-    /// Reads a scenario and applies the flags: every `--set` in order, then the flags with names of
-    /// their own.
+    /// Reads a scenario and applies the flags: every `--set` in order, then the flags for single
+    /// keys.
     pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
         Ok(Scenario::read(path, &self.without_goals()?)?)
     }
@@ -66,7 +66,7 @@ impl Overrides {
         Ok(input_files(path, &self.list()?))
     }
 
-    /// The changes, for a verb that has no goals; a goal is an error there.
+    /// The changes, for a verb without goals; a goal is an error there.
     pub fn without_goals(&self) -> Result<Vec<Override>, Failure> {
         match self.until.iter().find(|text| is_goal(text)) {
             None => Ok(self.list()?),

@@ -1,4 +1,4 @@
-//! The option `--threads`, and whether this machine has the threads and the memory for it.
+//! The option `--threads`, and checks that this machine has the threads and the memory for it.
 
 use crate::output::failure::Failure;
 use crate::output::numbers::{bytes, counted};
@@ -14,15 +14,15 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// The number that was asked for, or one for each core.
+    /// The requested number, or one for each core.
     pub fn number(&self) -> usize {
         self.threads
             .map_or_else(crate::cores, usize::from)
             .min(MOST_THREADS)
     }
 
-    /// The number, if the system starts this number of threads and has these bytes of memory for their
-    /// work, which a message calls `work`.
+    /// The number, if the system can start this number of threads and has `used` bytes of memory
+    /// for their work, which a message calls `work`.
     pub fn ready(&self, work: &str, used: f64) -> Result<usize, Failure> {
         let threads = self.number();
         enough_memory(work, used, threads)?;
@@ -56,7 +56,7 @@ pub fn enough_memory(work: &str, used: f64, threads: usize) -> Result<(), Failur
     )
 }
 
-/// Says why the system does not start this number of threads.
+/// The message if the system cannot start this number of threads.
 pub fn refused(error: ThreadsError) -> Failure {
     Failure::usage(format!("--threads: {error}"), ThreadsError::REMEDY)
 }

@@ -24,21 +24,20 @@ use stickslip_files::store;
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Estimate from the slips, by the least squares of the paper (criterion), or by both
+    /// Estimate from the slips, by the paper's least-squares criterion, or by both
     #[arg(long, value_name = "slips|criterion|both", default_value = "slips", value_parser = method)]
     method: CalibrationMethod,
-    /// The keys of the parameters to fit; the others keep the value that the scenario gives them
-    /// [default: all]
+    /// Keys of the parameters to fit; the others keep the values of the scenario [default: all]
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
     fit: Vec<Quantity>,
-    /// Bounds of a parameter in the least squares, e.g. friction.static=4e5:6e5; repeatable
+    /// Bounds of a parameter in the least-squares search, e.g. friction.static=4e5:6e5; repeatable
     /// [default: a box around the estimates from the slips]
     #[arg(long, value_name = "KEY=LOW:HIGH", value_parser = bounds, allow_hyphen_values = true)]
     bounds: Vec<(Quantity, [f64; 2])>,
-    /// Number of starting points of the least squares
+    /// Number of starting points of the least-squares search
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
-    /// Delay of the temperature of the steel behind the thermometer, e.g. 15m; `auto` estimates it
+    /// Delay of the steel temperature behind the thermometer, e.g. 15m; `auto` estimates it
     #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
     lag: Lag,
     /// Write everything to FILE.h5: estimates, slips, starting points with their results, the
@@ -48,7 +47,7 @@ pub struct Arguments {
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -73,7 +72,7 @@ impl Arguments {
         };
         let question = question.fitting(&self.fit, &scene)?;
         let threads = self.source.threads.ready("this calibration", STUDY_BYTES)?;
-        // Nothing that would be saved is lost, so a signal ends the process at once.
+        // There is nothing to save, so a signal ends the process at once.
         let stop = AtomicBool::new(false);
         let calibration = during("calibrating the bearing", || {
             calibrate(&record, &question, threads, &stop)
@@ -101,11 +100,11 @@ impl Arguments {
         for output in &self.output {
             match is_scenario(output) {
                 true => note(&format!(
-                    "{} is the scenario with the estimates",
+                    "{} contains the scenario with the estimates",
                     output.display()
                 )),
                 false => note(&format!(
-                    "{} has all of it; `mc plot {0}` draws it",
+                    "{} contains all results; `mc plot {0}` draws them",
                     output.display()
                 )),
             }
@@ -118,7 +117,8 @@ fn is_scenario(output: &Path) -> bool {
     output.extension().is_some_and(|ending| ending == "toml")
 }
 
-/// The text of the scenario with the estimates in place of its values. The initial displacement stays, because it is that of the record.
+/// The text of the scenario with its values replaced by the estimates. The initial displacement is
+/// kept, because it belongs to the record.
 fn fitted(stored: &StoredCalibration) -> Result<String, Failure> {
     let known = Quantity::FITTED
         .into_iter()
@@ -155,7 +155,7 @@ fn fitted(stored: &StoredCalibration) -> Result<String, Failure> {
         }
     }
     let text = lines.join("\n") + "\n";
-    // Tables in other forms would now be there twice, which this refuses.
+    // Tables in other forms would now appear twice, which this refuses.
     BridgeScene::parse("the scenario with the estimates", &text, &[])?;
     Ok(text)
 }

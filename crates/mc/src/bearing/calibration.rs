@@ -1,4 +1,4 @@
-//! A calibration: what the commands do with one.
+//! Calibrations as results: how the commands show, draw and verify them.
 
 use super::years::Years;
 use super::{LEFT_OUT, measurements};
@@ -120,15 +120,14 @@ impl StoredResult for StoredCalibration {
         let again = again.map_err(|error| wrong(&error))?;
         let again = StoredCalibration::of(&scene.title, &self.scenario_text, again);
         Ok(Again {
-            simulated: "the fit, with the record in the file".into(),
+            simulated: "the fit, from the record in the file".into(),
             compared: "title, question, estimates, intervals, slips, the model, attributes, coordinates and units",
             found: store::verify(file, &again.dataset())?,
         })
     }
 }
 
-/// The page of a calibration, after a forecast if there is one, in words for readers who did not
-/// make them.
+/// The page of a calibration, preceded by a forecast if there is one, for readers who did neither.
 pub fn page(stored: &StoredCalibration, forecast: Option<&Years>) -> String {
     let StoredCalibration {
         title,

@@ -17,14 +17,14 @@ use stickslip_files::store;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/fit-temperature.txt"))]
 pub struct Arguments {
-    /// The measurement, a CSV file with times and temperatures
+    /// Measurement, a CSV file with times and temperatures
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
     /// Largest number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
-    /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and
-    /// a day, as far as the samples resolve them]
+    /// Periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and a
+    /// day, as far as the samples resolve them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<f64>,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -53,8 +53,8 @@ impl Arguments {
             .collect();
         if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
             return Err(Failure::usage(
-                "--periods names one period twice",
-                "name each period once, e.g. 365.25d,1d",
+                "--periods lists a period twice",
+                "list each period once, e.g. 365.25d,1d",
             ));
         }
         let mut source = config::temperature_source(&self.flags.overrides(&["temperature"]))?;
@@ -94,7 +94,7 @@ impl Arguments {
         })?;
         if let Some(output) = &self.output {
             note(&format!(
-                "{} holds the temperature, to be added to a scenario without one",
+                "{} contains the temperature; add it to a scenario without one",
                 output.display()
             ));
         }
@@ -105,8 +105,8 @@ impl Arguments {
 /// The temperature section of a scenario.
 fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
     let mut part = format!(
-        "# The temperature of {}, fitted to {} samples; t = 0 is {start}.\n# In the tables: noise of intensity rho in \
-         kelvin, whose v has the standard deviation 1.\n",
+        "# Temperature fitted to {}, {} samples; t = 0 is {start}.\n# In the tables: noise of \
+         intensity rho in kelvin, whose v has the standard deviation 1.\n",
         data.file_name().unwrap_or_default().to_string_lossy(),
         found.samples
     );
@@ -148,7 +148,7 @@ fn json(found: &WeatherFit) -> String {
     document("weather", fit)
 }
 
-/// The period of a harmonic in seconds; one without end if the word is `none`.
+/// The period of a harmonic in seconds; infinite for the word `none`.
 fn period(text: &str) -> Result<f64, String> {
     if text == "none" {
         return Ok(f64::INFINITY);

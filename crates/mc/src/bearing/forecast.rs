@@ -1,4 +1,4 @@
-//! `mc forecast`: simulates future years of a bearing that was measured.
+//! `mc forecast`: simulates future years of a measured bearing.
 
 use super::STUDY_BYTES;
 use super::measurements::Source;
@@ -29,7 +29,7 @@ pub struct Arguments {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Time counts as loaded where |F| is above this share of f_s
+    /// Report the fraction of time with |F| above this fraction of f_s
     #[arg(long, value_name = "Q", default_value_t = 0.9, value_parser = share)]
     share: f64,
     /// Largest number of Ornstein-Uhlenbeck processes in the weather: one, or a fast and a slow one
@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -66,7 +66,7 @@ impl Arguments {
             writable(output, self.force, self.source.inputs()?)?;
         }
         let threads = self.source.threads.ready("this forecast", STUDY_BYTES)?;
-        // Nothing that took long would be lost, so a signal ends the process at once.
+        // Little work would be lost, so a signal ends the process at once.
         let stop = AtomicBool::new(false);
         let question = ForecastQuestion {
             draws: u64::from(self.draws),
@@ -150,5 +150,9 @@ fn csv(found: &Forecast) -> String {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &(0.0..1.0), "write a share of f_s from 0 to below 1")
+    parse_share_in(
+        text,
+        &(0.0..1.0),
+        "write a fraction of f_s, at least 0 and below 1",
+    )
 }

@@ -9,8 +9,7 @@ use stickslip::scenario::BridgeScene;
 use stickslip_bearing::calibration::MeasuredRecord;
 use stickslip_data::{BearingData, ColumnSource, DataError, Origin, Wording};
 
-/// What flags say of measured temperatures, and of how a file is laid out, as far as it does not say
-/// so itself: they are keys of a scenario under names of their own.
+/// Flags about measured temperatures and the layout of their file. Each sets a key of a scenario.
 #[derive(Debug, clap::Args)]
 pub struct MeasuredFlags {
     /// Column of temperatures [default: the one whose name begins with `temperature`]
@@ -19,8 +18,8 @@ pub struct MeasuredFlags {
     /// Unit of the temperatures, if the file does not give it: degC, K, degF or degR
     #[arg(long, value_name = "U")]
     temperature_unit: Option<String>,
-    /// Column of times, or several columns with commas between them: date and hour, or year, month,
-    /// day and hour [default: columns with usual names, such as time or Date/Time]
+    /// Column of times, or several columns separated by commas: date and hour, or year, month, day
+    /// and hour [default: columns with usual names, such as time or Date/Time]
     #[arg(long, value_name = "COLUMN[,COLUMN]")]
     time: Option<String>,
     /// Time zone, if neither the times nor their column give one, e.g. UTC or Europe/Paris
@@ -52,10 +51,11 @@ pub struct MeasuredFlags {
     averaged: Option<String>,
 }
 
-/// The same for a file of temperatures that is laid out otherwise than that of the displacements.
+/// The same for a file of temperatures whose layout differs from that of the displacements.
 #[derive(Debug, clap::Args)]
 struct TemperatureLayoutFlags {
-    /// Column of times in the temperature file [default: as --time where that fits, else usual names]
+    /// Column of times in the temperature file [default: that of --time if it exists there,
+    /// otherwise usual names]
     #[arg(long, value_name = "COLUMN[,COLUMN]", requires = "temperature_file")]
     temperature_time: Option<String>,
     /// Time zone of the temperature file [default: as --zone]
@@ -66,7 +66,8 @@ struct TemperatureLayoutFlags {
         requires = "temperature_file"
     )]
     temperature_zone: Option<String>,
-    /// Order of dates in the temperature file [default: as --dates where that fits]
+    /// Order of dates in the temperature file [default: that of --dates if all dates are valid in
+    /// it]
     #[arg(long, value_name = "ymd|dmy|mdy", requires = "temperature_file")]
     temperature_dates: Option<String>,
     /// Number of lines before the header of that file [default: as --skip]
@@ -87,7 +88,7 @@ struct TemperatureLayoutFlags {
 }
 
 impl MeasuredFlags {
-    /// What they say of the series of these quantities.
+    /// These flags as changes of the series of these quantities.
     pub fn overrides(&self, of: &[&str]) -> Vec<Override> {
         let MeasuredFlags {
             time,
@@ -118,7 +119,7 @@ impl MeasuredFlags {
                 .into_iter()
                 .filter_map(|(key, value)| given(of, key, key, value))
         });
-        // What the temperature says of this holds for the displacement as well.
+        // A flag for the temperature also applies to the displacement.
         let mean = given("temperature", "averaged", "averaged", averaged);
         let column = given("temperature", "temperature", "value", &self.temperature);
         let unit = given(
@@ -163,7 +164,7 @@ fn mark(text: &str) -> Result<String, String> {
     }
 }
 
-/// What a flag says of a key of the series of a quantity.
+/// A flag as a change of a key of the series of a quantity.
 fn given(quantity: &str, flag: &str, key: &str, value: &Option<String>) -> Option<Override> {
     let (value, flag, dotted) = (
         value.as_ref()?,
@@ -218,13 +219,13 @@ fn level(text: &str) -> Result<f64, String> {
 }
 
 impl Source {
-    /// The file that messages name.
+    /// The file named in messages.
     pub fn shown(&self) -> &Path {
         self.data.as_deref().unwrap_or(Path::new("the measurement"))
     }
 
-    /// The scenario, as far as a study of measurements needs it, with what flags say of their files.
-    /// The layout of the temperatures may be another one than that of the displacements.
+    /// The part of the scenario that a study of measurements needs, with the flags about their
+    /// files. The layout of the temperatures may differ from that of the displacements.
     pub fn scene(&self) -> Result<BridgeScene, ScenarioError> {
         let mut all = self.set.list()?;
         all.extend(self.flags.overrides(&["temperature", "displacement"]));
@@ -243,7 +244,7 @@ impl Source {
         let mut scene = BridgeScene::read(&self.scenario, &all)?;
         all.extend(self.of_temperatures.overrides());
         scene.temperature_source = BridgeScene::read(&self.scenario, &all)?.temperature_source;
-        // The text that is stored holds the changes as well.
+        // The stored text includes the changes.
         let changes = self
             .set
             .list()?
@@ -260,8 +261,8 @@ impl Source {
         Ok(scene)
     }
 
-    /// All files that a study of these measurements is made from: they, the scenario, and the
-    /// measurements that it names.
+    /// All input files of a study of these measurements, including the scenario and the files that
+    /// it names.
     pub fn inputs(&self) -> Result<Vec<PathBuf>, ScenarioError> {
         let named = input_files(&self.scenario, &self.set.list()?);
         Ok(self
@@ -287,7 +288,7 @@ impl Source {
     }
 }
 
-/// What a line of a stored scenario begins with that holds a change of it.
+/// Prefix of the lines of a stored scenario that contain changes of it.
 const CHANGED: &str = "# changed by ";
 
 /// The scenario of a study of measurements from its stored text.
@@ -303,7 +304,7 @@ pub fn scene_again(name: &str, text: &str) -> Result<BridgeScene, ScenarioError>
 }
 
 /// The files that a scenario names: that of the displacements, and that of the temperatures if it
-/// is another one.
+/// is a different one.
 fn files_of(
     scenario: &Path,
     displacement: &ColumnSource,

@@ -26,10 +26,10 @@ verbs! {
     Forecast(forecast),
 }
 
-/// Bytes that a calibration or a forecast needs; its record is read before.
+/// Bytes that a calibration or a forecast needs in addition to its record, which is read before.
 const STUDY_BYTES: f64 = 30e6;
 
-/// What neither fit nor forecast knows of.
+/// Effects that neither fit nor forecast includes.
 const LEFT_OUT: &str = "Traffic, wind and braking, which move a bearing faster than the weather; wear, which \
                         changes friction; and a climate different from that of the record. Movements that \
                         they cause add to the sliding path.";

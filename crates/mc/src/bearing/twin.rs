@@ -29,13 +29,13 @@ pub struct Arguments {
     /// Relative standard deviation of f_s from slip to slip; f_d does not vary
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
-    /// Delay of the temperature of the steel behind the thermometer, e.g. 15m
+    /// Delay of the steel temperature behind the thermometer, e.g. 15m
     #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
     lag: Option<f64>,
     /// Resolution of the thermometer in kelvin: readings are multiples of it
     #[arg(long, value_name = "K", default_value_t = 0.0, value_parser = not_negative)]
     resolution: f64,
-    /// The share of displacements that are outliers, off by up to 20 times the noise of the sensor
+    /// Fraction of displacements that are outliers, off by up to 20 times the sensor noise
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     spikes: f64,
     /// Number of gaps in the record, of one to five days each
@@ -44,15 +44,15 @@ pub struct Arguments {
     /// Drift of the displacement sensor in metres a year, e.g. 0.5e-3
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     drift: f64,
-    /// The zero of the displacement sensor is set after TIME, and its readings move by M metres
-    /// from then on, e.g. 150d:1e-3
+    /// Shift all displacement readings after TIME by M metres, as if the sensor had been reset,
+    /// e.g. 150d:1e-3
     #[arg(long, value_name = "TIME:M", value_parser = zero_set)]
     zero_set: Option<(f64, f64)>,
-    /// The thermometer shows only every N-th sample, and the displacement sensor all of them
+    /// Keep only every Nth temperature; all displacements are kept
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     thermometer_every: u32,
-    /// The date of the first sample, e.g. 2024-06-01, at which t = 0 in the harmonics; only if
-    /// the scenario has no measured temperature
+    /// Date of the first sample, e.g. 2024-06-01, which is t = 0 of the harmonics; only if the
+    /// scenario has no measured temperature
     #[arg(long, value_name = "DATE", value_parser = start)]
     start: Option<Start>,
     /// Length of the record; only if the scenario has no measured temperature [default: 300d]
@@ -63,7 +63,7 @@ pub struct Arguments {
     every: Option<f64>,
     #[command(flatten)]
     set: Settings,
-    /// Where to write the synthetic measurements
+    /// Output file
     #[arg(short, long, value_name = "FILE.csv")]
     output: PathBuf,
     /// Overwrite an earlier file
@@ -74,7 +74,7 @@ pub struct Arguments {
 /// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
 
-/// The most samples. A larger number is most likely a typing error.
+/// The maximum number of samples. A larger number is probably a typing error.
 const MOST: f64 = 1e7;
 
 impl Arguments {
@@ -151,7 +151,7 @@ impl Arguments {
     }
 }
 
-/// The measured temperature that a scenario names, and the time of its first sample if it is known.
+/// The measured temperature that a scenario names, and the time of its first sample, if known.
 fn measured(
     scenario: &Path,
     file: &str,
@@ -176,7 +176,7 @@ fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String,
     let start = start
         .or_else(|| Start::parse(EPOCH))
         .ok_or_else(out_of_calendar)?;
-    // A measured temperature is in the file in degrees Celsius, whatever its unit was.
+    // Measured temperatures are written in degrees Celsius, whatever their unit was.
     let column = scene
         .temperature_source
         .column
@@ -206,7 +206,7 @@ fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String,
     Ok(text)
 }
 
-/// Reads the noise of the sensor, the only flaw that it returns.
+/// Reads the noise of the sensor, as the only imperfection.
 fn sensor_noise(text: &str) -> Result<Imperfections, String> {
     let mut parts = text.split(',');
     let mut number = |default: f64| parts.next().map_or(Ok(default), not_negative);
@@ -228,7 +228,11 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &(0.0..0.5), "write a number from 0 to below 0.5")
+    parse_share_in(
+        text,
+        &(0.0..0.5),
+        "write a number of at least 0 and below 0.5",
+    )
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
@@ -243,7 +247,7 @@ fn zero_set(text: &str) -> Result<(f64, f64), String> {
     let parts = text
         .split_once(':')
         .and_then(|(when, by)| Some((parse_seconds(when).ok()?, number(by).ok()?)));
-    parts.ok_or_else(|| "write when and by how many metres, e.g. 150d:1e-3".to_string())
+    parts.ok_or_else(|| "write the time and the shift in metres, e.g. 150d:1e-3".to_string())
 }
 
 fn start(text: &str) -> Result<Start, String> {

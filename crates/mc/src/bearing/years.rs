@@ -1,4 +1,4 @@
-//! A forecast: what the commands do with one.
+//! Forecasts as results: how the commands show and draw them.
 
 use super::calibration::page;
 use crate::kinds::{AnyResult, Shown};
@@ -11,7 +11,7 @@ use stickslip_bearing::dataset::{StoredCalibration, forecast};
 use stickslip_bearing::forecast::BearingForecast;
 use stickslip_bearing::report;
 
-/// A forecast, with the scenario that it is of.
+/// A forecast, with its scenario.
 pub struct Years<'a> {
     pub scene: &'a BridgeScene,
     pub found: &'a BearingForecast,

@@ -1,4 +1,4 @@
-//! The command `mc` under a name that no other program has.
+//! The command `mc` under a name that no other program uses.
 
 fn main() -> std::process::ExitCode {
     stickslip_mc::main()

@@ -29,8 +29,8 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut scenario = self.overrides.scenario(&self.scenario)?;
-        // The printed scenario must run from the working directory, so its data files are named from
-        // there.
+        // The printed scenario must run from the working directory, so the paths of its data files
+        // are relative to it.
         let folder = self.scenario.parent().unwrap_or(Path::new(""));
         for measured in &mut scenario.measured {
             measured.file = folder.join(&measured.file).display().to_string();
@@ -61,7 +61,7 @@ pub fn report(scenario: &Scenario) -> String {
     text
 }
 
-/// How an input is taken from its file.
+/// How an input was read from its file.
 fn taken(measured: &Measured) -> String {
     let Measured {
         series,
@@ -81,7 +81,7 @@ fn taken(measured: &Measured) -> String {
     let shifted = if *begin == 0.0 {
         String::new()
     } else {
-        format!(", whose time {} is t = 0", number(*begin))
+        format!(", where t = 0 is {} in the file", number(*begin))
     };
     let [low, high] = [series.range().0, series.range().1].map(number);
     format!(
@@ -95,7 +95,7 @@ fn taken(measured: &Measured) -> String {
 fn duration(seconds: Option<f64>) -> String {
     let threads = crate::cores();
     let name = format!(
-        "time of the run here, on {}, about",
+        "run time here, on {}, about",
         counted(threads as u64, "thread")
     );
     let value = seconds.map_or(
@@ -141,7 +141,7 @@ fn number(x: f64) -> String {
     significant(x, DIGITS)
 }
 
-/// What a number means, and the number, so far as there is one.
+/// Names and values of the derived quantities that exist.
 fn derived(scenario: &Scenario) -> Vec<(String, String)> {
     let shown = |(name, meaning, quantity): (&str, &str, DerivedQuantity)| {
         let shown = match (name, quantity) {
@@ -195,7 +195,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
         "scenario": path,
         "resolved": scenario.to_toml(),
         "derived": derived.into_iter().collect::<Map<_, _>>(),
-        // Whether the event-driven scheme is exact in law, or follows a force of the user's own.
+        // Whether the event-driven scheme is exact in law, or integrates a user-defined force.
         "class": if scenario.model.force.is_some() { "general" } else { "linear" },
         // CPU seconds of the run on one thread of this machine; null where they could not be
         // estimated.

@@ -76,7 +76,7 @@ impl Arguments {
         if output == Path::new("-") {
             return print_data(&text);
         }
-        // The data files that the scenario names are written beside it.
+        // The data files that the scenario names are written next to it.
         let beside = start
             .data
             .iter()
@@ -96,8 +96,8 @@ impl Arguments {
     }
 }
 
-/// The comment at the head of the file: that of the shipped scenario if nothing is changed, else a
-/// line that lists the changes.
+/// The comment at the top of the file: that of the shipped scenario if nothing is changed,
+/// otherwise a list of the changes.
 fn introduction(name: &str, text: &str, changes: &[Override]) -> String {
     if changes.is_empty() {
         return text

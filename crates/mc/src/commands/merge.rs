@@ -1,4 +1,4 @@
-//! `mc merge`: joins the parts of a run to the whole run.
+//! `mc merge`: joins the parts of a run.
 
 use crate::arguments::extension::writable_hdf5;
 use crate::inputs::files;

@@ -20,7 +20,7 @@ pub struct Arguments {
     /// A scenario (TOML), or a file of results
     #[arg(value_name = "SCENARIO|FILE.h5")]
     pub subject: PathBuf,
-    /// Further sweeps over the same key, drawn in the same axes
+    /// Further sweeps over the same key, drawn on the same axes
     #[arg(value_name = "SWEEP.h5")]
     pub beside: Vec<PathBuf>,
     /// Output file; the extension .svg, .png or .pdf selects the format [default: NAME.svg in the
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[arg(long, value_name = "NAME", value_parser = figure,
-          help = format!("One figure: {}; or one of its panels by its letter, e.g. sticks.B", Only::names(kinds::figures())))]
+          help = format!("One figure: {}; or one of its panels, by letter, e.g. sticks.B", Only::names(kinds::figures())))]
     only: Option<Only>,
     /// Number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -124,7 +124,7 @@ impl Arguments {
         files::read(&self.subject, kind.read)?.draw(self)
     }
 
-    /// The path that is drawn, of this scenario.
+    /// The path of this scenario that is drawn.
     pub fn drawn<'a>(&self, scenario: &'a Scenario) -> Result<DrawnPath<'a>, Failure> {
         let (from, end) = (self.from, scenario.time.end);
         if (0.0..end.max(f64::MIN_POSITIVE)).contains(&from) {
@@ -141,8 +141,9 @@ impl Arguments {
         ))
     }
 
-    /// What ends a path at `--until`. Events do not depend on the end of the simulation, so it is the
-    /// beginning of the longer path; how much of it statistics leave out does not matter to it.
+    /// Changes that end a path at `--until`. Events do not depend on the end of the simulation, so
+    /// the result is the beginning of the longer path. The start of the counted time does not
+    /// matter here.
     pub fn window(&self) -> Vec<Override> {
         let until = self.until.iter();
         until
@@ -155,7 +156,7 @@ impl Arguments {
             .collect()
     }
 
-    /// Refuses an option that would change nothing in the one figure that is asked for.
+    /// Refuses an option that has no effect on the one requested figure.
     fn check_only(&self) -> Result<(), Failure> {
         let Some(Only { figure, .. }) = self.only else {
             return Ok(());
@@ -181,7 +182,7 @@ impl Arguments {
         }
     }
 
-    /// The figure or panel that is asked for, or the page of all figures.
+    /// The requested figure or panel, or the page of all figures.
     pub fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
         let Arguments {
@@ -202,18 +203,21 @@ impl Arguments {
                     let problem = format!(
                         "--label {name}=...: no key of the sweep and no statistic has this name"
                     );
-                    Failure::usage(problem, format!("name a statistic, or one of {known}"))
+                    Failure::usage(problem, format!("use a statistic, or one of {known}"))
                 }
             },
         )
     }
 
     fn refused(&self, figure: &str, absent: &Absent) -> Failure {
-        let problem = format!("no figure {figure} of {}: {absent}", self.subject.display());
+        let problem = format!(
+            "cannot draw {figure} of {}: {absent}",
+            self.subject.display()
+        );
         let remedy = match absent {
             Absent::Elsewhere(_) => "run it first, or choose another figure with --only",
             Absent::Nothing(_) => return Failure::Run(problem),
-            Absent::Panel(..) => "choose one of them with --only, or drop the letter for all",
+            Absent::Panel(..) => "choose one of them with --only, or omit the letter to draw all",
             Absent::Lost(_) => "choose another path with --path",
         };
         Failure::usage(problem, remedy)
@@ -241,7 +245,7 @@ fn size(scene: &Drawing) -> String {
 /// Resolution of a PNG.
 const DOTS_PER_INCH: f64 = 300.0;
 
-/// How a picture is written in the format that belongs to the ending of a file's name.
+/// Writes a picture in the format of a file's extension.
 type Writing = fn(&Drawing) -> Result<Vec<u8>, String>;
 
 fn writing(path: &Path) -> Result<Writing, Failure> {
@@ -284,8 +288,7 @@ fn label(text: &str) -> Result<(String, String), String> {
     Ok((name.trim().to_string(), words.trim().to_string()))
 }
 
-/// The widths at which letters of 8 points are neither crowded nor too small beside the figure, in
-/// millimetres.
+/// Widths in millimetres at which text of 8 points is neither crowded nor too small for the figure.
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {

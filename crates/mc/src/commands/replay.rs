@@ -49,7 +49,7 @@ impl Arguments {
     /// Checks that the path is the one that the file holds.
     fn check_path(&self, scenario: &Scenario) -> Result<(), Failure> {
         if self.file.is_dir() || !self.file.exists() {
-            // A run that is not finished holds no rows of paths yet.
+            // An unfinished run has no rows of paths yet.
             return Ok(());
         }
         let Some(held) = store::read_path(&self.file, self.path)? else {

@@ -70,7 +70,7 @@ impl Arguments {
         .simulate(asked.clone(), Some(so_far), &mut sink)
     }
 
-    /// Continues a sweep, of which the file of its points says what was asked.
+    /// Continues a sweep, whose definition is in the file of its points.
     fn sweep(&self, output: &Path) -> Result<(), Failure> {
         let partial = store::partial_path(output);
         if self.end || self.options.watch.is_some() {

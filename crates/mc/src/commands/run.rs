@@ -150,8 +150,7 @@ impl Arguments {
         accuracy::choose(&accuracy, self.options.quiet, scenario, stop)
     }
 
-    /// Refuses options that only a whole run can have, such as a goal, and more parts than there
-    /// are blocks.
+    /// Refuses options that apply only to a whole run, such as a goal, and more parts than blocks.
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {
         let Some(part) = self.part else { return Ok(()) };
         let refuse = |what: &str, why: &str, remedy: &str| {

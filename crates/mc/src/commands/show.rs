@@ -96,7 +96,7 @@ impl Arguments {
         }
     }
 
-    /// The report of one file, or of several runs beside each other.
+    /// The report of one file, or of several runs side by side.
     fn all(&self) -> Result<Report, Failure> {
         let [file] = self.files.as_slice() else {
             if let Some(file) = self.files.iter().find(|file| !kinds::is_run(file)) {
@@ -123,7 +123,7 @@ impl Arguments {
         self.report(file)
     }
 
-    /// The report of a file of any kind. Warnings are printed where people read it.
+    /// The report of a file of any kind. Warnings are printed if it is text.
     fn report(&self, file: &Path) -> Result<Report, Failure> {
         let shown = Shown {
             chosen: self.chosen(),
@@ -153,7 +153,7 @@ impl Arguments {
         let (text, is_measured) = kinds::read(file)?.scenario();
         if is_measured {
             note(
-                "measured values are in the result file, not in this text: to run it, keep the data files it names",
+                "measured values are stored in the result file, not in this text; to run it, keep the data files it names",
             );
         }
         print_data(&text)

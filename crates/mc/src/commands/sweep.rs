@@ -90,7 +90,7 @@ impl Arguments {
             .output
             .clone()
             .unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
-        // An existing file is read before anything else: it may hold this sweep, done or half done.
+        // An existing file is read first: it may contain this sweep, finished or not.
         writable_hdf5(&output, true, self.overrides.inputs(&self.scenario)?)?;
         let Arguments {
             force,
@@ -111,7 +111,7 @@ impl Arguments {
         .simulate(question)
     }
 
-    /// The sweep that is asked for, with the scenario of every point checked.
+    /// The requested sweep, with the scenario of every point checked.
     fn question(&self) -> Result<SweepQuestion, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         if let Some(key) = scenario.record.curve() {
@@ -167,7 +167,7 @@ impl Arguments {
             let flag = format!("--elasticity {key}");
             let remedy = match error {
                 StarError::NoNumber => {
-                    // A key that does not exist is best reported by the check of the scenario.
+                    // The check of the scenario has the best message about an unknown key.
                     let tried = Override::flag(&format!("{flag}, tried at"), &key, "1");
                     self.overrides.scenario_with(&self.scenario, &[tried])?;
                     "`mc check` prints every key with its value".to_string()
@@ -186,7 +186,7 @@ impl Arguments {
     }
 }
 
-/// For each key, the words of the command line that messages about its value quote.
+/// For each key, the part of the command line that messages about its value quote.
 type QuotedWords = Vec<(String, String)>;
 
 /// These settings as changes of a scenario.
@@ -215,7 +215,7 @@ impl From<DesignError> for Failure {
     }
 }
 
-/// The number of points and paths, and about how much time and disk space they take.
+/// The number of points and paths, and an estimate of time and disk space.
 fn outlook(question: &SweepQuestion, threads: usize) -> Report {
     let design = &question.design;
     let shape = design

@@ -147,7 +147,7 @@ fn pictures(output: &Path) -> [PathBuf; 2] {
     ["svg", "png"].map(|extension| output.with_extension(extension))
 }
 
-/// The longest budget, a week. A longer one is most likely a typing error.
+/// The longest budget, a week. A longer one is probably a typing error.
 const LONGEST: Duration = Duration::from_secs(7 * 86_400);
 
 /// Reads a time: 60s, 5m, 1h, or plain seconds.

@@ -1,5 +1,4 @@
-//! `mc verify`: checks that a file is as it was written, and that it holds what its scenario and its
-//! seed give.
+//! `mc verify`: checks that a file is unchanged, and reproducible from its scenario and seed.
 
 use crate::arguments::threads::Threads;
 use crate::inputs::files;
@@ -95,7 +94,7 @@ impl Arguments {
                 remarks.push(("result", "all of this is identical, bit for bit".into()));
             }
         } else {
-            let rest = format!("numbers with a second simulation: `mc verify {file} --again`");
+            let rest = format!("numbers; to simulate them again, use `mc verify {file} --again`");
             remarks.extend([
                 ("result", "the file can be read".into()),
                 ("not compared", rest),

@@ -1,5 +1,4 @@
-//! Files of results as the verbs read them. Every verb says of a file without a checksum that it
-//! has none.
+//! Reads files of results. Every verb warns about a file without a checksum.
 
 use crate::kinds::{self, Kind, RUN};
 use crate::output::failure::{Failure, note};
@@ -8,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use stickslip_files::store::{self, StoreError};
 
-/// What one of the readers of the store reads from a file.
+/// Reads a file with one of the readers of the store.
 pub fn read<T>(
     path: &Path,
     reader: impl FnOnce(&Path) -> Result<T, StoreError>,
@@ -17,8 +16,8 @@ pub fn read<T>(
     reader(path).map_err(|error| explained(path, error))
 }
 
-/// The error of a reader. A file of another kind is named, and so is the likeliest reason why
-/// something is missing from a file without a checksum.
+/// The error of a reader. It names the kind of a file of another kind, and the likeliest reason for
+/// a missing variable in a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
     let other = |kind: &Kind| {
         let resume = if kind.is_resumable {
@@ -37,7 +36,7 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
         )
     };
     match error {
-        // A run that the readers of runs do not know lacks its version.
+        // A run that cannot be read as one has no version.
         StoreError::Foreign { .. } => match kinds::of(path) {
             Ok(Some(kind)) if kind.format != RUN.format => other(kind),
             _ => error.into(),
@@ -56,8 +55,8 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
     }
 }
 
-/// Says once of each file that it has no checksum. What cannot be read at all is reported by the
-/// reader that comes next.
+/// Warns once about each file without a checksum. An unreadable file is reported by the next
+/// reader.
 pub fn look(path: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! Where results are written, and what the command says about them before and after a run.
+//! Where results are written by default, and the warnings before and after a run.
 
 use crate::output::failure;
 use crate::output::numbers::counted;
@@ -13,8 +13,8 @@ use stickslip::stats::Summary;
 use stickslip_files::saved::SavedError;
 use stickslip_files::store::{StoreError, Stored};
 
-/// Where the results of a scenario are written if no other place is given: in the current
-/// directory, under the name of the scenario with this ending.
+/// The default output file of a scenario: in the current directory, with the name of the scenario
+/// and this extension.
 pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     let is_standard_input = scenario == Path::new(STANDARD_INPUT);
     let stem = if is_standard_input {
@@ -41,8 +41,8 @@ pub fn scenario(
     )
 }
 
-/// Checks that the ensemble of a file has a path of this number. Any number names a path that can
-/// be simulated, but one outside the ensemble is most likely a typing error.
+/// Checks that the ensemble of a file has a path of this number. A path of any number can be
+/// simulated, but one outside the ensemble is probably a typing error.
 pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
     let paths = stored.header.paths;
     if path < paths {
@@ -55,9 +55,9 @@ pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
     ))
 }
 
-/// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
-/// the step are left out where the run measures that bias, and that of few periods where a table
-/// will say it at the drift.
+/// Prints the warnings of a scenario on standard error. Leaves out the warnings that only estimate
+/// the bias of the step if the run measures it, and the one about few periods if a table reports it
+/// at the drift.
 pub fn warn(scenario: &Scenario, measures_bias: bool, has_table: bool) {
     let due = scenario.warnings_of_run(measures_bias);
     due.iter()
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_are_named_after_the_scenario_and_stay_in_the_current_directory() {
+    fn results_go_to_the_current_directory_by_scenario_name() {
         let named = |scenario: &str| default_output(Path::new(scenario), ".h5");
         assert_eq!(named("scenarios/rho025.toml"), Path::new("rho025.h5"));
         assert_eq!(named("my.study.toml"), Path::new("my.study.h5"));

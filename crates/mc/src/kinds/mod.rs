@@ -22,13 +22,13 @@ use stickslip_files::dataset::Format;
 use stickslip_files::saved::Verified;
 use stickslip_files::store::{self, CheckedBytes, StoreError};
 
-/// A kind of result that is kept in files.
+/// A kind of result stored in files.
 pub struct Kind {
-    /// What messages call it, with its article.
+    /// Its name in messages, with the article.
     pub name: &'static str,
     /// Its format, by which files are recognised.
     pub format: Format,
-    /// Whether `mc resume` continues one that is not finished.
+    /// Whether `mc resume` continues an unfinished one.
     pub is_resumable: bool,
     /// Reads the file of such a result.
     pub read: fn(&Path) -> Result<Box<dyn StoredResult>, StoreError>,
@@ -38,7 +38,7 @@ pub struct Kind {
 
 /// A result. `file` is where it is; it is empty if it is not in a file.
 pub trait AnyResult {
-    /// What is known of it. Warnings are printed where people read it.
+    /// Its report. Warnings are printed if it is text.
     fn report(&self, file: &Path, shown: &Shown) -> Result<Report, Failure>;
 
     /// The result as one JSON object. Warnings are printed.
@@ -54,13 +54,13 @@ pub trait StoredResult: AnyResult {
     /// names.
     fn scenario(&self) -> (String, bool);
 
-    /// The program that wrote it, if it was another one.
+    /// The program that wrote it, if it was a different one.
     fn other_program(&self) -> Option<String>;
 
-    /// The figures that are asked for.
+    /// The requested figures.
     fn draw(&self, asked: &plot::Arguments) -> Result<Drawing, Failure>;
 
-    /// The result computed again as far as it can be, and compared with its file.
+    /// Computes the result again as far as possible, and compares it with its file.
     fn again(
         &self,
         file: &Path,
@@ -102,8 +102,8 @@ pub fn of(path: &Path) -> Result<Option<&'static Kind>, StoreError> {
     known.map(Some).ok_or_else(foreign)
 }
 
-/// The result in a file of any kind. A file that is none of them is read as a run, whose reader says
-/// what is wrong with it.
+/// The result in a file of any kind. Any other file is read as a run, whose reader reports the
+/// error.
 pub fn read(path: &Path) -> Result<Box<dyn StoredResult>, Failure> {
     let kind = of(path).ok().flatten().unwrap_or(&RUN);
     files::read(path, kind.read)
@@ -114,7 +114,7 @@ pub fn figures() -> impl Iterator<Item = &'static Figure> + Clone {
     KINDS.into_iter().flat_map(|kind| kind.figures)
 }
 
-/// The figures of a result for its page, one after the other, but for one with this name.
+/// The figures of a result for its page, in order, except the one with this name.
 pub fn pictures(figures: &[Figure], subject: &Subject, left_out: &str) -> Vec<Drawing> {
     let figures = figures.iter().filter(|figure| figure.name != left_out);
     figures
@@ -122,7 +122,7 @@ pub fn pictures(figures: &[Figure], subject: &Subject, left_out: &str) -> Vec<Dr
         .collect()
 }
 
-/// A page with nothing on it yet but where its numbers come from.
+/// A page with only its provenance.
 fn page<'a>(file: &Path, scenario: &'a str) -> Page<'a> {
     let digits = format!(
         "`mc show {} --format csv` prints all digits.",

@@ -1,4 +1,4 @@
-//! A run: what the commands do with one.
+//! Runs as results: how the commands show, draw and verify them.
 
 use super::{Again, AnyResult, Kind, Shown, StoredResult, page, pictures};
 use crate::arguments::threads::Threads;
@@ -25,7 +25,7 @@ pub const RUN: Kind = Kind {
     figures: stickslip_figure::RUN,
 };
 
-/// Whether a file holds a run, or is none of results.
+/// Whether a file contains a run, or no results at all.
 pub fn is_run(path: &Path) -> bool {
     files::read(path, super::of).map_or(true, |kind| {
         kind.is_none_or(|kind| kind.format == RUN.format)
@@ -125,7 +125,7 @@ impl StoredResult for Stored {
             ));
         }
         let scenario = results::scenario(&name, self, &[])?;
-        // All rows are kept, and the largest variable of the file is read beside them.
+        // All rows are in memory, together with the largest variable of the file.
         let used =
             scenario.run_bytes(self.header.paths, threads.number()) + 2.0 * checked.bytes as f64;
         let threads = threads.ready("this verification", used)?;
@@ -147,7 +147,7 @@ impl StoredResult for Stored {
     }
 }
 
-/// What stands below the statistics of a run.
+/// The text below the statistics of a run.
 const INTERVALS: &str = "Intervals are 95 % confidence intervals, with paths as independent units. Bias is \
                          the effect of the time step on the estimate; the corrected estimate is shown where \
                          the bias exceeds its uncertainty. The single path is number 0.";
@@ -161,7 +161,7 @@ fn note_unfinished(stored: &Stored) {
     }
 }
 
-/// What is said of a run besides its statistics.
+/// The facts about a run other than its statistics.
 pub fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
     let Stored {
         header,

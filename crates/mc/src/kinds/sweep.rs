@@ -1,4 +1,4 @@
-//! A sweep: what the commands do with one.
+//! Sweeps as results: how the commands show, draw and verify them.
 
 use super::{Again, AnyResult, Kind, Shown, StoredResult, page, pictures, provenance};
 use crate::arguments::threads::Threads;
@@ -84,7 +84,7 @@ impl StoredResult for StoredSweep {
         })
     }
 
-    /// All points are simulated again. The time that each took is that of the file.
+    /// All points are simulated again. The times of the points are taken from the file.
     fn again(&self, file: &Path, threads: &Threads, _: CheckedBytes) -> Result<Again, Failure> {
         let mut again = self.sweep.clone();
         let count = again.points.len();

@@ -1,4 +1,4 @@
-//! A trade: what the commands do with one.
+//! Trades as results: how the commands show, draw and verify them.
 
 use super::{Again, AnyResult, Kind, Shown, StoredResult, page, pictures, provenance};
 use crate::arguments::threads::Threads;
@@ -11,7 +11,7 @@ use stickslip_figure::{Drawing, Subject};
 use stickslip_files::dataset::{Dataset, TRADE_FORMAT};
 use stickslip_files::store::{self, CheckedBytes, StoredTrade};
 
-/// A trade: the price of accuracy for each scheme.
+/// A trade: the cost of accuracy for each scheme.
 pub const TRADE: Kind = Kind {
     name: "a trade",
     format: TRADE_FORMAT,

@@ -5,12 +5,12 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use stickslip_files::dataset::{Attribute, Column, Dataset, Entry};
 
-/// The data set that is in this file, or will be. Numbers that are not finite are null.
+/// The data set of this file, written or to be written. Numbers that are not finite are null.
 pub fn json(dataset: &Dataset, file: Option<&Path>) -> String {
     document("data set", object(dataset, file))
 }
 
-/// The same of a data set that is in no file, with the warnings about it, each with its name.
+/// The same for a data set without a file, with the warnings about it, each with its name.
 pub fn json_with(dataset: &Dataset, warnings: &[(String, String)]) -> String {
     let mut object = object(dataset, None);
     object["warnings"] = named(warnings);

@@ -1,11 +1,11 @@
-//! The members that every JSON object of the program begins with. They identify the object.
+//! The members that identify every JSON object of the program.
 
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use stickslip::engine::{PROGRAM_VERSION, commit};
 
-/// The schema version, one for all objects together (docs/commands.md). It rises where a key changes
-/// its meaning or is removed, and not where a key is added.
+/// The schema version, one for all objects together (docs/commands.md). It increases when a key
+/// changes its meaning or is removed, but not when a key is added.
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// Warnings as JSON, each with a name that programs can compare.
@@ -16,8 +16,8 @@ pub fn named(warnings: &[(String, String)]) -> Value {
         .collect()
 }
 
-/// One object of this kind as text with a line break at its end. Numbers that are not finite are
-/// null in it.
+/// One object of this kind as text that ends with a line break. Numbers that are not finite are
+/// null.
 pub fn document(kind: &str, body: Value) -> String {
     let program = json!({ "name": "mc", "version": PROGRAM_VERSION, "commit": commit() });
     let begin = json!({ "document": kind, "schema_version": SCHEMA_VERSION, "program": program });

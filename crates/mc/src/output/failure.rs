@@ -1,4 +1,4 @@
-//! Everything a verb can fail with, and the only place where failures become exit codes.
+//! The ways in which a verb can fail, and their exit codes.
 
 use crate::output::numbers::wrapped;
 use crate::output::safe;
@@ -13,13 +13,13 @@ use stickslip::config::{Diagnostic, ScenarioError};
 use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
 
-/// Why a verb did not do what it was asked to do. A message contains the remedy.
+/// Why a verb failed. The message contains the remedy.
 #[derive(Debug)]
 pub enum Failure {
     /// The arguments are wrong, or contradict the scenario or the file of results that they refer
     /// to; nothing was started.
     Refused(String),
-    /// The work began and did not finish.
+    /// The work began but did not finish.
     Run(String),
     /// The user stopped it; what was finished is in the file.
     Interrupted,
@@ -36,7 +36,7 @@ impl Failure {
         Failure::Run(with_remedy(problem, remedy))
     }
 
-    /// The same about a file, which the message names.
+    /// The same for a file, which the message names.
     pub fn run_of(file: &Path, problem: impl Display, remedy: impl Display) -> Self {
         Failure::run(format!("{}: {problem}", file.display()), remedy)
     }
@@ -53,7 +53,7 @@ impl Failure {
             Failure::Run(problem) => (1, problem),
             Failure::Interrupted => return ExitCode::from(exit_code()),
         };
-        // If standard error is closed, no message can reach anybody.
+        // If standard error is closed, the message is lost.
         note(&format!("error: {problem}"));
         ExitCode::from(code)
     }
@@ -92,8 +92,8 @@ pub fn print_data(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::data(text))
 }
 
-/// In `mc ... | head` the reader closes the pipe when it has read enough. That is not a failure, and
-/// the verb goes on to its end, because what else it was asked for does not depend on the reader.
+/// In `mc ... | head` the reader closes the pipe when it has read enough. That is not a failure,
+/// and the verb continues, because its other results do not depend on the reader.
 fn print_as_it_is(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -122,7 +122,7 @@ pub fn note(text: &str) {
     ));
 }
 
-/// The words at the beginning of a line that have a colour, as those of the argument parser have.
+/// Coloured words at the beginning of a line, in the style of the argument parser.
 const MARKS: [(&str, Style); 3] = [
     ("error:", AnsiColor::Red.on_default().bold()),
     ("warning:", AnsiColor::Yellow.on_default().bold()),
@@ -135,8 +135,8 @@ pub fn warn(warning: impl Display) {
 }
 
 /// Checks that a file may be written at `path`: its directory exists, and it replaces at most a
-/// regular file, and that only with `force`. A file among `inputs`, from which the results are
-/// made, is never replaced, and none of the names that are taken while the file is made is one.
+/// regular file, and only with `force`. Files among `inputs`, from which the results are computed,
+/// are never replaced, neither by the file itself nor by the names used while it is written.
 pub fn writable<P: AsRef<Path>>(
     path: &Path,
     force: bool,
@@ -201,7 +201,7 @@ pub fn writable<P: AsRef<Path>>(
     }
 }
 
-/// Whether two names are of one file, whatever links lead to it.
+/// Whether two names denote the same file, through any links.
 fn is_same(one: &Path, other: &Path) -> bool {
     let of = |path: &Path| path.metadata().map(|there| (there.dev(), there.ino()));
     matches!((of(one), of(other)), (Ok(one), Ok(other)) if one == other)

@@ -11,7 +11,7 @@ pub fn counted(n: u64, thing: &str) -> String {
     format!("{} {thing}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
-/// Names in a row, or a few of them where there are many.
+/// A list of names, shortened if there are many.
 pub fn some_of(names: &[&str]) -> String {
     match names {
         [first, second, third, _, _, ..] => {
@@ -35,7 +35,7 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "must be a positive duration, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
-/// Reads a finite number that lies in a range; if it does not, `wrong` says what to write.
+/// Reads a finite number in a range; otherwise `wrong` says what to write.
 pub fn parse_number_in(
     text: &str,
     range: &impl RangeBounds<f64>,
@@ -58,7 +58,7 @@ fn parse_share(text: &str) -> Option<f64> {
     }
 }
 
-/// Reads a share that lies in a range; if it does not, `wrong` says what to write.
+/// Reads a share in a range; otherwise `wrong` says what to write.
 pub fn parse_share_in(
     text: &str,
     range: &impl RangeBounds<f64>,
@@ -71,7 +71,7 @@ pub fn parse_share_in(
 
 /// The longest line of prose, in characters.
 const LINE: usize = 100;
-/// The length that lines keep even if the terminal is narrower.
+/// The shortest length of a line, even on a narrower terminal.
 const SHORTEST: usize = 40;
 
 /// A sentence broken into lines no wider than the terminal. Every line but the first begins with
@@ -84,7 +84,7 @@ pub fn wrapped(sentence: &str, indent: &str) -> String {
     )
 }
 
-/// Like [`wrapped`], but as wide as the terminal, or the 80 columns of a page where there is none.
+/// Like [`wrapped`], but with the width of the terminal, or 80 columns without one.
 pub fn fitted(sentence: &str, indent: &str) -> String {
     broken(sentence, indent, columns().unwrap_or(80).max(SHORTEST))
 }

@@ -1,10 +1,10 @@
 //! Makes text safe for a terminal: no character in it moves the cursor, changes colours or reverses
-//! the direction of the text, and no line is endless.
+//! the direction of the text, and lines have a limited length.
 //!
 //! Titles, keys, units and file names come from outside the program and may contain anything. So
 //! everything that is printed goes through this module.
 
-/// The most characters in a line that people read.
+/// The maximum number of characters in a line for people.
 const LINE: usize = 1000;
 
 /// Text for people: unsafe characters are escaped and long lines are cut.

@@ -98,8 +98,8 @@ fn letter(i: usize) -> String {
 /// States what the errors of the differences assume.
 fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     let mut legend =
-        "errors of differences assume independent runs; * marks differences above 1.96 errors, \
-                      which chance alone produces once in twenty"
+        "errors of differences assume independent runs; * marks differences above 1.96 standard \
+                      errors, expected by chance in one of twenty"
             .to_string();
     let first = &infos[0].provenance;
     let same = letters

@@ -10,16 +10,16 @@ use stickslip_figure::{Drawing, escaped};
 /// The page of a file.
 pub struct Page<'a> {
     pub report: Report,
-    /// The most important sentences, and a picture of them.
+    /// The most important sentences, and a picture for them.
     pub lead: String,
     pub leading_picture: Option<Drawing>,
     pub warnings: Vec<String>,
-    /// Headings, and a sentence or more.
+    /// Headings, each with one or more sentences.
     pub words: Vec<(&'static str, String)>,
     /// Dark screens invert them.
     pub pictures: Vec<Drawing>,
     pub scenario: &'a str,
-    /// Terms, and what is to be said of where the numbers come from.
+    /// Where the numbers come from: terms and their descriptions.
     pub provenance: Vec<(&'static str, String)>,
 }
 
@@ -148,12 +148,12 @@ fn in_words(text: &str) -> String {
     words.collect()
 }
 
-/// A text as HTML: the names of statistics in words, what stands between back-ticks in letters for
-/// code, and a true plus-minus sign.
+/// A text as HTML: names of statistics in words, text between back-ticks as code, and a true
+/// plus-minus sign.
 fn marked(text: &str) -> String {
     let escaped = escaped(&in_words(text).replace("+-", "\u{b1}"));
     let parts: Vec<&str> = escaped.split('`').collect();
-    // A back-tick without a partner stays.
+    // An unpaired back-tick is kept.
     let pairs = (parts.len() - 1) / 2 * 2;
     let tag = |i: usize| match i {
         _ if i >= pairs => ["", "`"][usize::from(i + 1 < parts.len())],

@@ -1,9 +1,10 @@
-//! Everything a report says about a run besides its statistics, and the speeds that follow from it.
+//! Everything a report states about a run other than its statistics, and the speeds that follow
+//! from it.
 
 use stickslip::engine::{Part, Provenance, Status};
 use stickslip::scenario::Period;
 
-/// Everything a report says about a run besides its statistics.
+/// Everything a report states about a run other than its statistics.
 #[derive(Clone, Debug)]
 pub struct RunInfo {
     /// The name of the scenario: its file for a new run, its title for a stored one.
@@ -18,7 +19,7 @@ pub struct RunInfo {
     pub seconds: Option<f64>,
     /// How much of that time the estimate of the bias of the step took.
     pub bias_seconds: Option<f64>,
-    /// Why the bias is not known; none if nobody asked for it.
+    /// Why the bias is not known; none if it was not requested.
     pub no_bias: Option<String>,
     /// The period at whose ends x is compared, if the scenario is known.
     pub period: Option<Period>,
@@ -28,17 +29,17 @@ pub struct RunInfo {
     pub file: String,
     /// Whether every path was simulated.
     pub status: Status,
-    /// What ended the run before its last path; none if the run was not ended early.
+    /// What ended the run before its last path; none if it did not end early.
     pub ended_by: Option<String>,
 }
 
 impl RunInfo {
-    /// The file where there is none: it was deleted meanwhile, or never written.
+    /// The name shown when there is no file: it was deleted in the meantime, or never written.
     pub const NO_FILE: &str = "none";
 
-    /// What happened to a path that is in no statistic. A path diverges where the step is unstable.
-    /// A scheme without a step gives up a path that takes more work than is allowed or meets a
-    /// number that is not finite.
+    /// Why a path is excluded from the statistics. A path diverges if the step is unstable. A
+    /// scheme without a step gives up a path that takes more work than allowed or meets a number
+    /// that is not finite.
     pub(super) fn loss(&self) -> &'static str {
         if self.provenance.step.is_some() {
             "diverged"

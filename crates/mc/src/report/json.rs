@@ -55,14 +55,13 @@ pub fn of_run(summary: &Summary, info: &RunInfo, warnings: &[(String, String)]) 
             "first_completed": summary.first_sticks.completed,
             "first_censored": summary.first_sticks.censored,
         },
-        // What happened before the time from which on statistics count; null where they count from
-        // the beginning.
+        // What happened before the counted time; null if everything is counted.
         "start": summary.transient.map(start),
-        // What the path does in the end, where nothing is random.
+        // The long-term motion, if nothing is random.
         "cycle": summary.cycle.as_ref().map(cycle),
         "counted_periods": summary.counted_periods(),
-        // The statistics that are zero once x has settled but are significantly not zero here; null
-        // where the paths are too few to decide.
+        // The statistics that vanish once x has settled but differ significantly from zero here;
+        // null if there are too few paths to decide.
         "unsettled": unsettled,
         "statistics": statistics.collect::<Map<_, _>>(),
         "warnings": named(warnings),
@@ -105,7 +104,7 @@ fn start(
     })
 }
 
-/// A statistic with its interval, the bias of the step, and both without it.
+/// A statistic with its interval, the bias of the step, and both corrected for it.
 fn estimate(e: &Estimate) -> Value {
     let corrected = e.corrected();
     json!({

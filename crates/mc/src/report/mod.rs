@@ -1,8 +1,8 @@
-//! Results for people: what is known of a result is a [`Report`], which is made once for each kind of
-//! result, and each writer writes any of them.
+//! Results for people: each kind of result is turned into a [`Report`], and each writer can write
+//! any report.
 //!
 //! ```text
-//! run, comparison, sweep, trade   what is known of each kind of result
+//! run, comparison, sweep, trade   the report of each kind of result
 //! remarks, info, citation         parts of that of a run
 //! text, paper, html               the writers: for a terminal; CSV, Markdown and LaTeX; for a browser
 //! page.html, style.css            the skeleton of a page, with {placeholders}, and its style
@@ -50,7 +50,7 @@ fn of_estimate() -> [Column; 4] {
     ])
 }
 
-/// The step of a scheme that has one, behind the name of the scheme.
+/// The step of a scheme that has one, to follow the name of the scheme.
 fn of_step(step: Option<f64>) -> String {
     step.map_or(String::new(), |h| format!(", step {h:?}"))
 }

@@ -1,10 +1,10 @@
-//! The tables of reports, joined to one, as CSV (RFC 4180) with all digits, and as Markdown and
+//! The tables of reports, joined into one, as CSV (RFC 4180) with all digits, and as Markdown and
 //! LaTeX with the digits that the error supports.
 
 use super::{Cell, Column, Format, Report, Row, Table};
 use stickslip::stats::Statistic;
 
-/// The tables as one, whose columns are those of all of them by name.
+/// The tables joined into one, whose columns are the union of theirs by name.
 fn joined(tables: Vec<Table>, format: Format) -> Vec<Vec<Cell>> {
     let mut all = Table::default();
     for table in tables
@@ -70,8 +70,8 @@ pub fn comma_separated(reports: Vec<(String, Report)>) -> String {
     written(&joined(tables, Format::Csv), cell, ["", ",", ""]).concat()
 }
 
-/// A text as one cell of comma-separated values. What a spreadsheet would take for a formula, and
-/// is not a number, is marked as a text in the way of spreadsheets.
+/// A text as one cell of comma-separated values. Text that a spreadsheet would take for a formula,
+/// and that is not a number, is marked as text in the way of spreadsheets.
 fn quoted(text: &str) -> String {
     let is_formula =
         text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.contains(char::is_alphanumeric);
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_for_a_paper_has_numbers_as_mathematics_and_text_escaped() {
+    fn latex_tables_typeset_numbers_and_escape_text() {
         let report = || {
             let columns = vec![
                 Column::of("", "a_b"),

@@ -7,8 +7,8 @@ use stickslip::stats::{
     Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient,
 };
 
-/// What stands below the table, as labels and lines: everything, or what nobody must miss and where
-/// the rest is.
+/// The lines below the table, with labels: everything, or only what nobody must miss and where to
+/// find the rest.
 pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
     let rest = |line: Option<String>| line.filter(|_| all);
     let file = if all || info.file == RunInfo::NO_FILE {
@@ -65,8 +65,8 @@ fn sticks(summary: &Summary) -> String {
     )
 }
 
-/// Says that stick durations are multiples of the step, which is why the interval of their median
-/// may have no width.
+/// Notes that stick durations are multiples of the step, so the interval of their median may have
+/// no width.
 fn multiples(summary: &Summary) -> Option<String> {
     let sticks = &summary.stick_durations;
     let step = sticks.step.filter(|_| sticks.completed > 0)?;
@@ -89,8 +89,8 @@ fn slips(summary: &Summary) -> String {
 /// Censored slips are not mentioned below this share of all slips.
 const SMALL_SHARE: f64 = 0.02;
 
-/// Says that many slips are still running at the end, which are long ones more often than short
-/// ones: the statistics are of slips that ended, and are biased by this.
+/// Notes that many slips are still running at the end. These are mostly long ones, so the
+/// statistics of completed slips are biased.
 fn long_slips(summary: &Summary) -> Option<String> {
     let SubPhaseCounts {
         counts, censored, ..
@@ -107,15 +107,15 @@ fn with_unit(number: String, dimension: Dimension, info: &RunInfo) -> String {
         .to_string()
 }
 
-/// Says what the path of a scene without noise does in the end.
+/// Describes the long-term motion of a scenario without noise.
 fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     let number = |x: f64, dimension| with_unit(significant(x, 8), dimension, info);
     let amplitude = number(cycle.amplitude, Dimension::LENGTH);
     let Some(repeats) = &cycle.repeats else {
         return match cycle.amplitude {
-            0.0 => "at the end, x less its drift does not change".to_string(),
+            0.0 => "at the end, x minus its drift is constant".to_string(),
             _ => format!(
-                "no state recurs within the counted time; x less its drift spans twice {amplitude}"
+                "no state recurs within the counted time; x minus its drift has amplitude {amplitude}"
             ),
         };
     };
@@ -152,8 +152,7 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     format!("{name}{advance}; amplitude {amplitude}{symmetry}; {rest}")
 }
 
-/// Says what is left out of the statistics because it happened before the time from which on they
-/// count.
+/// Describes what the statistics exclude because it happened before the counted time.
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     let Transient {
         end,
@@ -189,8 +188,7 @@ pub fn found(summary: &Summary) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Says that the motion has not settled, so that the drift is a remainder of the start, where it
-/// is.
+/// Notes that the motion has not settled, in which case the drift is a transient.
 fn unsettled(summary: &Summary) -> Option<String> {
     let limit = |statistic| match statistic {
         Statistic::DriftVelocity => summary.periods.drift_limit.unwrap_or(0.0),
@@ -206,15 +204,15 @@ fn unsettled(summary: &Summary) -> Option<String> {
     let off: Vec<String> = summary.unsettled()?.into_iter().map(words).collect();
     (!off.is_empty()).then(|| {
         format!(
-            "x has not settled: {} {} from that significantly (level 1 %); increase `statistics.after` to \
-             exclude more of the start",
+            "x has not settled: {} {} significantly from this limit (level 1 %); increase \
+             `statistics.after` to exclude more of the start",
             off.join(" and "),
             if off.len() == 1 { "differs" } else { "differ" },
         )
     })
 }
 
-/// Says how large the bias is and what its columns mean, or why there are none.
+/// States how large the bias is and what its columns mean, or why there are none.
 fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
     if summary.has_bias() {
         let meaning = "+- at 95 %; `corrected` subtracts it where it exceeds +-";
@@ -231,7 +229,7 @@ fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
         .map(|reason| format!("not estimated: {reason}"))
 }
 
-/// Says which statistics have no bias although others do.
+/// Lists the statistics without a bias although others have one.
 fn uncertain_biases(summary: &Summary) -> String {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.low < e.high && e.bias.is_none();
     let names: Vec<&str> = summary
@@ -246,8 +244,8 @@ fn uncertain_biases(summary: &Summary) -> String {
     }
 }
 
-/// Says in how many statistics the bias of the step is certain and larger than the statistical
-/// interval suggests, and what to do. None if there is no such statistic.
+/// States for how many statistics the bias of the step is certain and exceeds the statistical
+/// interval, and what to do. None if there is no such statistic.
 fn beyond_intervals(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     (!dominated.is_empty()).then(|| {
@@ -259,7 +257,7 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Says which numbers have no interval because too few paths decide them.
+/// Lists the numbers without an interval, because too few paths determine them.
 fn too_few(summary: &Summary) -> Option<String> {
     let is_without =
         |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
@@ -309,7 +307,7 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
     }
 }
 
-/// How long the run took, if that is known.
+/// How long the run took, if known.
 fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     let parts = [
         info.threads
@@ -325,7 +323,7 @@ fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     Some(duration(info.seconds?) + &parts.into_iter().flatten().collect::<String>())
 }
 
-/// The most numbers of lost paths that are listed in a table. The file holds all of them.
+/// The maximum number of lost paths listed in a table. The file contains all of them.
 const LISTED_PATHS: usize = 10;
 
 /// The number of paths that diverged or were given up, and the first of their path numbers; none if

@@ -14,8 +14,8 @@ use stickslip::stats::{Bias, Estimate, Statistic, Summary};
 /// The statistics that a table has.
 #[derive(Clone, Copy, Debug)]
 pub enum Chosen<'a> {
-    /// What the paper asks: sticks, slips, sub-phases, the share of time at rest, displacement and
-    /// drift.
+    /// The paper's questions: sticks, slips, sub-phases, the share of time at rest, displacement
+    /// and drift.
     First,
     /// Everything that the run has measured.
     All,
@@ -37,7 +37,7 @@ pub(super) const FIRST: [Statistic; 9] = [
 ];
 
 impl<'a> Chosen<'a> {
-    /// The statistics, where these come first and these are all.
+    /// The chosen statistics, given the main ones and all.
     pub fn of(self, first: &'a [Statistic], all: &'a [Statistic]) -> &'a [Statistic] {
         match self {
             Chosen::First => first,
@@ -47,7 +47,7 @@ impl<'a> Chosen<'a> {
     }
 }
 
-/// The report of these statistics, with all remarks or with what nobody must miss.
+/// The report of these statistics, with all remarks or only those that nobody must miss.
 pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> Report {
     let Provenance {
         title,
@@ -162,8 +162,8 @@ pub(super) fn bias_cells(bias: Option<Bias>) -> [Cell; 2] {
     }
 }
 
-/// The corrected estimate to two digits of its own error, and its interval. Without text where the
-/// correction does not improve the plain estimate.
+/// The corrected estimate to two digits of its own error, and its interval. Empty if the correction
+/// does not improve the estimate.
 pub(super) fn corrected_cells(e: &Estimate) -> [Cell; 3] {
     let Some(c) = e.corrected() else {
         return [""; 3].map(Cell::missing);
@@ -180,8 +180,8 @@ pub(super) fn corrected_cells(e: &Estimate) -> [Cell; 3] {
     [c.estimate, c.low, c.high].map(|x| Cell::number(x, text(x)))
 }
 
-/// What the period is from which the numbers at its ends follow, where no forcing sets it or the run
-/// has few of them.
+/// The period at whose ends these numbers are taken, if no forcing sets it or the run has few of
+/// them.
 fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) -> Option<String> {
     let is_of_periods = matches!(
         statistic,
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_agree_by_chance_have_no_interval_and_the_table_says_why() {
+    fn chance_agreement_has_no_interval_but_a_reason() {
         let mut summary = summary();
         for e in summary
             .estimates

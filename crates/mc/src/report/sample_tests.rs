@@ -1,4 +1,4 @@
-//! A made-up run for the tests of the report.
+//! A synthetic run for the tests of the report.
 
 use super::{Chosen, RunInfo};
 use ndarray::Array2;
@@ -150,7 +150,7 @@ pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {
     }
 }
 
-/// The reason why a number in a row is missing. It stands in the row or in a footnote.
+/// The reason why a number in a row is missing, from the row or from a footnote.
 pub fn reason<'a>(table: &'a str, name: &str) -> &'a str {
     let row = row(table, name);
     let mark = row.rsplit(' ').next().unwrap_or_default();

@@ -12,7 +12,7 @@ use stickslip::study::sweep::{
     AxisValue, AxisValues, Design, Paired, Point, Seeds, Sweep, SweepAxis, SweepQuestion,
 };
 
-/// A gain below this is worth a remark: common seeds are then hardly better than independent ones.
+/// A gain below this is reported: common seeds are then hardly better than independent ones.
 const LOW_GAIN: f64 = 2.0;
 
 /// The statistics that are printed if none is named.
@@ -75,7 +75,7 @@ pub fn sweep(sweep: &Sweep, chosen: Chosen, file: &Path) -> Report {
     }
 }
 
-/// How many paths each point has, if all have as many.
+/// The number of paths of each point, if it is the same for all.
 pub fn paths_of_each(question: &SweepQuestion) -> Option<String> {
     let first = question.points[0].ensemble.paths;
     let is_same = question

@@ -6,11 +6,11 @@ use crate::output::terminal::columns;
 
 /// The space between two columns.
 const GAP: &str = "  ";
-/// The longest line where there is no terminal, in characters, if narrow gaps make it fit.
+/// The longest line without a terminal, in characters, if narrow gaps make it fit.
 const LINE: usize = 80;
-/// The most rows of a table that people are shown. The file holds all of them.
+/// The maximum number of rows of a table shown to people. The file contains all of them.
 pub const MOST_ROWS: usize = 100;
-/// A reason of more letters than this has no room in its row.
+/// A reason with more characters than this does not fit in its row.
 const LONG: usize = 40;
 
 /// The report as text.
@@ -114,8 +114,8 @@ fn width(table: &Table, format: Format) -> usize {
         .unwrap_or(0)
 }
 
-/// Puts letters in the place of reasons, and returns each reason once as a footnote. A reason that
-/// only one row has stays in its row, unless it is long or the terminal is too narrow.
+/// Replaces reasons by letters, and returns each reason once as a footnote. A reason of only one
+/// row stays there, unless it is long or the terminal is too narrow.
 fn footnotes(table: &mut Table, is_narrow: bool) -> String {
     let all: Vec<String> = table.rows.iter().map(|row| row.why.clone()).collect();
     let is_shared = |reason: &String| all.iter().filter(|other| *other == reason).count() > 1;
@@ -150,8 +150,8 @@ fn mark(number: usize) -> char {
     (b'a'..=b'z').nth(number).map_or('z', char::from)
 }
 
-/// The rows as text, with `gap` between columns, of which these stand to the left, and the others
-/// to the right. Lines do not end with spaces.
+/// The rows as text, with `gap` between columns, which are aligned to the left or to the right.
+/// Lines do not end with spaces.
 pub fn aligned(rows: &[Vec<String>], is_left: &[bool], gap: &str) -> String {
     let length = |cell: &String| cell.chars().count();
     let width = |column| {

@@ -10,12 +10,12 @@ use stickslip::study::trade::{
     Choice, LeftOut, Pairing, Refusal, Standing, TARGETS, Trade, TradeSetting,
 };
 
-/// The statistics that a trade measures: those that no scenario needs to ask for.
+/// The statistics that a trade measures: those that need no key of the scenario.
 fn measured() -> impl Iterator<Item = Statistic> {
     Statistic::asked_by(&Record::NOTHING).into_iter()
 }
 
-/// The names of the statistics that no accuracy can be asked for, with the reason that they share.
+/// The names of the statistics for which no accuracy can be requested, grouped by reason.
 pub fn without_answer(trade: &Trade) -> Vec<(String, Standing)> {
     let reasons = [Standing::Zero, Standing::NoLimit, Standing::Absent].into_iter();
     let named = reasons.map(|reason| {
@@ -228,7 +228,7 @@ fn bias(trade: &Trade, setting: &TradeSetting, statistic: Statistic) -> String {
 }
 
 /// For every statistic: its value, its standard deviation per path, the variance from antithetic
-/// pairs divided by that from as many independent paths, and the observed order of each
+/// pairs divided by that from the same number of independent paths, and the observed order of each
 /// time-stepping scheme.
 fn deviations(trade: &Trade) -> Table {
     let reference = trade.reference();

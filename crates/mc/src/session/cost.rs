@@ -1,4 +1,4 @@
-//! What a run will need, estimated before it begins: time and memory.
+//! Time and memory of a run, estimated before it begins.
 
 use crate::arguments::threads::enough_memory;
 use crate::output::failure::{Failure, note};
@@ -12,29 +12,29 @@ use stickslip::study::path_cost::seconds_per_path;
 const PATH_STEP: f64 = 1.5e-9;
 /// A run that is expected to take more seconds than this is announced or warned about.
 pub const LONG: f64 = 3600.0;
-/// How long paths are simulated to measure the time of a path.
+/// How long paths are simulated to measure the time per path.
 const MEASURING_TIME: Duration = Duration::from_millis(100);
-/// If the work of a path is not known beforehand, only runs of at least this number of paths are timed
-/// before they begin.
+/// If the work per path is not known in advance, only runs with at least this number of paths are
+/// timed before they begin.
 const MANY: u64 = 100_000;
 
-/// CPU seconds of this number of paths of a scenario on this machine, from the time that some of its paths
-/// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
-/// that is not known either.
+/// CPU seconds of this number of paths of a scenario on this machine, measured with some of its
+/// paths. If these take too long, the estimate follows from the number of steps. None if that is
+/// not known either.
 pub fn measured_cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     seconds_per_path(scenario, MEASURING_TIME)
         .map(|each| each * paths as f64)
         .or_else(|| cpu_seconds(scenario, paths))
 }
 
-/// CPU seconds of this number of paths. None if the number of steps is not known beforehand.
+/// CPU seconds of this number of paths. None if the number of steps is not known in advance.
 fn cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     scenario
         .steps()
         .map(|steps| steps as f64 * paths as f64 * PATH_STEP)
 }
 
-/// Refuses a run that does not fit into the memory.
+/// Refuses a run that does not fit in memory.
 pub fn check_memory(scenario: &Scenario, paths: u64, threads: usize) -> Result<(), Failure> {
     let run = format!(
         "a run of {}",

@@ -4,7 +4,7 @@ use crate::output::numbers::{grouped, significant};
 use stickslip::engine::{Hopeless, MOST_PATHS, MissedGoal};
 use stickslip::stats::Verdict;
 
-/// Says why a goal cannot be reached, and what to do.
+/// The message for a goal that cannot be reached: why, and what to do.
 pub fn hopeless(reason: &Hopeless) -> String {
     match reason {
         Hopeless::Zero { estimate, paths } => {
@@ -39,7 +39,7 @@ pub fn hopeless(reason: &Hopeless) -> String {
     }
 }
 
-/// Says that a goal was missed, and how many paths it would need if that is known.
+/// The message for a missed goal, with the number of paths that it would need, if known.
 pub fn missed(
     MissedGoal {
         goal,

@@ -1,12 +1,12 @@
-//! The heap of the command. Where the system gives no more memory, the command says so and ends
-//! with an exit code; otherwise the standard library would abort it.
+//! The allocator of the command. When memory runs out, the command prints a message and exits with
+//! a code; the standard library would abort it.
 //!
-//! A verb estimates the memory that it needs and refuses what does not fit. This is for what no
-//! estimate foresees. Every piece of memory is asked for here, whether it belongs to this program
-//! or to a crate that it uses.
+//! A verb estimates the memory that it needs and refuses what does not fit. This is for anything
+//! that the estimate misses. All memory is allocated here, for this program and for the crates that
+//! it uses.
 //!
 //! SAFETY, for every `unsafe` of this file: each call goes to the system's allocator with the
-//! arguments that the caller gave, under the conditions that the caller keeps.
+//! arguments that the caller gave, under the conditions that the caller guarantees.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io;

@@ -2,7 +2,7 @@
 //! second one ends the process.
 //!
 //! A signal that is ignored when the process begins stays ignored. `nohup`, for instance, starts a
-//! process that ignores SIGHUP, the signal of a terminal that closes.
+//! process that ignores SIGHUP, the signal of a closing terminal.
 
 use crate::output::failure::{Failure, note};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
@@ -23,8 +23,8 @@ pub fn exit_code() -> u8 {
     128 + u8::try_from(CAME.load(Ordering::Relaxed)).unwrap_or(0)
 }
 
-/// Lets writing beyond the size limit of files be an error of the write, whose message says what to
-/// do. Otherwise a signal would end the process, and leave what it was writing.
+/// Makes writing beyond the size limit of files an ordinary error, whose message says what to do.
+/// Otherwise a signal would end the process in the middle of a file.
 pub fn refuse_large_files() {
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
@@ -49,7 +49,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
             if raised.swap(true, Ordering::Relaxed) {
                 std::process::exit(i32::from(exit_code()));
             }
-            note("\nstopping; press Ctrl-C again to stop at once");
+            note("\nstopping; press Ctrl-C again to stop immediately");
         }
     });
     let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";
@@ -57,8 +57,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     listening.map(|_| stop).map_err(refused)
 }
 
-/// The signals that this process ignores: signal n is bit n - 1. Zero where the system does not
-/// tell.
+/// The signals that this process ignores: signal n is bit n - 1. Zero if the system does not say.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let bits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,5 +1,4 @@
-//! Shows how far a run has come: by a bar on a terminal, by lines elsewhere, not at all with
-//! `--quiet`.
+//! Shows the progress of a run: a bar on a terminal, lines elsewhere, nothing with `--quiet`.
 
 use crate::output::failure::note;
 use crate::output::numbers::{Digits, duration, grouped, percent, significant};
@@ -34,9 +33,9 @@ enum ShownAs {
 }
 
 impl Progress {
-    /// For a run of this many paths, on standard error. Shows also the running estimate of a
-    /// statistic if one is given; with a plan and the number of the first path, which path takes
-    /// long.
+    /// For a run of this many paths, on standard error. Also shows the running estimate of a
+    /// statistic if one is given and, with a plan and the number of the first path, which path
+    /// takes long.
     pub fn new(
         paths: u64,
         quiet: bool,
@@ -127,8 +126,8 @@ impl stickslip::engine::Progress for Progress {
     }
 }
 
-/// Says from time to time, until the progress is dropped, that a block of paths takes long, and
-/// which path does.
+/// Reports from time to time, until the progress is dropped, that a block of paths takes long, and
+/// which path causes this.
 fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>) {
     let ended = Arc::downgrade(ended);
     let tell = move || {
@@ -153,11 +152,11 @@ fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>
             }
         }
     };
-    // Without a thread the run is only silent.
+    // Without a thread the run is merely silent.
     let _ = thread::Builder::new().spawn(tell);
 }
 
-/// The first path of this block that takes long by itself, and where it is then, in words.
+/// The first path of this block that takes long by itself, and its state, in words.
 fn long_path(plan: &Plan, first: u64) -> Option<String> {
     (first..plan.paths.min(first + BLOCK_SIZE)).find_map(|path| {
         let reached = plan.why_lost(path, TimeLimit::of(LONG_PATH))?;
@@ -177,7 +176,7 @@ struct Watched {
     latest: Option<Estimate>,
 }
 
-/// The least time between two looks at the estimate.
+/// The shortest time between two updates of the estimate.
 const LOOK: Duration = Duration::from_millis(500);
 
 impl Watched {
@@ -216,8 +215,8 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar())
 }
 
-/// Measures something, which takes about this time, and shows meanwhile on a terminal what is being
-/// measured and for how long; shows nothing elsewhere.
+/// Measures something that takes about this time; on a terminal, shows what is being measured and
+/// for how long.
 pub fn measuring<T>(
     budget: Duration,
     quiet: bool,
@@ -234,13 +233,13 @@ pub fn measuring<T>(
     })
 }
 
-/// Does some work, and shows meanwhile on a terminal what is being done, as the work says, and for
-/// how long.
+/// Does some work; on a terminal, shows what is being done, as reported by the work, and for how
+/// long.
 pub fn waiting<T>(work: impl FnOnce(Begins<'_>) -> T) -> T {
     working("{spinner} {elapsed}  {msg}", false, work)
 }
 
-/// Does some work with this name, and shows meanwhile on a terminal the name and for how long.
+/// Does some work; on a terminal, shows this name and the elapsed time.
 pub fn during<T>(what: &str, work: impl FnOnce() -> T) -> T {
     waiting(|begins| {
         begins(what);
@@ -248,7 +247,7 @@ pub fn during<T>(what: &str, work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// Is called with what begins.
+/// Called with a description of each stage as it begins.
 type Begins<'a> = &'a (dyn Fn(&str) + Sync);
 
 fn working<T>(template: &str, quiet: bool, work: impl FnOnce(Begins<'_>) -> T) -> T {
@@ -259,7 +258,7 @@ fn working<T>(template: &str, quiet: bool, work: impl FnOnce(Begins<'_>) -> T) -
     };
     let line = ProgressBar::with_draw_target(None, target);
     line.set_style(style(template));
-    // The crate panics where the system starts no thread for it. The line then stands still.
+    // The crate panics if the system cannot start a thread. The line is then not updated.
     if check_threads(2).is_ok() {
         line.enable_steady_tick(TICK);
     }
@@ -272,7 +271,7 @@ fn working<T>(template: &str, quiet: bool, work: impl FnOnce(Begins<'_>) -> T) -
 const TICK: Duration = Duration::from_millis(250);
 /// The time after which a block of paths that has not ended is reported.
 const LONG: Duration = Duration::from_secs(20);
-/// The CPU time after which a path that has not ended is the one that takes long.
+/// The CPU time after which an unfinished path is the one that takes long.
 const LONG_PATH: Duration = Duration::from_secs(1);
 /// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);

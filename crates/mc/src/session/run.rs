@@ -1,5 +1,5 @@
-//! One session of a run, which is the time from a start or a continuation to the next end:
-//! simulates, then prints the results and how precise they are.
+//! One session of a run, from a start or a continuation to the next end: simulates, then prints the
+//! results with their precision.
 
 use crate::arguments::accuracy;
 use crate::inputs::results;
@@ -20,7 +20,7 @@ use stickslip::stats::Statistic;
 use stickslip::study::accuracy::AccuracyGoal;
 use stickslip_files::store;
 
-/// Options that change no number of the results.
+/// Options that do not affect the results.
 #[derive(Debug, clap::Args)]
 pub struct RunOptions {
     /// Show the running estimate of this statistic and its relative error [default: the statistic
@@ -44,21 +44,21 @@ impl RunOptions {
     }
 }
 
-/// One session of a run: its scenario, its output, and how it is run.
+/// One session of a run: its scenario, its output, and its options.
 pub struct Session<'a> {
     pub options: &'a RunOptions,
     /// The name of the scenario.
     pub name: String,
     pub scenario: &'a Scenario,
     pub output: &'a Path,
-    /// The accuracy that `--accuracy` has chosen the run for.
+    /// The accuracy for which `--accuracy` chose the run.
     pub accuracy_goal: Option<AccuracyGoal>,
     pub stop: &'a AtomicBool,
-    /// What is left of the run if it is interrupted.
+    /// What remains of the run if it is interrupted.
     pub leaves: Leaves,
 }
 
-/// What is left of a run that is interrupted.
+/// What remains of an interrupted run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaves {
     /// A run that can be continued.
@@ -89,8 +89,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Simulates a run from its beginning, or continues it from where an earlier session has left
-    /// it.
+    /// Simulates a run from its beginning, or continues it after an earlier session.
     pub fn simulate(
         &self,
         asked: Asked,
@@ -124,7 +123,7 @@ impl<'a> Session<'a> {
         match ended {
             Ok(outcome) => self.report(&outcome),
             Err(RunError::Sink { error, outcome }) => {
-                // The file could not be written, so the results in memory are at least printed.
+                // The file could not be written, so at least print the results in memory.
                 if let Some(outcome) = outcome.filter(|outcome| outcome.summary.completed_paths > 0)
                     && let Err(unprinted) = self.print(&outcome)
                 {
@@ -157,7 +156,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Prints the results, and returns a failure if the run has not done what was asked.
+    /// Prints the results, and returns a failure if the run did not reach its aim.
     fn report(&self, outcome: &Outcome) -> Result<(), Failure> {
         if outcome.summary.completed_paths == 0 {
             if self.is_unfinished(outcome) {
@@ -263,7 +262,7 @@ impl<'a> Session<'a> {
                 .map(|reason| reason.to_string()),
             period: scenario.period(),
             steps_per_path: scenario.steps(),
-            // A folder or a file that was deleted meanwhile holds nothing.
+            // A folder or file may have been deleted in the meantime.
             file: if file.exists() {
                 file.display().to_string()
             } else {

@@ -16,17 +16,17 @@ use stickslip_files::store::{SweepFile, partial_path};
 /// How a sweep is simulated and printed.
 pub struct SweepSession<'a> {
     pub output: &'a Path,
-    /// Whether the results of something else are replaced.
+    /// Whether other results may be overwritten.
     pub force: bool,
     pub threads: &'a Threads,
-    /// The statistics to print; some that are chosen where there are none.
+    /// The statistics to print; a default selection if empty.
     pub statistics: &'a [Statistic],
     pub quiet: bool,
     pub json: bool,
 }
 
 impl SweepSession<'_> {
-    /// Simulates the points that are not in the file yet, gives the file its name, and prints all.
+    /// Simulates the points that are not in the file yet, finishes the file, and prints all.
     pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
         let (file, known) = SweepFile::open(self.output, &question, self.force)?;
         warn_once(&question);

@@ -75,7 +75,7 @@ fn with_any_memory_a_verb_succeeds_or_says_what_is_missing() {
 /// refusals.
 #[test]
 #[ignore = "takes minutes"]
-fn with_any_memory_and_any_number_of_threads_a_verb_succeeds_or_says_what_is_missing() {
+fn low_memory_and_few_threads_are_reported_or_enough() {
     grid(
         &[80, 100, 120, 150, 200, 250, 300, 400, 600, 1000, 1500, 3000],
         &[1, 2, 4, 16, 64],

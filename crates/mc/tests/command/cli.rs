@@ -232,7 +232,7 @@ fn nan_and_infinity_are_refused() {
 }
 
 #[test]
-fn a_step_that_does_not_divide_the_end_is_answered_with_the_nearest() {
+fn a_step_that_does_not_divide_the_end_names_the_nearest() {
     let place = format!("scene.toml:{}:8: ", line_of("step"));
     check_with("step = 0.01 ", "step = 0.007 ").refused(&[
         &place,
@@ -380,7 +380,7 @@ fn every_shipped_scenario_passes_the_check() {
 /// The output of `mc check` without the time of the run, which differs from one call to the next.
 fn timeless(out: &str) -> Vec<&str> {
     out.lines()
-        .filter(|line| !line.starts_with("# time of the run here"))
+        .filter(|line| !line.starts_with("# run time here"))
         .collect()
 }
 

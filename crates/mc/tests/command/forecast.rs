@@ -334,7 +334,7 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
         path,
         &["check", "three.toml"],
         2,
-        &["one noise too many", "three.toml:", "| intensity = 1.0\n"],
+        &["a third noise", "three.toml:", "| intensity = 1.0\n"],
     );
     refused(
         path,
@@ -352,7 +352,7 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
         path,
         &["fit-temperature", DATA, "--periods", "1d,24h"],
         2,
-        &["names one period twice", "each period once"],
+        &["lists a period twice", "each period once"],
     );
     refused(
         path,

@@ -103,7 +103,7 @@ fn results_say_everything_without_the_file_of_samples() {
 /// A user's file that has the name of a shipped scenario takes the samples beside it, two days of
 /// them, and not the month that is built into the program. Without them it is refused.
 #[test]
-fn a_file_with_the_name_of_a_shipped_scenario_takes_its_own_samples() {
+fn a_file_named_like_a_shipped_scenario_reads_its_samples() {
     let here = tempfile::tempdir().expect("a folder");
     let here = here.path();
     std::fs::write(
@@ -300,7 +300,7 @@ fn what_does_not_go_with_a_series_is_refused() {
 }
 
 #[test]
-fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
+fn repairs_and_noise_over_a_series_are_reported() {
     let lines: Vec<String> = days().lines().map(String::from).collect();
     let mut mended = vec![
         lines[0].clone(),
@@ -350,7 +350,7 @@ fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
 }
 
 /// With x(0) = beta T(0) there is no force at the start. In a stick F is b, so that z = z0 + x +
-/// b/K_B.
+/// b/K_BP.
 #[test]
 fn a_balanced_bearing_shows_its_offset_first() {
     let here = bridge(&days());

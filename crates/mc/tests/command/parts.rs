@@ -84,7 +84,7 @@ fn parts_in_any_number_and_order_come_to_the_file_of_the_run() {
 }
 
 #[test]
-fn a_run_that_records_nothing_of_single_paths_is_cut_and_joined_as_well() {
+fn parts_merge_without_records_of_single_paths() {
     let here = folder();
     let scene = [
         SCENE,
@@ -108,7 +108,7 @@ fn a_run_that_records_nothing_of_single_paths_is_cut_and_joined_as_well() {
 }
 
 #[test]
-fn a_part_is_shown_with_estimates_of_its_own_and_can_be_continued() {
+fn a_part_can_be_shown_and_continued() {
     let here = folder();
     let long = [
         "run", RHO025, "--step", "0.01", "--paths", "120000", "--quiet",
@@ -227,7 +227,7 @@ fn rows_of_a_part_that_were_changed_are_not_joined() {
 }
 
 #[test]
-fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
+fn options_of_the_whole_run_are_refused_for_a_part() {
     let here = folder();
     let cases = [
         (

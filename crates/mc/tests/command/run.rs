@@ -83,7 +83,7 @@ fn a_run_prints_a_table_and_leaves_a_file_of_the_scenarios_name() {
 }
 
 #[test]
-fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
+fn json_is_the_only_output_for_any_number_of_threads() {
     let here = folder();
     let run = |threads: &str| {
         let file = format!("{threads}.h5");
@@ -181,7 +181,7 @@ fn json_is_alone_on_standard_output_and_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
+fn a_run_reports_the_bias_of_the_step_or_why_not() {
     let here = folder();
     let run = |arguments: &[&str]| {
         mc(
@@ -306,7 +306,7 @@ fn what_does_not_exist_is_null_and_not_zero() {
 }
 
 #[test]
-fn a_run_of_the_resolved_scenario_in_a_file_gives_the_same_results() {
+fn the_stored_scenario_gives_the_same_results() {
     let here = folder();
     let first = json(&mc(
         &here,
@@ -366,7 +366,7 @@ fn one_path_can_be_replayed_from_a_file() {
 /// is left, and no file under the final name. The shell ignores the signal that comes with the
 /// error, because it would end the process.
 #[test]
-fn a_limit_on_the_size_of_a_file_is_one_clear_error_and_no_crash() {
+fn a_file_size_limit_is_an_error_without_a_crash() {
     let here = folder();
     let run = format!(
         "run {RHO025} --paths 2000 --step 0.05 --quiet --force --set record.events=true -o run.h5"
@@ -776,7 +776,7 @@ fn a_goal_ends_a_run_at_the_first_block_that_reaches_it() {
 }
 
 #[test]
-fn a_goal_that_cannot_be_reached_ends_the_run_with_the_reason_and_keeps_the_file() {
+fn an_unreachable_goal_ends_a_run_and_keeps_its_file() {
     let here = folder();
     let never = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -824,7 +824,7 @@ fn a_goal_that_cannot_be_reached_ends_the_run_with_the_reason_and_keeps_the_file
 }
 
 #[test]
-fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
+fn a_time_limit_ends_a_run_at_a_reproducible_block() {
     let here = folder();
     let common = [
         "run",
@@ -979,7 +979,7 @@ fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
 /// Without noise the pilot run is quick, the ensemble is one path, and statistics that are zero or
 /// absent are named.
 #[test]
-fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
+fn accuracy_without_noise_takes_a_single_path() {
     let here = folder();
     let shaw = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/shaw.toml");
     let run = |more: &[&str]| {

@@ -77,7 +77,7 @@ fn completed_points(path: &Path) -> u64 {
 }
 
 #[test]
-fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
+fn an_interrupted_and_killed_sweep_resumes_identically() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     // The sweep takes a second or two, 2.5e9 steps, so that it can be interrupted.
@@ -143,7 +143,7 @@ fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
 }
 
 #[test]
-fn a_finished_sweep_is_not_simulated_again_and_another_one_is_refused_with_the_difference() {
+fn a_finished_sweep_is_kept_and_a_different_one_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     done(&sweep(here, &["-o", "s.h5"]));
@@ -245,7 +245,7 @@ fn undisturbed() -> Vec<(String, Vec<u64>)> {
 /// A sweep is killed at every change of the disk that it makes. The same command, or `mc resume`
 /// where there is something to continue, finishes it. Every third change is tried.
 #[test]
-fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
+fn a_sweep_killed_at_any_write_resumes_identically() {
     let expected = undisturbed();
     let mut kills = 0;
     for kill_at in (1..).step_by(3) {
@@ -276,7 +276,7 @@ fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
 /// what failed; the command that it advises then finishes it. A link that fails is no failure of
 /// the sweep, because the file is renamed instead.
 #[test]
-fn a_sweep_whose_link_or_removal_fails_is_right_or_finished_as_advised() {
+fn a_sweep_recovers_as_advised_if_a_link_or_removal_fails() {
     let expected = undisturbed();
     let (_outer, here) = folders();
     let (_, trace) = failing(&here, &TINY, 0, 5);
@@ -323,7 +323,7 @@ fn a_sweep_whose_link_or_removal_fails_is_right_or_finished_as_advised() {
 }
 
 #[test]
-fn with_force_the_file_has_the_numbers_of_the_table_whatever_was_left_behind() {
+fn force_replaces_leftovers_by_the_printed_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     done(&mc(here, &tiny(&["--seed", "2"])));
@@ -627,7 +627,7 @@ fn a_point_of_the_file_is_the_run_that_mc_run_makes() {
 }
 
 #[test]
-fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point() {
+fn show_repeats_a_sweep_and_csv_has_a_line_per_statistic() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     let printed = sweep(here, &["-o", "s.h5", "--threads", "1"]);
@@ -827,7 +827,7 @@ fn a_sweep_over_records_goes_on_only_with_the_same_samples() {
 }
 
 #[test]
-fn records_are_zipped_with_numbers_and_refused_before_anything_runs() {
+fn records_zip_with_numbers_and_are_checked_first() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     pulses(here, &[("a.csv", 0.5, 3.0), ("b.csv", 0.3, 2.0)]);

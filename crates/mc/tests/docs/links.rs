@@ -23,7 +23,7 @@ fn anchor(heading: &str) -> String {
 }
 
 #[test]
-fn every_link_to_the_repository_leads_to_a_file_and_to_a_heading_in_it() {
+fn repository_links_lead_to_existing_files_and_headings() {
     let mut followed = 0;
     for page in Page::all() {
         for target in page
@@ -80,7 +80,7 @@ fn linked(from: &str) -> Vec<PathBuf> {
 /// The overview of the documentation lists every page, and the contents of its site list every page
 /// exactly once. A page that is missing there would not be part of the site.
 #[test]
-fn every_page_is_in_the_overview_and_once_in_the_contents_of_the_site() {
+fn every_page_is_in_the_overview_and_once_in_the_contents() {
     let (overview, contents) = (linked("docs/README.md"), linked("docs/SUMMARY.md"));
     let frame = ["README.md", "docs/README.md", "docs/SUMMARY.md"];
     for page in Page::all()

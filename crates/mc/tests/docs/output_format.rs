@@ -379,7 +379,7 @@ fn of_runs() -> Page {
 }
 
 #[test]
-fn every_variable_of_a_run_is_listed_with_its_axes_type_and_unit() {
+fn variables_of_a_run_are_listed_with_axes_type_and_unit() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = of_runs();
     let files = runs(folder.path());
@@ -393,7 +393,7 @@ fn every_variable_of_a_run_is_listed_with_its_axes_type_and_unit() {
 }
 
 #[test]
-fn every_attribute_of_a_run_is_listed_with_its_type_and_constants_with_their_value() {
+fn attributes_of_a_run_are_listed_with_types_and_constants() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = of_runs();
     let files = runs(folder.path());

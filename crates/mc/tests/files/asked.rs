@@ -122,7 +122,7 @@ fn what_was_asked_for_is_written_whoever_reads_what_is_printed() {
 
 /// A file that cannot be written is a failure, also where nobody reads what is printed of it.
 #[test]
-fn what_cannot_be_written_is_a_failure_whoever_reads_what_is_printed() {
+fn failed_writes_fail_even_if_the_output_is_read() {
     let here = folder();
     for (verb, _) in &WRITING[..8] {
         let line = format!("{{ (ulimit -f 1; \"$0\" {verb}); echo $? >code; }} | true");
@@ -262,7 +262,7 @@ fn no_file_that_a_scenario_names_is_written_over() {
 /// Of several processes that make one page, one does, and the others say what is true: they have
 /// written nothing.
 #[test]
-fn of_several_reports_at_once_one_is_written_and_the_others_say_so() {
+fn one_of_several_concurrent_reports_is_written() {
     let here = folder();
     let all: Vec<Running> = (0..6)
         .map(|_| Running::mc(here.path(), &["report", "a.h5", "-o", "r.html"]))
@@ -296,7 +296,7 @@ fn of_several_reports_at_once_one_is_written_and_the_others_say_so() {
 /// The second of two files has a name that is taken while the first is made: neither is written, and
 /// the same command can be given again.
 #[test]
-fn several_files_of_one_command_are_written_together_or_not_at_all() {
+fn files_of_one_command_are_written_all_or_none() {
     let here = folder();
     let made = "forecast plain.toml twin.csv --draws 2 --years 2 -o out.csv -o out.html";
     fs::create_dir(here.path().join("out.html.partial")).expect("made");
@@ -317,7 +317,7 @@ fn several_files_of_one_command_are_written_together_or_not_at_all() {
 
 /// The folder of a run is deleted while it runs: no path is safe any more, and the message says so.
 #[test]
-fn a_folder_that_is_deleted_during_a_run_takes_the_paths_with_it() {
+fn paths_are_lost_with_a_folder_deleted_during_a_run() {
     let here = folder();
     let mut running = Running::mc(
         here.path(),

@@ -209,7 +209,7 @@ fn copy(from: &Path) -> (tempfile::TempDir, std::path::PathBuf) {
 
 /// One change of seventy-two, each with another fault.
 #[test]
-fn a_change_of_the_disk_that_fails_once_is_an_error_or_leaves_the_right_file() {
+fn one_failed_disk_write_is_an_error_or_harmless() {
     for (i, command) in commands().iter().enumerate() {
         // The faults meet different changes.
         let places = [0, 72, 144, 216, 288].map(|place| 1 + (i as u64 * 7 + place) % 360);
@@ -233,7 +233,7 @@ fn a_change_of_the_disk_that_fails_once_is_an_error_or_leaves_the_right_file() {
 /// were errors and 1 199 left the right file; the other commands were not run to the end.
 #[test]
 #[ignore = "half an hour"]
-fn whatever_change_of_the_disk_fails_once_it_is_an_error_or_leaves_the_right_file() {
+fn any_single_failed_disk_write_is_an_error_or_harmless() {
     for command in commands() {
         let counts = command.survive(1, 1, &FAULTS);
         println!("{} {}: {counts:?}", command.arguments[0], command.output);

@@ -155,7 +155,7 @@ fn a_lock_of_another_program_stays() {
 }
 
 #[test]
-fn a_folder_or_a_file_that_is_called_partial_and_is_not_ours_stays() {
+fn foreign_partial_files_and_folders_are_kept() {
     let folder = folder();
     let here = folder.path();
     let partial = here.join("a.h5.partial");

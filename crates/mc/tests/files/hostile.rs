@@ -415,7 +415,7 @@ fn a_long_run_is_announced() {
         &["check", RHO025, "--step", "1e-4", "--paths", "1000000000"],
     );
     assert!(
-        text(&check.stdout).contains("time of the run here, on "),
+        text(&check.stdout).contains("run time here, on "),
         "{}",
         text(&check.stdout)
     );
@@ -836,7 +836,7 @@ fn a_file_that_appears_during_a_sweep_is_not_replaced() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_and_one_that_is_gone_are_named() {
+fn messages_name_unwritable_and_missing_folders() {
     let here = folder();
     assert_refused(
         &here,

@@ -234,7 +234,7 @@ fn killed_at_changes_of_the_disk_a_run_comes_to_the_same_file() {
 /// that continued one all gave the same file.
 #[test]
 #[ignore = "four minutes"]
-fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
+fn a_run_killed_at_any_write_resumes_to_the_same_file() {
     let kills = [kill_a_run(1), kill_a_session(5)];
     println!("{kills:?} kills");
     assert!(kills[0] > 40 && kills[1] > 15, "{kills:?}");
@@ -463,7 +463,7 @@ fn a_time_limit_is_one_on_all_sessions() {
 /// A run that was chosen for an accuracy is continued with the same choice, and the accuracy is
 /// remembered.
 #[test]
-fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
+fn resume_keeps_the_choice_of_accuracy() {
     let here = tempfile::tempdir().expect("a folder");
     let run = [
         "run",
@@ -544,7 +544,7 @@ fn refusal(folder: &Path) -> StoreError {
 }
 
 #[test]
-fn a_damaged_state_or_log_is_one_clear_message_and_nothing_else_is_touched() {
+fn a_damaged_state_or_log_is_reported_and_left_untouched() {
     let (here, state, rows) = saved();
     let put = |name: &str, bytes: &[u8]| {
         fs::write(here.path().join("a.h5.partial").join(name), bytes).expect("written")
@@ -619,7 +619,7 @@ fn files_that_are_gone_are_named() {
 }
 
 #[test]
-fn a_run_whose_folder_or_log_is_taken_away_ends_and_prints_its_table() {
+fn a_run_without_its_folder_ends_and_prints_its_table() {
     let loud: Vec<&str> = RUN
         .iter()
         .copied()

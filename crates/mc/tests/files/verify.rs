@@ -481,7 +481,7 @@ fn every_value_and_attribute_of_a_calibration_is_compared() {
 
 /// Of a trade the measurements are believed as long as everything that follows from them fits.
 #[test]
-fn every_value_and_attribute_of_a_trade_is_compared_with_the_others() {
+fn verify_compares_all_values_and_attributes_of_a_trade() {
     let missed = not_found(&["trade", RHO025, "--budget", "2s"], &mut BTreeSet::new());
     let believed = [
         "paths",
@@ -646,7 +646,7 @@ fn row(file: &hdf5::File) -> usize {
 }
 
 #[test]
-fn bytes_that_were_changed_are_damage_and_other_files_are_told_apart() {
+fn changed_bytes_are_damage_and_foreign_files_are_not() {
     let here = made(SCENE);
     let path = here.path().join("a.h5");
     let mut bytes = fs::read(&path).expect("there");

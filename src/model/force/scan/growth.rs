@@ -5,7 +5,7 @@ use super::super::tree::{Term, X, XDOT};
 use super::probe::{Found, Probe, short};
 use crate::model::Oscillator;
 
-/// How many times the scales the force is looked at.
+/// The multiples of the scales at which the force is examined.
 const TIMES: [f64; 4] = [10.0, 100.0, 1000.0, 10_000.0];
 /// The power of the distance above which growth is not called linear.
 const LINEAR: f64 = 1.1;
@@ -43,7 +43,7 @@ pub(super) fn found(probe: &mut Probe) -> Option<Found> {
 }
 
 fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option<Found> {
-    // What depends on the velocity; a force of x alone takes back the energy that it adds.
+    // The part that depends on the velocity; a force of x alone adds no net energy.
     let part = |probe: &mut Probe, point: [f64; 3]| {
         let rest = if moves {
             probe.at([point[X], 0.0, point[2]])

@@ -1,7 +1,7 @@
-//! Where a force departs from what the paper assumes of it: that friction is its only jump, that it
-//! is locally Lipschitz, and that it grows at most linearly.
+//! Violations of the paper's assumptions about a force: no jumps except friction, local Lipschitz
+//! continuity, and at most linear growth.
 //!
-//! The search is numerical, at fixed points. It finds what shows at the scales of a scene, and
+//! The search is numerical, at fixed points. It detects violations at the scales of a scenario, and
 //! proves nothing.
 
 mod growth;
@@ -15,7 +15,7 @@ use probe::Probe;
 pub use slopes::Steepest;
 use std::collections::HashSet;
 
-/// How far a force is looked at.
+/// The range in which a force is examined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// The largest |x|.
@@ -26,19 +26,19 @@ pub struct Scales {
     pub end: f64,
 }
 
-/// A place in an expression that the schemes are not made for.
+/// A place in an expression that violates an assumption of the schemes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ForceWarning {
     /// The first byte of the place in the text.
     pub start: usize,
-    /// The byte behind the place.
+    /// The byte after the place.
     pub end: usize,
     /// What the force does there, in one sentence.
     pub sentence: String,
 }
 
-/// What is doubtful about a force, in the order of its text. A place has one warning of its value
-/// and one of its growth at most, and places with the same warning are represented by the first.
+/// Warnings about a force, in the order of its text. A place has at most one warning about its
+/// value and one about its growth, and places with the same warning are represented by the first.
 pub fn force_warnings(force: &Expression, scales: Scales) -> Vec<ForceWarning> {
     let mut probe = probe(force, scales);
     let mut all = jumps::found(&mut probe);
@@ -56,13 +56,13 @@ pub fn force_warnings(force: &Expression, scales: Scales) -> Vec<ForceWarning> {
         .collect()
 }
 
-/// How stiff a force is on this body, and how strongly it damps.
+/// The stiffness and damping of a force on this body.
 pub fn steepest(force: &Expression, scales: Scales, body: &Oscillator) -> Steepest {
     slopes::found(&mut probe(force, scales), body)
 }
 
-/// Where a force drives this body outward however far it is, or adds energy to it however fast it
-/// is, in one sentence; none where that does not show. The body slides under this friction f_d.
+/// Where a force drives this body outward at any distance, or adds energy to it at any speed, in
+/// one sentence; none if that is not found. The body slides under this friction f_d.
 pub fn beyond_hold(
     force: &Expression,
     scales: Scales,

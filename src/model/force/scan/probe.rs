@@ -1,4 +1,4 @@
-//! A force at single points, and what is said of it there.
+//! A force at single points, and descriptions of it.
 
 use super::super::tree::{Formula, TIME, X, XDOT};
 
@@ -19,8 +19,7 @@ impl Probe<'_> {
         self.values.last().copied().unwrap_or(0.0)
     }
 
-    /// The times at which g is looked at: these parts of the duration, and where an input is smallest
-    /// and largest.
+    /// The times at which g is examined: these parts of the duration, and the extremes of inputs.
     pub fn instants(&self, parts: &[f64]) -> Vec<f64> {
         let end = self.scales[TIME];
         if end == 0.0 {

@@ -1,21 +1,20 @@
-//! How stiff a force is and how strongly it damps, where the body can get.
+//! The stiffness and damping of a force where the body can be.
 //!
-//! The slopes are differences of g along the same lines on which jumps are looked for. A line in x
-//! is followed from its middle to where spring and force have taken all energy, so that the slope
-//! of a wall is found at the wall, and that of a hardening spring not beyond where it holds the
-//! body.
+//! The slopes are differences of g along the same lines that are searched for jumps. A line in x
+//! extends from its middle to where spring and force have absorbed all energy, so that the slope of
+//! a wall is found at the wall, and that of a hardening spring only where the body can be.
 
 use super::super::tree::{X, XDOT};
 use super::jumps::{INTERVALS, Track, tracks};
 use super::probe::Probe;
 use crate::model::Oscillator;
 
-/// The steepest intervals of a line that are looked at closer.
+/// The number of steepest intervals of a line that are refined.
 const CLOSER: usize = 4;
 /// The times that the steepest interval is halved.
 const HALVINGS: usize = 24;
 
-/// How stiff a force is at most, and how strongly it damps, each with its place in words.
+/// The largest stiffness and damping of a force, each with its place in words.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steepest {
     /// The largest -dg/dx, or 0.
@@ -70,10 +69,10 @@ pub(super) fn found(probe: &mut Probe, body: &Oscillator) -> Steepest {
     steepest
 }
 
-/// The intervals of a line in x that a body with this energy in the middle of it gets into.
+/// The intervals of a line in x that a body reaches with this energy in the middle.
 fn within(g: &[f64], energy: f64, stiffness: f64, track: &Track) -> std::ops::Range<usize> {
     let x = |i: usize| track.point(i as f64 / INTERVALS as f64)[X];
-    // The energy that spring and force take from one end of an interval to the other.
+    // The energy absorbed by spring and force from one end of an interval to the other.
     let taken = |from: usize, to: usize| {
         0.5 * (stiffness * (x(from) + x(to)) - g[from] - g[to]) * (x(to) - x(from))
     };

@@ -1,6 +1,6 @@
-//! The steps under a force g of the user's own.
+//! The steps under a user-defined force g.
 //!
-//! g is computed for many paths at once, so that the choice of each of its operations costs little.
+//! g is computed for many paths at once, so that dispatching each of its operations costs little.
 //! So all paths make a step before any of them makes the next one, in groups whose states stay in
 //! the nearest cache, and the normals of several steps are drawn in advance.
 //!
@@ -18,8 +18,8 @@ const TOGETHER: usize = 256;
 /// Steps whose increments of the noise are drawn at once.
 const DRAWN: usize = 8;
 
-/// What the paths of a group need beside their states.
-struct Room<L: Lanes> {
+/// Buffers for the paths of a group, in addition to their states.
+struct GroupBuffers<L: Lanes> {
     /// How each register of paths moves.
     regimes: [Regime<L>; TOGETHER],
     /// The increments of the noise, `[step][path]`.
@@ -35,7 +35,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
     pub(super) fn advance_forced<L: Lanes>(&mut self) {
         let c = Splat::<L>::new(self.c);
         let regimes = [c.regime(L::splat(0.0)); TOGETHER];
-        let mut room = Room {
+        let mut buffers = GroupBuffers {
             regimes,
             chi: [[0.0; TOGETHER]; DRAWN],
             g: [[0.0; TOGETHER]; 4],
@@ -49,18 +49,18 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
         for lane in (0..lanes).step_by(TOGETHER) {
             let group = lane..lanes.min(lane + TOGETHER);
             let velocities = self.work.paths.velocity[group.clone()].chunks_exact(L::WIDTH);
-            for (regime, v) in room.regimes.iter_mut().zip(velocities) {
+            for (regime, v) in buffers.regimes.iter_mut().zip(velocities) {
                 *regime = c.regime(L::load(v));
             }
             for n in 0..steps {
                 if NOISE && n % DRAWN == 0 {
-                    self.draw::<L>(group.clone(), &mut room.chi[..DRAWN.min(steps - n)]);
+                    self.draw::<L>(group.clone(), &mut buffers.chi[..DRAWN.min(steps - n)]);
                 }
-                self.compute(group.clone(), n, &mut room.g);
+                self.compute(group.clone(), n, &mut buffers.g);
                 if has_load {
-                    self.step::<L, true>(&c, group.clone(), n, &mut room);
+                    self.step::<L, true>(&c, group.clone(), n, &mut buffers);
                 } else {
-                    self.step::<L, false>(&c, group.clone(), n, &mut room);
+                    self.step::<L, false>(&c, group.clone(), n, &mut buffers);
                 }
             }
         }
@@ -108,7 +108,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
         c: &Splat<L>,
         group: Range<usize>,
         n: usize,
-        room: &mut Room<L>,
+        buffers: &mut GroupBuffers<L>,
     ) {
         let (zero, forcing) = (L::splat(0.0), L::splat(self.work.forcing[n]));
         let every_lane = (1 << L::WIDTH) - 1;
@@ -116,14 +116,18 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
         let x = paths.displacement[group.clone()].chunks_exact_mut(L::WIDTH);
         let v = paths.velocity[group.clone()].chunks_exact_mut(L::WIDTH);
         let noise = paths.noise[group.clone()].chunks_exact_mut(L::WIDTH);
-        let [g, sides @ ..] = &room.g;
+        let [g, sides @ ..] = &buffers.g;
         let (g, chi) = (
             g.chunks_exact(L::WIDTH),
-            room.chi[n % DRAWN].chunks_exact(L::WIDTH),
+            buffers.chi[n % DRAWN].chunks_exact(L::WIDTH),
         );
         let mut lane = group.start;
-        for (((((x, v), noise), g), chi), regime) in
-            x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes)
+        for (((((x, v), noise), g), chi), regime) in x
+            .zip(v)
+            .zip(noise)
+            .zip(g)
+            .zip(chi)
+            .zip(&mut buffers.regimes)
         {
             let state = State {
                 x: L::load(x),
@@ -163,8 +167,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
                     next_v = c.settle(s, c.beyond(s, state.v));
                 }
             }
-            // Not a number where the force is none: otherwise the body would be taken to be at
-            // rest.
+            // NaN if the force is NaN: otherwise the body would be considered at rest.
             next_v = s.mul_add(zero, next_v);
             let next = c.next::<NOISE, CORRECTED>(&state, next_v, L::load(chi));
             if turned != 0 {

@@ -18,9 +18,9 @@
 //! So at the midpoint sd V = c h^{3/2}/sqrt 3072, independent of (x, a), sd a = c h^{1/2}/4, E(dx |
 //! da) = -h^2 da/48, sd(x | a) = c h^{5/2}/sqrt 46080.
 //!
-//! Therefore a path on [0, h] can be refined where it matters, by drawing midpoints, and left as it
-//! is elsewhere (recursive conditional bisection). The intervals are treated from left to right. An
-//! interval is
+//! Therefore a path on [0, h] can be refined where it matters, by drawing midpoints, and left
+//! unchanged elsewhere (recursive conditional bisection). The intervals are treated from left to
+//! right. An interval is
 //!
 //! - *clear* if V stays positive, except with a probability that is neglected
 //!   ([`VelocityBounds::is_positive`]);
@@ -133,7 +133,7 @@ pub struct SlipStop {
 pub struct StopSearch {
     /// c, the intensity of the noise of a.
     pub noise: f64,
-    /// Standard deviations beyond which a zero of V is taken to be impossible.
+    /// Standard deviations beyond which a zero of V is considered impossible.
     pub caution: f64,
 }
 
@@ -458,8 +458,8 @@ const STOP_PRECISION: f64 = 1e-2;
 /// hundredths of the interval; three steps square the error three times.
 const NEWTON_STEPS: usize = 3;
 
-/// The noise is feeble where c sqrt(h)/|a| is below this. There the error of the quintic in a,
-/// (rate h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
+/// The noise is weak if c sqrt(h)/|a| is below this. There the error of the quintic in a, (rate
+/// h)^4/1920 of a, is no longer below the first neglected terms of the conditional law, (rate
 /// h)^2/100 of its standard deviation c sqrt(h)/4. The value is for the default step, rate h = 1/2.
 pub const FEEBLE: f64 = 0.05;
 

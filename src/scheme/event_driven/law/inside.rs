@@ -21,23 +21,23 @@ use crate::noise::{
 
 /// An instant at which the state is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glance {
-    /// Its time. An instant and an event at the same time are in the order in which an observer is
-    /// told of them, so the times that are compared are those that an observer sees.
+pub struct ObservationTime {
+    /// Its time. An instant and an event at the same time are in the order in which they are
+    /// reported, so the compared times are those reported to observers.
     pub at: f64,
     /// The time after the start of the macro step.
     pub time: f64,
-    /// Whether it is a row between those of the run.
-    pub is_closer: bool,
+    /// Whether it is an additional row between those of the run.
+    pub is_additional: bool,
     /// B at that time, which is the same for all paths.
     pub forcing: f64,
-    /// The place of the random numbers for this instant ([`crate::noise::looking_place`]).
+    /// The place of the random numbers for this instant ([`crate::noise::observation_place`]).
     pub place: u64,
 }
 
 /// The motion of a slip step without noise, at a time: the distance since the start of the step,
 /// the motion along the direction, and n. The drawn motion is computed as a deviation from it, so
-/// that it keeps its digits where the noise is feeble.
+/// that it keeps its precision if the noise is weak.
 #[derive(Clone, Copy, Debug)]
 pub struct Way<L = f64> {
     pub travel: L,
@@ -45,10 +45,10 @@ pub struct Way<L = f64> {
     pub noise: L,
 }
 
-/// A piece of a slip, in any number of paths. It is known by how it deviates from the motion of its
-/// step without noise, so that a deviation keeps its digits where the noise is feeble.
+/// A segment of a slip, in any number of paths. It is represented by its deviation from the motion
+/// of its step without noise, so that a deviation keeps its precision if the noise is weak.
 #[derive(Clone, Copy, Debug)]
-pub struct SlipPiece<L = f64> {
+pub struct SlipSegment<L = f64> {
     /// The direction, and x at the start of the step.
     pub eps: L,
     pub x0: L,
@@ -85,19 +85,19 @@ pub struct Slipping<L = f64> {
     off: SlipVelocity<L>,
 }
 
-impl<L: Lanes> SlipPiece<L> {
+impl<L: Lanes> SlipSegment<L> {
     /// This piece, of which `travel`, `start` and `interval` are the motion itself, as a deviation
     /// from the motion without noise, which is known at both its ends.
     #[inline(always)]
     pub fn less(self, [before, behind]: [&Way<L>; 2]) -> Self {
-        let SlipPiece {
+        let SlipSegment {
             travel,
             start,
             interval,
             ..
         } = self;
         let off = interval.travel - (behind.travel - before.travel);
-        SlipPiece {
+        SlipSegment {
             travel: travel - before.travel,
             start: start.less(before.motion),
             interval: interval.with_end(off, interval.end.less(behind.motion)),
@@ -111,11 +111,11 @@ impl<L: Lanes> SlipPiece<L> {
     pub fn state(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         here: &Way<L>,
         normals: [L; 3],
     ) -> Slipping<L> {
-        let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(glance.time));
+        let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(instant.time));
         let body = &scene.oscillator;
         // In a piece of zero length the state is that at its start.
         let since = (time - self.after) / self.interval.length;
@@ -151,11 +151,17 @@ impl<L: Lanes> SlipPiece<L> {
     /// can be computed from their balance. Rounding of x acts like a force of m/h^2 times x. This
     /// does not hold for undefined values.
     #[inline(always)]
-    pub fn is_felt(&self, scene: &Scene, glance: Glance, here: &Way<L>, length: L) -> L::Mask {
+    pub fn is_felt(
+        &self,
+        scene: &Scene,
+        instant: ObservationTime,
+        here: &Way<L>,
+        length: L,
+    ) -> L::Mask {
         let body = &scene.oscillator;
         let forces = here.motion.acceleration.abs() * body.mass
             + scene.friction.dynamic_force
-            + glance.forcing.abs()
+            + instant.forcing.abs()
             + self.x0.abs() * (L::splat(body.mass) / (length * length) + body.stiffness);
         (length.sqrt() * scene.diffusion).gt(forces * ROUNDED)
     }
@@ -168,21 +174,21 @@ impl<L: Lanes> SlipPiece<L> {
 
     /// The parts of the piece before and after a state at an instant.
     #[inline(always)]
-    pub fn parted_at(&self, glance: Glance, state: &Slipping<L>) -> [Self; 2] {
+    pub fn parted_at(&self, instant: ObservationTime, state: &Slipping<L>) -> [Self; 2] {
         let is_inside = state.part.gt(L::splat(0.0));
         let [first, second] = self.interval.parted(state.part, state.passed, state.off);
         let first = Interval::select(is_inside, &first, &self.interval);
         let second = Interval::select(is_inside, &second, &self.interval);
-        let behind = SlipPiece {
-            after: L::splat(glance.time),
+        let behind = SlipSegment {
+            after: L::splat(instant.time),
             travel: state.off_travel,
             start: state.off,
             interval: second,
             ..*self
         };
         [
-            SlipPiece {
-                until: L::splat(glance.time),
+            SlipSegment {
+                until: L::splat(instant.time),
                 interval: first,
                 ..*self
             },
@@ -223,7 +229,7 @@ pub fn noise_between(
 
 /// A piece of a stick, in any number of paths. The stick lasts at least until the end of the piece.
 #[derive(Clone, Copy, Debug)]
-pub struct StickPiece<L = f64> {
+pub struct StickSegment<L = f64> {
     /// The times at which it begins and ends, after the start of the macro step.
     pub after: (L, L),
     /// n at both ends.
@@ -234,7 +240,7 @@ pub struct StickPiece<L = f64> {
     pub displacement: L,
 }
 
-/// What is known of a piece of a stick.
+/// What is known about a segment of a stick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StickEnd {
     /// Neither threshold can be met.
@@ -288,7 +294,7 @@ impl<L: Lanes> Bridge<L> {
     }
 }
 
-impl<L: Lanes> StickPiece<L> {
+impl<L: Lanes> StickSegment<L> {
     /// Whether a bridge through b inside the piece meets neither threshold, decided by a uniform
     /// number. `halves` are the time changes of the parts before and after the instant, and `limits`
     /// those of b and -b at the start, at the instant and at the end.
@@ -340,7 +346,7 @@ impl<L: Lanes> StickPiece<L> {
         );
         let misses_this = one - meeting_probability(this, first.duration);
         let misses_both = no_meeting_probability(this, other, first.duration);
-        // Where rounding leaves nothing of both, the other threshold is far away.
+        // If both round to zero, the other threshold is far away.
         let is_lost = misses_this.lt(L::splat(1e-9));
         let before = L::select(is_lost, one, misses_both / misses_this);
         let width = (here[0] + here[1] + (end[0] + end[1])) * 0.5;
@@ -349,8 +355,8 @@ impl<L: Lanes> StickPiece<L> {
 
     /// n and b at an instant, as drawn inside the piece, or those of an end on which it lies.
     #[inline(always)]
-    pub fn inside(&self, glance: Glance, drawn: Stuck<L>) -> Stuck<L> {
-        let time = L::splat(glance.time);
+    pub fn inside(&self, instant: ObservationTime, drawn: Stuck<L>) -> Stuck<L> {
+        let time = L::splat(instant.time);
         let (is_first, is_last) = (time.le(self.after.0), time.ge(self.after.1));
         let noise = L::select(is_last, self.noise.1, drawn.noise);
         let force = L::select(is_last, self.force.1, drawn.force);
@@ -362,9 +368,9 @@ impl<L: Lanes> StickPiece<L> {
 
     /// The part of the piece after an instant.
     #[inline(always)]
-    pub fn behind(&self, glance: Glance, there: Stuck<L>) -> Self {
-        StickPiece {
-            after: (L::splat(glance.time), self.after.1),
+    pub fn behind(&self, instant: ObservationTime, there: Stuck<L>) -> Self {
+        StickSegment {
+            after: (L::splat(instant.time), self.after.1),
             noise: (there.noise, self.noise.1),
             force: (there.force, self.force.1),
             ..*self

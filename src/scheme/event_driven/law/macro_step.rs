@@ -2,8 +2,8 @@
 //!
 //! The length of a macro step follows from the scene and the tolerance alone, never from the
 //! instants at which the state is observed. The values of n at the ends of the macro steps are the
-//! skeleton of a path, a function of (seed, path, macro step). What happens inside a macro step is
-//! drawn given n at its end. So two scenes with the same macro steps see the same noise, and
+//! skeleton of a path, a function of (seed, path, macro step). Events inside a macro step are drawn
+//! given n at its end. So two scenarios with the same macro steps have the same noise, and
 //! observing a path does not change it.
 
 use super::scene::Scene;
@@ -60,7 +60,7 @@ impl MacroStep {
             index,
             start: 0.0,
             end: 0.0,
-            // Another one than that of any macro step, so that the transitions are computed.
+            // Different from that of any macro step, so that the transitions are computed.
             length: f64::NAN,
             transition: Transition {
                 decay: 1.0,

@@ -1,5 +1,4 @@
-//! The laws: what holds between two times at which a path is known, in whatever order paths are
-//! worked on.
+//! The laws of a path between two times at which it is known, whatever the order of computation.
 //!
 //! ```text
 //! scene, two_noises     the constants of a scene, with noise measured as a force

@@ -64,7 +64,7 @@ pub struct Scene {
     pub own: UserForce,
 }
 
-/// The number of sticks with their slips that a macro step may be long.
+/// The maximum length of a macro step, in sticks with their slips.
 const MOST_CASCADES: f64 = 64.0;
 
 impl Scene {
@@ -109,8 +109,8 @@ impl Scene {
                 None,
             ),
         };
-        // A macro step lasts at most from sample to sample, and at most as long as the noise
-        // remembers.
+        // A macro step lasts at most from sample to sample, and at most the correlation time of the
+        // noise.
         let longest = series.as_ref().map(|series| series.longest_spacing());
         if let Some(longest) = longest.or(line.map(|_| 1.0 / noise.relaxation_rate)) {
             harmonics.push(ForceHarmonic {
@@ -207,7 +207,7 @@ impl Scene {
             .map_or(self.relaxation_rate, |both| both.rate())
     }
 
-    /// The longest macro step that holds only so much work, however slowly the noise relaxes.
+    /// The longest macro step with a bounded amount of work, however slowly the noise relaxes.
     ///
     /// A path crosses the last macro step to its end, also beyond the end of the run, because no
     /// event depends on the end. In a macro step as long as 1/theta, a noise that hardly relaxes
@@ -227,8 +227,8 @@ impl Scene {
         }
     }
 
-    /// The size of the changes of b that the noise causes until `end`; none if they are so small
-    /// that they are lost in the rounding of the other forces.
+    /// The size of the changes of b due to the noise until `end`; none if they vanish in the
+    /// rounding of the other forces.
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
         let measured = self.series.as_ref().map_or(0.0, |series| {
@@ -306,12 +306,12 @@ impl Scene {
     }
 
     /// Sets the last term to that of the straight line in B, at a time on this line: the constant
-    /// and the trend, and what a measured temperature is after this sample.
+    /// and the trend, and the measured temperature after this sample.
     ///
     /// The line is represented as a harmonic that turns by a very small angle y, of at most 1e-8.
     /// Such a harmonic is a straight line to rounding: Re[(re + i im) e^{iy}] = re - im y, because
-    /// cos y rounds to 1 and sin y to y. So a line needs no formulas of its own; the curvature that
-    /// remains, y^2/2, is below rounding.
+    /// cos y rounds to 1 and sin y to y. So a line needs no separate formulas; the remaining
+    /// curvature, y^2/2, is below rounding.
     pub fn set_line(&self, sample: f64, t: f64, terms: &mut [Complex]) {
         if self.series.is_none() && self.line.is_none() {
             return;

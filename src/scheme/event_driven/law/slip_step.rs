@@ -160,7 +160,7 @@ pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) 
     }
 }
 
-/// How long a step lasts, as a search for its stop needs it.
+/// The length of a step, in the forms that the search for its stop needs.
 #[derive(Clone, Copy)]
 pub struct Extent<L> {
     /// h.

@@ -28,7 +28,7 @@ pub struct StepRules {
     pub slip_length: f64,
     /// kappa, the largest bend of a threshold in a stick step relative to the noise.
     pub chord_error: f64,
-    /// Standard deviations beyond which a zero of x' is taken to be impossible (see
+    /// Standard deviations beyond which a zero of x' is considered impossible (see
     /// [`super::first_stop::StopSearch`]).
     pub caution: f64,
     /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0,

@@ -18,7 +18,7 @@
 //! with a probability below 2 exp(-4), which is taken into account. In the second rule, c is the
 //! bend of the threshold ([`super::stick_step`]), and kappa follows from the tolerance.
 
-use super::inside::StickPiece;
+use super::inside::StickSegment;
 use super::scene::Scene;
 use super::stick_step::StickEnds;
 use crate::lanes::Lanes;
@@ -38,7 +38,7 @@ pub struct StickBand {
     most_bend: f64,
 }
 
-/// What is known of a stick at one time.
+/// The state of a stick at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<L = f64> {
     /// Time after the start of the macro step.
@@ -155,8 +155,8 @@ impl StickBand {
 
 /// The piece of a stick between two nodes.
 #[inline(always)]
-pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -> StickPiece<L> {
-    StickPiece {
+pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -> StickSegment<L> {
+    StickSegment {
         after: (left.after, right.after),
         noise: (left.noise, right.noise),
         force: (left.force, right.force),

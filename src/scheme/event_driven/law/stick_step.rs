@@ -31,12 +31,12 @@ pub struct StickStep<L = f64> {
     pub noise: TimeChange<L>,
 }
 
-/// After this number of attempts the last time is taken, whether it is accepted or not. This happens only
-/// where the start is as close to one threshold as it bends, and the other is met.
+/// After this number of attempts the last time is used, whether accepted or not. This happens only
+/// if the start is closer to one threshold than its curvature, and the other is met.
 pub const ATTEMPTS: usize = 64;
 
-/// What is known of a step: b at both ends (`start`, `end`) and its limits there, and -B'' and n in
-/// its middle.
+/// The data of a step: b at both ends (`start`, `end`) and its limits there, and -B'' and n in its
+/// middle.
 #[derive(Clone, Copy)]
 pub struct StickEnds<L> {
     pub limits: [Limits<L>; 2],

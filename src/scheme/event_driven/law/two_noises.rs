@@ -1,7 +1,7 @@
 //! Two Ornstein-Uhlenbeck noises at once.
 //!
-//! n = n1 + n2, where each is a process dn_j = -theta_j n_j dt + s_j dW_j of its own. The skeleton
-//! of a path holds both values at the ends of every macro step, drawn exactly. Inside a macro step
+//! n = n1 + n2, where each is a separate process dn_j = -theta_j n_j dt + s_j dW_j. The skeleton of
+//! a path holds both values at the ends of every macro step, drawn exactly. Inside a macro step
 //! only their sum matters. There the sum is approximated by one Ornstein-Uhlenbeck process between
 //! the two known ends, with
 //!
@@ -9,8 +9,8 @@
 //! s^2 = s1^2 + s2^2,    theta^2 = (theta1^2 s1^2 + theta2^2 s2^2)/s^2
 //! ```
 //!
-//! This is right to second order in theta_j h. Between known ends n_j is a bridge with the mean and
-//! the variance
+//! This is correct to second order in theta_j h. Between known ends n_j is a bridge with the mean
+//! and the variance
 //!
 //! ```text
 //! mean       straight line - theta_j^2 (straight line) t (h - t)/2 + ..

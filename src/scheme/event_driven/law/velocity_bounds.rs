@@ -1,5 +1,5 @@
-//! What the two ends of an interval say of the velocity V in between: that it stays positive, or
-//! that it has one zero.
+//! Bounds of the velocity V inside an interval, given both ends: that it stays positive, or that it
+//! has one zero.
 //!
 //! V is Gaussian given both ends ([`super::first_stop`]). Its mean is a polynomial of degree 4 in
 //! the fraction p of the interval, and with q = p (1-p)
@@ -9,8 +9,8 @@
 //! sd a = c h^{1/2} (q (1 - 8q + 20q^2))^{1/2} <= c h^{1/2}/4
 //! ```
 //!
-//! A polynomial lies above another one if its Bezier control points do. So V is taken to be
-//! positive on a half of the interval if the control points of its mean there lie above those of a
+//! A polynomial lies above another one if its Bezier control points do. So V is considered positive
+//! on a half of the interval if the control points of its mean there lie above those of a
 //! polynomial that is nowhere below `caution` sd V. It is taken to fall if those of its slope lie
 //! below -`caution` c h^{1/2}/4. The halves have control points of their own, because those of the
 //! whole interval lie so far from the polynomial that most intervals would have to be divided once

@@ -1,4 +1,4 @@
-//! Time with twice the digits of a double, so that phases do not drift over many periods.
+//! Time in double-double precision, so that phases do not drift over many periods.
 //!
 //! At t = 1e6 a double resolves 1e-10. A phase w t that is rounded there, or a time that is summed
 //! from 1e5 durations, would move events by as much. Here a time is an unevaluated sum hi + lo of

@@ -1,4 +1,4 @@
-//! The first zero of a smooth function, without ever missing one.
+//! The first zero of a smooth function, with guaranteed detection.
 //!
 //! Let g(r) >= 0 and |g''| <= M on [r, r + H]. Taylor's theorem gives g(r + u) >= g + g' u - M
 //! u^2/2, which is positive for every u below its positive root

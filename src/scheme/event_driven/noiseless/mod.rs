@@ -6,7 +6,7 @@
 //!   first_root      the first zero of a smooth function, without ever missing one
 //!   exact_time      time with twice the digits of a double
 //! general         the same for any force, where slips have no closed form
-//! unfelt_noise    the fluctuations of the temperature, where they do not change the motion
+//! unfelt_noise    the fluctuations of the temperature, if they do not change the motion
 //! ```
 
 mod exact_time;

@@ -78,7 +78,7 @@ impl Noiseless {
             .iter()
             .map(|t| t.rate.abs())
             .fold(model.oscillator.natural_frequency(), f64::max);
-        // A body without a spring under a constant force has no time scale but that of the run.
+        // A body without a spring under a constant force has no time scale except that of the run.
         let longest = if timeline.end > 0.0 {
             timeline.end
         } else {
@@ -480,7 +480,7 @@ impl PathSegments for Noiseless {
         &self,
         segment: &ClosedSegment,
         duration: f64,
-        mut tell: impl FnMut(Segment),
+        mut report: impl FnMut(Segment),
     ) -> Resolved<()> {
         let Phase::Slip(direction) = segment.phase else {
             return Ok(());
@@ -495,7 +495,7 @@ impl PathSegments for Noiseless {
         while i < pieces {
             let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
             let there = flow.at(end);
-            tell(Segment {
+            report(Segment {
                 start: segment.start.after(start).value(),
                 length: end - start,
                 displacement: segment.from.displacement + here.displacement,

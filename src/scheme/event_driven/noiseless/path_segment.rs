@@ -1,4 +1,4 @@
-//! The one path that there is without noise, segment by segment, reported for every lane.
+//! The single path without noise, segment by segment, reported for every lane.
 
 use super::super::work::{Resolved, Simulated, WorkLeft};
 use super::exact_time::ExactTime;
@@ -7,43 +7,12 @@ use crate::scheme::columns::{LOST, Seen, StateColumns};
 use crate::scheme::{Instant, Observer, Segment, Timeline};
 use std::cell::RefCell;
 
-/// A phase of the path, or a part of one.
-pub struct PathSegment<M, C> {
-    pub start: ExactTime,
-    pub phase: Phase,
-    /// What is known of the motion at the start.
-    pub from: M,
-    /// The duration of the segment and what ends it; none if it does not end before t_end.
-    pub end: Option<(f64, End<C>)>,
-}
-
-/// What ends a segment.
-#[derive(Clone, Copy)]
-pub enum End<C> {
-    Event(Event),
-    /// A cut in the phase, and what is known of the motion there.
-    Cut(C),
-}
-
-impl<M, C: Copy> PathSegment<M, C> {
-    /// The end of the segment, if it is at a time or before.
-    fn end_by(&self, time: f64) -> Option<(f64, End<C>)> {
-        self.end.filter(|(duration, end)| match end {
-            End::Event(event) => event.time <= time,
-            End::Cut(_) => *duration <= self.start.until(time),
-        })
-    }
-}
-
-/// A segment of the path of a scheme.
-pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;
-
 /// A scheme without noise, by the segments of its path. Nothing is random, so one path is computed
 /// for all lanes.
 pub trait PathSegments {
-    /// What the scheme knows of the motion at the start of a segment.
+    /// The known motion at the start of a segment.
     type Motion;
-    /// What it knows at a cut.
+    /// The known motion at a cut.
     type Cut: Copy;
 
     fn timeline(&self) -> &Timeline;
@@ -75,7 +44,7 @@ pub trait PathSegments {
         &self,
         path_segment: &PathSegmentOf<Self>,
         duration: f64,
-        tell: impl FnMut(Segment),
+        report: impl FnMut(Segment),
     ) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
@@ -87,10 +56,10 @@ pub trait PathSegments {
         let mut path_segment = self.first(&mut work);
         let follows = observer.borrow().follows();
         let follow = |path_segment: &PathSegment<_, _>, duration: f64| {
-            let tell =
+            let report =
                 |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
             if follows {
-                self.segments(path_segment, duration, tell)
+                self.segments(path_segment, duration, report)
             } else {
                 Ok(())
             }
@@ -132,3 +101,34 @@ pub trait PathSegments {
         }
     }
 }
+
+/// A phase of the path, or a part of one.
+pub struct PathSegment<M, C> {
+    pub start: ExactTime,
+    pub phase: Phase,
+    /// The known motion at the start.
+    pub from: M,
+    /// The duration of the segment and what ends it; none if it does not end before t_end.
+    pub end: Option<(f64, End<C>)>,
+}
+
+/// What ends a segment.
+#[derive(Clone, Copy)]
+pub enum End<C> {
+    Event(Event),
+    /// A cut in the phase, with the known motion there.
+    Cut(C),
+}
+
+impl<M, C: Copy> PathSegment<M, C> {
+    /// The end of the segment, if it is at a time or before.
+    fn end_by(&self, time: f64) -> Option<(f64, End<C>)> {
+        self.end.filter(|(duration, end)| match end {
+            End::Event(event) => event.time <= time,
+            End::Cut(_) => *duration <= self.start.until(time),
+        })
+    }
+}
+
+/// A segment of the path of a scheme.
+pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;

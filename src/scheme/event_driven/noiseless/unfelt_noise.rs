@@ -1,4 +1,4 @@
-//! Noise that is too weak to change the motion, but is part of the temperature that is recorded.
+//! Noise that is too weak to change the motion but is part of the recorded temperature.
 //!
 //! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the
 //! scene without diffusion. The temperature T still fluctuates, because v = E v + u. E v relaxes

@@ -1,11 +1,11 @@
-//! One path, and how it crosses a macro step: phase by phase.
+//! One path, crossing a macro step phase by phase.
 
 use super::super::law::{
     EVENT_PLACE, MacroStep, NOISE_PLACE, Scene, StepGrid, StepRules, StickBand, macro_step_length,
 };
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
+use super::observation::PathObserver;
 use super::stick::{PendingNodes, stick};
-use super::watch::Watch;
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;
@@ -26,7 +26,7 @@ pub struct Path<'w, M> {
     /// at a stop), not a difference of larger forces.
     pub force: f64,
     pub phase: Phase,
-    /// What else the scheme needs to know of the motion.
+    /// Further data of the motion that the scheme needs.
     pub motion: M,
     pub draws: AddressedDraws,
     pub work: WorkLeft<'w>,
@@ -34,9 +34,9 @@ pub struct Path<'w, M> {
     pub lost: Option<Unresolved>,
 }
 
-/// How the paths of a scheme go from macro step to macro step.
+/// The propagation of the paths of a scheme from macro step to macro step.
 #[derive(Clone, Debug)]
-pub struct Route {
+pub struct Propagation {
     pub timeline: Timeline,
     /// The division of time into macro steps.
     pub grid: StepGrid,
@@ -44,13 +44,13 @@ pub struct Route {
     pub band: StickBand,
     /// The number of evaluations that a path may make.
     pub work_limit: u64,
-    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
-    /// for a closer look at a path.
-    pub closeness: usize,
+    /// Every `row_stride`-th row of the output grid belongs to the run; the rows in between are
+    /// additional observation times.
+    pub row_stride: usize,
 }
 
-impl Route {
-    /// The route through macro steps that are at most this long, where an evaluation takes `cost`
+impl Propagation {
+    /// The propagation through macro steps of at most this length, where an evaluation takes `cost`
     /// times as long as usual.
     pub fn new(
         scene: &Scene,
@@ -59,7 +59,7 @@ impl Route {
         longest: f64,
         cost: u64,
     ) -> Self {
-        Route {
+        Propagation {
             timeline: *timeline,
             grid: scene.grid(
                 macro_step_length(longest.min(scene.longest_macro_step()), timeline.end),
@@ -67,12 +67,12 @@ impl Route {
             ),
             band: StickBand::new(scene, rules.chord_error),
             work_limit: work_limit(cost),
-            closeness: 1,
+            row_stride: 1,
         }
     }
 }
 
-/// What the loop needs from a scheme.
+/// The interface of a scheme to the loop.
 pub trait Cascade {
     /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
     type Memory: Default;
@@ -80,7 +80,7 @@ pub trait Cascade {
     type Scratch;
 
     fn scene(&self) -> &Scene;
-    fn route(&self) -> &Route;
+    fn propagation(&self) -> &Propagation;
 
     fn scratch(&self) -> Self::Scratch;
 
@@ -93,14 +93,14 @@ pub trait Cascade {
         direction: Sign,
         end_noise: f64,
         scratch: &mut Self::Scratch,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>>;
 
     /// The motion at the start of the phase that follows an event.
     fn motion_after(&self, event: &Event) -> Self::Memory;
 
     /// x and x' at the end of the macro step to which the path has been taken.
-    fn look(&self, path: &Path<Self::Memory>, macro_step: &MacroStep) -> (f64, f64);
+    fn end_state(&self, path: &Path<Self::Memory>, macro_step: &MacroStep) -> (f64, f64);
 }
 
 /// A path at t = 0.
@@ -118,7 +118,7 @@ pub fn start<'w, C: Cascade>(
             scene,
             noise,
             draws,
-            WorkLeft::watched(cascade.route().work_limit, is_stopped),
+            WorkLeft::watched(cascade.propagation().work_limit, is_stopped),
         )
     }
 }
@@ -149,7 +149,7 @@ pub fn cross<C: Cascade>(
     macro_step: &MacroStep,
     path: &mut Path<C::Memory>,
     (scratch, pending): &mut (C::Scratch, PendingNodes),
-    watch: &mut impl Watch,
+    observer: &mut impl PathObserver,
     mut emit: impl FnMut(Event),
 ) -> Resolved<()> {
     let end_noise = noise_at_the_end(macro_step, path);
@@ -162,9 +162,9 @@ pub fn cross<C: Cascade>(
     }
     loop {
         let event = match path.phase {
-            Phase::Static => stick(cascade, macro_step, path, end_noise, pending, watch)?,
+            Phase::Static => stick(cascade, macro_step, path, end_noise, pending, observer)?,
             Phase::Slip(direction) => {
-                cascade.slip(macro_step, path, direction, end_noise, scratch, watch)?
+                cascade.slip(macro_step, path, direction, end_noise, scratch, observer)?
             }
         };
         let Some(event) = event else { break };

@@ -1,11 +1,11 @@
 //! Paths that cross the macro steps one after the other.
 
 use super::super::law::MacroStep;
-use super::super::macro_step_loop::{Inside, PathSet, Watching};
+use super::super::macro_step_loop::{Inside, PathSet, SharedObserver};
 use super::super::work::Simulated;
+use super::observation::{MotionObserver, NullObserver};
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
-use super::watch::{Follower, NullObserver};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::Segment;
@@ -26,7 +26,7 @@ pub struct ScalarPaths<'a, C: Cascade> {
 
 impl<'a, C: Cascade> ScalarPaths<'a, C> {
     /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`. Their motion is
-    /// told as well if an observer follows it.
+    /// also reported if an observer follows it.
     pub fn new(
         cascade: &'a C,
         seed: u64,
@@ -81,12 +81,20 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                     inside.cross(lane, *cascade, macro_step, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    let mut watch = Follower {
-                        watch: NullObserver,
+                    let mut path_observer = MotionObserver {
+                        observer: NullObserver,
                         lane,
                         segments: segments.as_mut(),
                     };
-                    path.lost = cross(*cascade, macro_step, path, scratch, &mut watch, emit).err();
+                    path.lost = cross(
+                        *cascade,
+                        macro_step,
+                        path,
+                        scratch,
+                        &mut path_observer,
+                        emit,
+                    )
+                    .err();
                 }
             }
         }
@@ -100,7 +108,7 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         self.cascade
     }
 
-    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>) {
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &SharedObserver<'_>) {
         let instructions = self.instructions;
         instructions.run_single(&mut CrossOneByOne {
             all: self,
@@ -120,7 +128,7 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         }
     }
 
-    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
+    fn cross_observed(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
         let macro_steps = std::slice::from_ref(macro_step);
         let instructions = self.instructions;
         instructions.run_single(&mut CrossOneByOne {
@@ -130,7 +138,7 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         });
     }
 
-    fn look(&self, passed: &MacroStep, columns: &mut StateColumns) {
+    fn write_states(&self, passed: &MacroStep, columns: &mut StateColumns) {
         for (lane, path) in self.paths.iter().enumerate() {
             columns.set(lane, at_the_end(self.cascade, passed, path));
         }
@@ -149,7 +157,7 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
             evaluations: self
                 .paths
                 .iter()
-                .map(|path| self.cascade.route().work_limit - path.work.left())
+                .map(|path| self.cascade.propagation().work_limit - path.work.left())
                 .sum(),
         }
     }
@@ -160,7 +168,7 @@ fn at_the_end<C: Cascade>(cascade: &C, macro_step: &MacroStep, path: &Path<C::Me
     if path.lost.is_some() {
         return LOST;
     }
-    let (x, v) = cascade.look(path, macro_step);
+    let (x, v) = cascade.end_state(path, macro_step);
     let temperature = cascade
         .scene()
         .temperature(macro_step.last.value, path.noise);

@@ -3,16 +3,16 @@
 //! ([`super::user_force`]).
 
 use super::super::law::{
-    Glance, Known, MacroStep, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
+    Known, MacroStep, ObservationTime, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
     SlipVelocity, WHOLE_PLACE, force, forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
-use super::path::{Cascade, Path, Route};
+use super::observation::{ObservedSegment, PathObserver};
+use super::path::{Cascade, Path, Propagation};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::user_force::UserForceSteps;
-use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
@@ -41,8 +41,8 @@ impl Cascade for Noisy {
         &self.scene
     }
 
-    fn route(&self) -> &Route {
-        &self.route
+    fn propagation(&self) -> &Propagation {
+        &self.propagation
     }
 
     fn scratch(&self) -> SlipBuffers {
@@ -69,7 +69,7 @@ impl Cascade for Noisy {
         direction: Sign,
         end_noise: f64,
         scratch: &mut SlipBuffers,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>> {
         Slip {
             noisy: self,
@@ -77,7 +77,7 @@ impl Cascade for Noisy {
             direction,
             end_noise,
         }
-        .go_on(path, scratch, watch)
+        .go_on(path, scratch, observer)
     }
 
     fn motion_after(&self, event: &Event) -> f64 {
@@ -87,7 +87,7 @@ impl Cascade for Noisy {
         }
     }
 
-    fn look(&self, path: &Path<f64>, _: &MacroStep) -> (f64, f64) {
+    fn end_state(&self, path: &Path<f64>, _: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(_) => (path.displacement, path.motion),
@@ -111,7 +111,7 @@ impl Slip<'_> {
         &self,
         path: &mut Path<f64>,
         buffers: &mut SlipBuffers,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<Event>> {
         let SlipBuffers {
             partial,
@@ -130,7 +130,7 @@ impl Slip<'_> {
         loop {
             let remaining = self.macro_step.length - path.after;
             if remaining <= SHORTEST * self.macro_step.length {
-                self.coast(path, watch);
+                self.coast(path, observer);
                 return Ok(None);
             }
             path.work.spend()?;
@@ -161,16 +161,16 @@ impl Slip<'_> {
             );
             let push = own.as_ref().map_or(0.0, |own| own.push);
             let flow = StepFlow::new(self, step, (began, start), searched, push, flow);
-            let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
+            let stop = flow.first_stop(path, pending, passed, observer.is_observing())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
             if !path.noise.is_finite() {
                 return Err(Unresolved::NoNumber);
             }
-            flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
-            if watch.follows() {
+            flow.show(passed, stop.as_ref(), (path.after, path.noise), observer);
+            if observer.follows() {
                 passed
                     .iter()
-                    .for_each(|piece| watch.segment(self.segment(began, start.x, piece)));
+                    .for_each(|piece| observer.segment(self.segment(began, start.x, piece)));
             }
             if event.is_some() || is_last {
                 return Ok(event);
@@ -322,7 +322,7 @@ impl Slip<'_> {
 
     /// Crosses the remainder of the macro step with uniform acceleration, where it is too short for
     /// the noise to be distinguished from rounding.
-    fn coast(&self, path: &mut Path<f64>, watch: &mut impl Watch) {
+    fn coast(&self, path: &mut Path<f64>, observer: &mut impl PathObserver) {
         let Slip {
             noisy: Noisy { scene, .. },
             macro_step,
@@ -330,16 +330,16 @@ impl Slip<'_> {
             end_noise,
         } = *self;
         let body = &scene.oscillator;
-        let piece = CoastPiece {
+        let piece = CoastSegment {
             direction,
             displacement: path.displacement,
             velocity: path.motion,
             acceleration: (path.force - self.friction()) / body.mass,
             ends: [(path.after, path.noise), (macro_step.length, end_noise)],
         };
-        watch.look(scene, || piece);
+        observer.observe(scene, || piece);
         (path.displacement, path.motion) = piece.at(macro_step.length);
-        watch.segment(Segment {
+        observer.segment(Segment {
             start: macro_step.start + path.after,
             length: macro_step.length - path.after,
             displacement: piece.displacement,
@@ -368,7 +368,7 @@ impl Slip<'_> {
 /// A piece of a slip that is too short for the noise to be distinguished from rounding: the body
 /// has a uniform acceleration.
 #[derive(Clone, Copy)]
-struct CoastPiece {
+struct CoastSegment {
     direction: Sign,
     /// x, x' and x'' at the start of the piece.
     displacement: f64,
@@ -378,11 +378,11 @@ struct CoastPiece {
     ends: [Known; 2],
 }
 
-impl CoastPiece {
+impl CoastSegment {
     /// x and x' at a time. The body does not turn.
     #[inline(always)]
     fn at(&self, time: f64) -> (f64, f64) {
-        let CoastPiece {
+        let CoastSegment {
             direction,
             displacement,
             velocity,
@@ -395,7 +395,7 @@ impl CoastPiece {
     }
 }
 
-impl WatchedPiece for CoastPiece {
+impl ObservedSegment for CoastSegment {
     fn end(&self) -> f64 {
         self.ends[1].0
     }
@@ -403,13 +403,13 @@ impl WatchedPiece for CoastPiece {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
-        let noise = noise_between(scene, self.ends, glance.time, draws);
-        let ((x, v), here) = (self.at(glance.time), (glance.time, noise));
-        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
-        let behind = CoastPiece {
+        let noise = noise_between(scene, self.ends, instant.time, draws);
+        let ((x, v), here) = (self.at(instant.time), (instant.time, noise));
+        let seen = (x, v, scene.temperature(instant.forcing, noise), false);
+        let behind = CoastSegment {
             displacement: x,
             velocity: v,
             ends: [here, self.ends[1]],
@@ -417,7 +417,7 @@ impl WatchedPiece for CoastPiece {
         };
         (
             seen,
-            CoastPiece {
+            CoastSegment {
                 ends: [self.ends[0], here],
                 ..*self
             },

@@ -1,16 +1,16 @@
-//! The motion of a slip step of one path without noise. From it a stop is corrected where the noise
-//! is feeble, and the states inside the step are drawn for an observer.
+//! The motion of a slip step of one path without noise. From it a stop is corrected if the noise is
+//! weak, and the states inside the step are drawn for an observer.
 
 use super::super::law::{
-    FEEBLE, Glance, Known, KnownStep, Scene, SlipPiece, SlipPoint, SlipStep, SlipStop,
+    FEEBLE, Known, KnownStep, ObservationTime, Scene, SlipPoint, SlipSegment, SlipStep, SlipStop,
     SlipVelocity, Way, force, forcing, forwards, motion, noise_between, resolved_travel,
 };
 use super::super::noisy::Noisy;
 use super::super::work::Resolved;
+use super::observation::{ObservedSegment, PathObserver};
 use super::path::Path;
 use super::slip::Slip;
 use super::stop_search::{Passed, PendingIntervals};
-use super::watch::{Watch, WatchedPiece};
 use crate::model::Complex;
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
@@ -141,7 +141,7 @@ impl<'a> StepFlow<'a> {
         Ok(stop)
     }
 
-    /// Moves a stop from the quintic of the search to the exact motion without noise; for feeble
+    /// Moves a stop from the quintic of the search to the exact motion without noise; for weak
     /// noise.
     ///
     /// The search replaces the motion without noise by the quintic between the ends of the step.
@@ -216,15 +216,15 @@ impl<'a> StepFlow<'a> {
         moved
     }
 
-    /// Shows an observer the intervals that were passed. The last of them ends at the stop, if
-    /// there is one. n is known at its end; at a stop it is what the balance of forces requires.
+    /// Passes the completed intervals to an observer. The last of them ends at the stop, if there
+    /// is one. n is known at its end; at a stop it is what the balance of forces requires.
     #[inline(always)]
     pub fn show(
         &self,
         passed: &[Passed],
         stop: Option<&SlipStop>,
         known_end: Known,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) {
         // This is not a closure, because a closure is not compiled for the instruction set.
         for (
@@ -242,9 +242,9 @@ impl<'a> StepFlow<'a> {
                 _ => after + interval.length,
             };
             let (after, until) = (self.after + after, self.after + end);
-            if watch.is_ahead(until) {
+            if observer.is_ahead(until) {
                 let (eps, x0) = (self.slip.direction.value(), self.start.x);
-                let piece = SlipPiece {
+                let piece = SlipSegment {
                     eps,
                     x0,
                     after,
@@ -255,7 +255,7 @@ impl<'a> StepFlow<'a> {
                 };
                 let piece = piece.less([&self.at(after), &self.at(until)]);
                 let known = [self.last_drawn.get()[0], known_end];
-                watch.look(&self.slip.noisy.scene, || FlowPiece {
+                observer.observe(&self.slip.noisy.scene, || FlowSegment {
                     flow: self,
                     piece,
                     known,
@@ -269,31 +269,36 @@ impl<'a> StepFlow<'a> {
     #[inline(always)]
     fn noise(
         &self,
-        glance: Glance,
+        instant: ObservationTime,
         [mut before, behind]: [Known; 2],
         draws: &mut AddressedDraws,
     ) -> f64 {
         let mut last_drawn = self.last_drawn.get();
-        let between = &mut last_drawn[usize::from(glance.is_closer)];
+        let between = &mut last_drawn[usize::from(instant.is_additional)];
         if between.0 > before.0 {
             before = *between;
         }
-        let noise = noise_between(&self.slip.noisy.scene, [before, behind], glance.time, draws);
-        *between = (glance.time, noise);
+        let noise = noise_between(
+            &self.slip.noisy.scene,
+            [before, behind],
+            instant.time,
+            draws,
+        );
+        *between = (instant.time, noise);
         self.last_drawn.set(last_drawn);
         noise
     }
 }
 
 /// A piece of a slip of one path, with the motion of its step without noise.
-struct FlowPiece<'a> {
+struct FlowSegment<'a> {
     flow: &'a StepFlow<'a>,
-    piece: SlipPiece,
+    piece: SlipSegment,
     /// n at known times before and after, as drawn for the rows of the run.
     known: [Known; 2],
 }
 
-impl WatchedPiece for FlowPiece<'_> {
+impl ObservedSegment for FlowSegment<'_> {
     fn end(&self) -> f64 {
         self.piece.until
     }
@@ -302,41 +307,41 @@ impl WatchedPiece for FlowPiece<'_> {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
-        let FlowPiece {
+        let FlowSegment {
             flow,
             ref piece,
             known,
         } = *self;
-        let here = flow.at(glance.time);
-        let state = piece.state(scene, glance, &here, draws.three_normals());
-        let is_felt = piece.is_felt(scene, glance, &here, flow.step.length());
+        let here = flow.at(instant.time);
+        let state = piece.state(scene, instant, &here, draws.three_normals());
+        let is_felt = piece.is_felt(scene, instant, &here, flow.step.length());
         let (x, v) = piece.seen(&state);
         let noise = match is_felt {
             // The balance of forces takes the constant that stands for g for g itself.
             true if scene.own.is_some() => {
-                let here = scene.own.at(Some(flow.slip.direction), x, v, glance.at);
+                let here = scene.own.at(Some(flow.slip.direction), x, v, instant.at);
                 state.noise - (here - flow.push)
             }
             true => state.noise,
-            false => flow.noise(glance, known, draws),
+            false => flow.noise(instant, known, draws),
         };
-        let [first, second] = piece.parted_at(glance, &state);
-        let now = (glance.time, noise);
-        let before = FlowPiece {
+        let [first, second] = piece.parted_at(instant, &state);
+        let now = (instant.time, noise);
+        let before = FlowSegment {
             flow,
             piece: first,
             known: [known[0], now],
         };
-        let behind = FlowPiece {
+        let behind = FlowSegment {
             flow,
             piece: second,
             known: [now, known[1]],
         };
         (
-            (x, v, scene.temperature(glance.forcing, noise), false),
+            (x, v, scene.temperature(instant.forcing, noise), false),
             before,
             behind,
         )

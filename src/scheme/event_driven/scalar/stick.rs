@@ -7,8 +7,8 @@ use super::super::law::{
     stick_piece, width,
 };
 use super::super::work::{Resolved, Unresolved};
+use super::observation::PathObserver;
 use super::path::{Cascade, Path};
-use super::watch::Watch;
 use crate::model::{Event, EventKind, Sign};
 use crate::noise::{AddressedDraws, bridge_middle};
 
@@ -54,7 +54,7 @@ pub(super) fn stick<C: Cascade>(
     path: &mut Path<C::Memory>,
     end_noise: f64,
     pending: &mut PendingNodes,
-    watch: &mut impl Watch,
+    observer: &mut impl PathObserver,
 ) -> Resolved<Option<Event>> {
     let (scene, displacement) = (cascade.scene(), path.displacement);
     let slip = |direction: Sign, force: f64, after: f64| Event {
@@ -77,12 +77,12 @@ pub(super) fn stick<C: Cascade>(
     }
     let stick = Stick::new(
         scene,
-        &cascade.route().band,
+        &cascade.propagation().band,
         macro_step,
         displacement,
         end_noise,
     );
-    let Some((direction, exit)) = stick.exit(path, pending, watch)? else {
+    let Some((direction, exit)) = stick.exit(path, pending, observer)? else {
         path.force =
             stick.with_own(macro_step.last, macro_step.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() {
@@ -181,7 +181,7 @@ impl<'a> Stick<'a> {
         &self,
         path: &mut Path<M>,
         PendingNodes(pending): &mut PendingNodes,
-        watch: &mut impl Watch,
+        observer: &mut impl PathObserver,
     ) -> Resolved<Option<(Sign, Node)>> {
         let mut left = self.start(path);
         pending[0] = self.end();
@@ -205,7 +205,7 @@ impl<'a> Stick<'a> {
                 && let Some((direction, exit)) =
                     self.exit_between(&left.0, &right.0, limits, &mut path.draws)
             {
-                watch.look(self.scene, || {
+                observer.observe(self.scene, || {
                     (
                         stick_piece(&left.0, &exit, self.displacement),
                         StickEnd::Exit,
@@ -218,7 +218,7 @@ impl<'a> Stick<'a> {
             } else {
                 StickEnd::Clear
             };
-            watch.look(self.scene, || {
+            observer.observe(self.scene, || {
                 (stick_piece(&left.0, &right.0, self.displacement), kind)
             });
             if top == 0 {
@@ -339,7 +339,7 @@ impl<'a> Stick<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::watch::NullObserver;
+    use super::super::observation::NullObserver;
     use super::*;
     use crate::model::tests::paper;
     use crate::model::{Harmonic, Model};

@@ -102,7 +102,7 @@ impl StopSearch {
     }
 }
 
-/// A search that has come to some place in its step.
+/// A search in progress in its step.
 struct Bisection<'a, 'w, P> {
     search: &'a StopSearch,
     /// The time and the distance since the start of the step, and the motion, up to which V is

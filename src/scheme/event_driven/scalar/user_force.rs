@@ -1,4 +1,4 @@
-//! A slip step under a force g(x, x', t) of the user's own.
+//! A slip step under a user-defined force g(x, x', t).
 //!
 //! All other forces are linear, and their step is exact ([`SlipStep`]). g stands in it as a
 //! constant, where eps f_d stands, and the end of the step is corrected for what g does in the
@@ -408,7 +408,7 @@ mod tests {
     /// x and x' after this number of equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let macro_step = MacroStep::new(scene, &noisy.route.grid, 0);
+        let macro_step = MacroStep::new(scene, &noisy.propagation.grid, 0);
         let slip = Slip {
             noisy,
             macro_step: &macro_step,

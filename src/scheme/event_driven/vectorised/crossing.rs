@@ -1,22 +1,22 @@
 //! The crossing of a macro step, stage by stage: the sweep, the tasks of the queues, the states at
 //! output times, and the lanes that cross the macro step in scalar form.
 
-use super::super::law::{Glance, MacroStep};
+use super::super::law::{MacroStep, ObservationTime};
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
-/// Where more than one in `MOST_ODD` lanes has to cross the macro step again, all paths are
-/// simulated in scalar form.
-const MOST_ODD: usize = 2;
+/// If more than one in `MOST_FALLBACK` lanes has to cross the macro step again, all paths are simulated
+/// in scalar form.
+const MOST_FALLBACK: usize = 2;
 
-/// The number of lanes after which the decision for `MOST_ODD` is made.
+/// The number of lanes after which the decision for `MOST_FALLBACK` is made.
 const SWEPT: usize = 4096;
 
 /// After this number of tasks in one macro step, the scheme asks whether the paths are still
 /// wanted.
-const LOOK: u32 = 64;
+const CHECK_EVERY: u32 = 64;
 
 /// A crossing of one macro step by all paths, in lanes of one kind.
 pub struct Crossing<'p, 'a, L: Lanes> {
@@ -25,8 +25,8 @@ pub struct Crossing<'p, 'a, L: Lanes> {
     lanes: PhantomData<L>,
 }
 
-/// A stage of a crossing. Each stage is compiled as a function of its own, so that the registers of
-/// the processor need not hold what other stages use.
+/// A stage of a crossing. Each stage is compiled as a separate function, so that the registers of
+/// the processor need not hold data of other stages.
 trait Stage {
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>);
 }
@@ -59,8 +59,8 @@ impl Stage for CrossingStage {
     }
 }
 
-/// Makes the tasks, and a stage of each, which works on all lanes that were taken out of the queue
-/// of the task.
+/// Defines the tasks, and a stage for each, which works on all lanes taken out of the queue of the
+/// task.
 macro_rules! tasks {
     ($($(#[$about:meta])* $Task:ident: $work:ident,)*) => {
         /// What remains to be done for a flagged lane.
@@ -117,25 +117,25 @@ tasks! {
 }
 
 /// Draws the states at the stops inside the macro step.
-struct LookInside<'i>(&'i mut Inside);
+struct ObserveInside<'i>(&'i mut Inside);
 
-impl Stage for LookInside<'_> {
+impl Stage for ObserveInside<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
-        crossing.look(self.0);
+        crossing.observe(self.0);
     }
 }
 
 /// Takes the lanes across the macro step that have to cross it in scalar form. `inside` are the stops
 /// inside the macro step.
-struct Alone<'i> {
+struct ScalarFallback<'i> {
     inside: Option<&'i mut Inside>,
 }
 
-impl Stage for Alone<'_> {
+impl Stage for ScalarFallback<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
-        while let Some(lane) = crossing.paths.odd.pop() {
+        while let Some(lane) = crossing.paths.fallback.pop() {
             crossing.paths.cross_scalar(
                 lane as usize,
                 crossing.macro_step,
@@ -155,10 +155,10 @@ impl Vectorised<'_> {
         macro_step: &MacroStep,
         mut inside: Option<&mut Inside>,
     ) {
-        let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
-        self.begin_macro_step(macro_step, glances);
-        if self.go_scalar(macro_step, glances) {
-            self.mark_all_odd();
+        let instants = inside.as_ref().map_or(&[][..], |inside| &inside.instants);
+        self.begin_macro_step(macro_step, instants);
+        if self.go_scalar(macro_step, instants) {
+            self.mark_all_for_fallback();
         } else {
             self.run(macro_step, CrossingStage);
             for turn in 1_u32.. {
@@ -166,19 +166,19 @@ impl Vectorised<'_> {
                     break;
                 };
                 self.work_on(task, macro_step);
-                if turn.is_multiple_of(LOOK) && (self.is_stopped)() {
+                if turn.is_multiple_of(CHECK_EVERY) && (self.is_stopped)() {
                     return;
                 }
             }
             self.count_work();
             if let Some(inside) = &mut inside {
-                self.run(macro_step, LookInside(inside));
+                self.run(macro_step, ObserveInside(inside));
             }
-            self.drop_events_of_odd();
+            self.drop_events_of_fallback();
         }
         self.run(
             macro_step,
-            Alone {
+            ScalarFallback {
                 inside: inside.as_deref_mut(),
             },
         );
@@ -203,27 +203,31 @@ impl Vectorised<'_> {
     }
 
     /// Starts a new macro step, in which the paths are observed at these instants.
-    fn begin_macro_step(&mut self, macro_step: &MacroStep, glances: &[Glance]) {
-        self.records.begin(macro_step.start, glances);
+    fn begin_macro_step(&mut self, macro_step: &MacroStep, instants: &[ObservationTime]) {
+        self.records.begin(macro_step.start, instants);
         self.spent_before.copy_from_slice(&self.spent);
         self.jobs.clear();
     }
 
-    /// Whether all paths cross the macro step in scalar form: where most of them would have to cross it
-    /// again in scalar form, for a closer look, which is for few paths, and where they move at t = 0.
-    fn go_scalar(&self, macro_step: &MacroStep, glances: &[Glance]) -> bool {
-        let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
+    /// Whether all paths cross the macro step in scalar form: if most of them would have to cross
+    /// it again in scalar form, if there are additional observation times (only for few paths), or
+    /// if they move at t = 0.
+    fn go_scalar(&self, macro_step: &MacroStep, instants: &[ObservationTime]) -> bool {
+        let falls_back = self.fell_back * MOST_FALLBACK > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
             macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
-        are_odd || have_initial_velocity || glances.iter().any(|glance| glance.is_closer)
+        falls_back || have_initial_velocity || instants.iter().any(|instant| instant.is_additional)
     }
 
     /// Marks all lanes to cross the macro step in scalar form.
-    fn mark_all_odd(&mut self) {
+    fn mark_all_for_fallback(&mut self) {
         let Vectorised {
-            odd, lost, count, ..
+            fallback,
+            lost,
+            count,
+            ..
         } = self;
-        odd.extend(
+        fallback.extend(
             (0..*count)
                 .filter(|lane| !lost.contains_key(lane))
                 .map(|lane| lane as u32),
@@ -234,9 +238,9 @@ impl Vectorised<'_> {
     /// in scalar form.
     fn count_work(&mut self) {
         let Vectorised {
-            odd,
+            fallback,
             swept,
-            turned_odd,
+            fell_back,
             jobs,
             spent,
             count,
@@ -246,14 +250,16 @@ impl Vectorised<'_> {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
         *swept += *count;
-        *turned_odd += odd.len();
+        *fell_back += fallback.len();
     }
 
     /// Drops the events of lanes that cross the macro step again in scalar form.
-    fn drop_events_of_odd(&mut self) {
-        let Vectorised { odd, events, .. } = self;
-        if !odd.is_empty() {
-            events.retain(|(lane, _)| !odd.contains(lane));
+    fn drop_events_of_fallback(&mut self) {
+        let Vectorised {
+            fallback, events, ..
+        } = self;
+        if !fallback.is_empty() {
+            events.retain(|(lane, _)| !fallback.contains(lane));
         }
     }
 }

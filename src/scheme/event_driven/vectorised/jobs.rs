@@ -5,8 +5,8 @@ use super::crossing::{TASKS, Task};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
-/// The most pieces of one lane that may wait. A lane with more crosses the macro step in scalar form,
-/// which would happen often with half as many, where f_s is close to f_d.
+/// The maximum number of waiting pieces of one lane. A lane with more crosses the macro step in
+/// scalar form, which would happen often with half of this if f_s is close to f_d.
 pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of
@@ -20,9 +20,9 @@ pub struct Jobs {
     /// For each lane, the end of its piece or interval, and the keys of the random numbers of its
     /// path.
     pub right: Vec<Row>,
-    /// The pieces of each lane that wait, in the layout of `right`. It has room for as many as may
-    /// wait, and grows within that room, so that nothing is copied; few paths ever have as many,
-    /// and memory that is not used takes no time.
+    /// The pieces of each lane that wait, in the layout of `right`. It is reserved for the maximum,
+    /// and grows within that, so that nothing is copied; few paths ever need it all, and unused
+    /// memory costs no time.
     stack: Vec<Row>,
     /// The lanes that were flagged in this macro step.
     flagged: Queue,
@@ -292,7 +292,7 @@ impl<L: Lanes> Count<L> {
         self.plus(mask, BEHIND)
     }
 
-    /// Counts one waiting piece less.
+    /// Counts one waiting piece fewer.
     #[inline(always)]
     pub fn taken(self) -> Self {
         Count(L::add_bits(self.0, L::splat_bits(BEHIND.wrapping_neg())))

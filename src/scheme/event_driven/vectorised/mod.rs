@@ -3,7 +3,7 @@
 //! ```text
 //! sweep    draws n at the end of the macro step, and takes every path there as if it had no event
 //! queues   treat the lanes that may have an event: a stick that may be left, a slip that may stop
-//! look     draws the states at output times inside the macro step, in the pieces that hold them
+//! observe  draws the states at output times inside the macro step, in the pieces that hold them
 //! scalar   the few lanes that meet a rare case cross the macro step again, path by path
 //! ```
 //!
@@ -18,7 +18,7 @@
 
 mod crossing;
 mod jobs;
-mod look;
+mod observe;
 mod records;
 mod shared_step;
 mod slip;
@@ -29,7 +29,7 @@ mod sweep;
 mod tests;
 
 use super::law::MacroStep;
-use super::macro_step_loop::{Inside, PathSet, Watching};
+use super::macro_step_loop::{Inside, PathSet, SharedObserver};
 use super::noisy::Noisy;
 use super::scalar::{self, Cascade, NullObserver, Path, PendingNodes, SlipBuffers};
 use super::work::{Simulated, Unresolved, WorkLeft};
@@ -69,11 +69,11 @@ pub struct Vectorised<'a> {
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
     /// The lanes that cross the macro step again in scalar form.
-    odd: Vec<u32>,
+    fallback: Vec<u32>,
     /// The number of lanes that have crossed a macro step together, and how many of them crossed it
     /// again in scalar form.
     swept: usize,
-    turned_odd: usize,
+    fell_back: usize,
     scratch: (SlipBuffers, PendingNodes),
     is_stopped: &'a dyn Fn() -> bool,
 }
@@ -108,9 +108,9 @@ impl<'a> Vectorised<'a> {
             records: Records::default(),
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),
-            odd: Vec::new(),
+            fallback: Vec::new(),
             swept: 0,
-            turned_odd: 0,
+            fell_back: 0,
             scratch: (noisy.scratch(), PendingNodes::new()),
             is_stopped,
         };
@@ -129,7 +129,7 @@ impl<'a> Vectorised<'a> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
         let left = self
             .noisy
-            .route
+            .propagation
             .work_limit
             .saturating_sub(self.spent_before[lane]);
         Path {
@@ -168,7 +168,7 @@ impl<'a> Vectorised<'a> {
             flip,
         ]);
         self.phases.set(lane, eps != 0.0);
-        self.spent[lane] = self.noisy.route.work_limit - path.work.left();
+        self.spent[lane] = self.noisy.propagation.work_limit - path.work.left();
         if let Some(why) = path.lost {
             self.give_up(lane, why);
         }
@@ -183,7 +183,7 @@ impl<'a> Vectorised<'a> {
     /// Gives up the paths that have spent all their evaluations.
     #[inline(always)]
     fn limit_work(&mut self) {
-        let limit = self.noisy.route.work_limit;
+        let limit = self.noisy.propagation.work_limit;
         let mut is_over = false;
         for &spent in &self.spent {
             is_over |= spent > limit;
@@ -220,13 +220,13 @@ impl<'a> Vectorised<'a> {
 }
 
 /// Writes the state of every path at the end of a macro step.
-struct LookAtEnd<'p, 'a> {
+struct WriteStates<'p, 'a> {
     paths: &'p Vectorised<'a>,
     passed: &'p MacroStep,
     columns: &'p mut StateColumns,
 }
 
-impl LaneProgram for LookAtEnd<'_, '_> {
+impl LaneProgram for WriteStates<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let scene = &self.paths.noisy.scene;
@@ -247,7 +247,7 @@ impl PathSet for Vectorised<'_> {
         self.noisy
     }
 
-    fn cross(&mut self, macro_steps: &[MacroStep], observer: &Watching<'_>) {
+    fn cross(&mut self, macro_steps: &[MacroStep], observer: &SharedObserver<'_>) {
         for macro_step in macro_steps {
             if (self.is_stopped)() {
                 return;
@@ -260,12 +260,12 @@ impl PathSet for Vectorised<'_> {
         }
     }
 
-    fn cross_watched(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
+    fn cross_observed(&mut self, macro_step: &MacroStep, inside: &mut Inside) {
         self.cross_macro_step(macro_step, Some(inside));
     }
 
-    fn look(&self, passed: &MacroStep, columns: &mut StateColumns) {
-        self.instructions.run(&mut LookAtEnd {
+    fn write_states(&self, passed: &MacroStep, columns: &mut StateColumns) {
+        self.instructions.run(&mut WriteStates {
             paths: self,
             passed,
             columns,
@@ -280,7 +280,7 @@ impl PathSet for Vectorised<'_> {
     }
 
     fn simulated(&self) -> Simulated {
-        let limit = self.noisy.route.work_limit;
+        let limit = self.noisy.propagation.work_limit;
         Simulated {
             lost: self.lost.keys().copied().collect(),
             why: self.lost.values().next().copied(),

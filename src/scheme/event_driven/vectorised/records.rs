@@ -1,7 +1,7 @@
 //! The pieces of paths in which an instant lies at which the paths are observed. They are recorded
 //! while the lanes cross the macro step, and the states are drawn afterwards.
 
-use super::super::law::{Glance, StickEnd};
+use super::super::law::{ObservationTime, StickEnd};
 use super::jobs::RowNumbers;
 use crate::lanes::{Lanes, ROW, Row};
 
@@ -28,17 +28,17 @@ pub(super) struct Pieces {
 
 impl Records {
     /// Starts a new macro step, which begins at this time and has these instants inside.
-    pub fn begin(&mut self, macro_step_start: f64, glances: &[Glance]) {
+    pub fn begin(&mut self, macro_step_start: f64, instants: &[ObservationTime]) {
         self.macro_step_start = macro_step_start;
         self.times.clear();
-        self.times.extend(glances.iter().map(|glance| glance.at));
+        self.times.extend(instants.iter().map(|instant| instant.at));
         self.slips.len = 0;
         self.sticks.iter_mut().for_each(|sticks| sticks.len = 0);
     }
 
     /// Whether the paths are observed in this macro step.
     #[inline(always)]
-    pub fn is_watched(&self) -> bool {
+    pub fn is_observed(&self) -> bool {
         !self.times.is_empty()
     }
 

@@ -154,9 +154,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             .interval
             .length
             .le(L::splat(self.macro_step.length * (2.0 * FINEST)));
-        let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
-        self.odd_lanes(rows, odd);
-        let lanes = lanes & !odd;
+        let fallback = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
+        self.fall_back(rows, fallback);
+        let lanes = lanes & !fallback;
         let normals = searched
             .draws(self.macro_step.index)
             .three_normals(self.paths.normals, 0);
@@ -285,7 +285,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let good = L::bitmask(L::and(is_finite, is_felt)) & found;
         let missed = lanes & !found;
         let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64 - 1.0)) & missed;
-        self.odd_lanes(rows, (found & !good) | spoiled);
+        self.fall_back(rows, (found & !good) | spoiled);
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
         let end = SlipVelocity {
             velocity: L::splat(0.0),
@@ -318,10 +318,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let held = L::bitmask(force.abs().le(f_s)) & lanes;
         let edge = L::bitmask(force.abs().ge(f_s)) & held;
         let turned = lanes & !held;
-        self.tell(rows, lanes, (after, x, force), |force, lane| {
+        self.report(rows, lanes, (after, x, force), |force, lane| {
             EventKind::at_rest(held >> lane & 1 == 1, force)
         });
-        self.odd_lanes(rows, edge);
+        self.fall_back(rows, edge);
 
         let SearchedSlip { origin, key, .. } = searched;
         let count = searched.count.spent().scalar_where(L::always());
@@ -397,7 +397,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn begin(&mut self, rows: &RowNumbers, lanes: u32) {
         if !self.paths.noisy.has_one_step_a_macro_step() {
-            return self.odd_lanes(rows, lanes);
+            return self.fall_back(rows, lanes);
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
         let Begun {
@@ -429,7 +429,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_long = remaining.gt(L::splat(SHORTEST * length));
         let is_part = remaining.lt(L::splat(length * (1.0 - SAME_LENGTH)));
         let good = L::bitmask(L::and(L::and(is_long, is_part), interval.end.is_finite())) & lanes;
-        self.odd_lanes(rows, lanes & !good);
+        self.fall_back(rows, lanes & !good);
         let next = Border {
             x: end.x,
             v: end.v,
@@ -455,8 +455,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             origin,
             key,
         };
-        // Under weak noise the motion inside a step is known better than its division by the
-        // quintic would say, so a clear step stays whole.
+        // Under weak noise the motion inside a step is known better than from the quintic, so a
+        // clear step is not divided.
         let is_clear = search.is_clear(first, &interval);
         let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
@@ -497,7 +497,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Notes n and b at the start of a step, for observing it.
     #[inline(always)]
     fn began(&mut self, rows: &RowNumbers, lanes: u32, noise: L, force: L) {
-        if self.paths.records.is_watched() {
+        if self.paths.records.is_observed() {
             let (mut noises, mut forces) = ([0.0; ROW], [0.0; ROW]);
             noise.store(&mut noises);
             force.store(&mut forces);
@@ -531,7 +531,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Records an event of each of these lanes, at these times after the start of the macro step.
     #[inline(always)]
-    pub(super) fn tell(
+    pub(super) fn report(
         &mut self,
         rows: &RowNumbers,
         mut lanes: u32,

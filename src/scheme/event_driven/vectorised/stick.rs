@@ -170,7 +170,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let (band, scene) = (&self.paths.noisy.route.band, &self.paths.noisy.scene);
+        let (band, scene) = (&self.paths.noisy.propagation.band, &self.paths.noisy.scene);
         let reach = band.reach(
             scene,
             piece.length(),
@@ -196,9 +196,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn halve(&mut self, rows: &RowNumbers, lanes: u32) {
         let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
-        let odd = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
-        self.odd_lanes(rows, odd);
-        let lanes = lanes & !odd;
+        let fallback = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
+        self.fall_back(rows, fallback);
+        let lanes = lanes & !fallback;
         let scene = &self.paths.noisy.scene;
         let h = piece.length();
         let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
@@ -308,7 +308,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             curvature: L::splat(0.0),
         };
         self.saw_stick(rows, lanes, (&piece.left, &exit), x, StickEnd::Exit);
-        self.tell(rows, lanes, (after, x, force), |force, _| {
+        self.report(rows, lanes, (after, x, force), |force, _| {
             EventKind::SlipStarted(Sign::of(force))
         });
         let count = count.drawn(3).spent().scalar_where(L::always());

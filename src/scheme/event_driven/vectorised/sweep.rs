@@ -34,7 +34,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             if has_one_step {
                 self.slip_whole(&whole, &rows, lanes);
             } else {
-                self.odd_lanes(&rows, lanes);
+                self.fall_back(&rows, lanes);
             }
         }
         while let Some((rows, lanes)) = self.paths.sticks.pop::<L>(nobody) {
@@ -92,7 +92,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             curvature,
         };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach = self.paths.noisy.route.band.reach(
+        let reach = self.paths.noisy.propagation.band.reach(
             scene,
             right.after,
             (&left, &right),
@@ -100,7 +100,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         );
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
-            self.odd_lanes(rows, is_out);
+            self.fall_back(rows, is_out);
             let count = Count::from(EVENT_PLACE, now.flip);
             let piece = SearchedStick {
                 left,
@@ -174,7 +174,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             // A slip from rest is first divided elsewhere. Only a path that slips at t = 0 is at
             // rest at the start of a macro step.
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
-            self.odd_lanes(rows, flagged & !searches);
+            self.fall_back(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
             self.queue(Task::FindStop, rows, stops);
             self.queue(Task::Bisect, rows, searches & !stops);
@@ -189,9 +189,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Marks lanes that have to cross the macro step again in scalar form.
     #[inline(always)]
-    pub(super) fn odd_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
+    pub(super) fn fall_back(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
-            self.paths.odd.push(rows[lanes.trailing_zeros() as usize]);
+            self.paths
+                .fallback
+                .push(rows[lanes.trailing_zeros() as usize]);
             lanes &= lanes - 1;
         }
     }

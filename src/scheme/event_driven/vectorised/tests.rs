@@ -1,5 +1,5 @@
 use super::super::law::StepRules;
-use super::super::macro_step_loop::{self, Watching};
+use super::super::macro_step_loop::{self, SharedObserver};
 use super::super::noisy::Noisy;
 use super::super::scalar::ScalarPaths;
 use super::Vectorised;
@@ -98,7 +98,7 @@ fn a_path_is_the_same_vectorised_and_scalar() {
             let singly = macro_step_loop::simulate(
                 &mut ScalarPaths::new(&noisy, 5, &paths, &|| false, false),
                 paths.len(),
-                &Watching::new(&mut scalar),
+                &SharedObserver::new(&mut scalar),
             );
             for set in InstructionSet::ALL
                 .into_iter()
@@ -109,11 +109,11 @@ fn a_path_is_the_same_vectorised_and_scalar() {
                 let simulated = macro_step_loop::simulate(
                     &mut together,
                     paths.len(),
-                    &Watching::new(&mut vectorised),
+                    &SharedObserver::new(&mut vectorised),
                 );
-                let is_odd = together.turned_odd as f64 / together.swept as f64;
+                let is_fallback = together.fell_back as f64 / together.swept as f64;
                 println!(
-                    "{name}, {}: {} events, {is_odd:.4} odd",
+                    "{name}, {}: {} events, {is_fallback:.4} fallback",
                     set.name(),
                     scalar.count
                 );

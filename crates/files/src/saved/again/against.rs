@@ -1,4 +1,4 @@
-//! A data set compared with one that is stored.
+//! Comparison of a data set with a stored one.
 
 use super::Difference;
 use crate::dataset::layout::{Described, Unit, variable};
@@ -8,9 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use stickslip::stats::EVENT_COUNT;
 use stickslip::stats::column::FirstDifference;
 
-/// Attributes that another program, or another version of this one, may write otherwise although
-/// every number is the same: names of the program, the version of the format, and the text of the
-/// scenario.
+/// Attributes that may differ between programs or versions although every number is the same: names
+/// of the program, the version of the format, and the text of the scenario.
 const OF_PROGRAM: [&str; 6] = [
     "program_version",
     "git_hash",
@@ -20,18 +19,18 @@ const OF_PROGRAM: [&str; 6] = [
     "scenario",
 ];
 
-/// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and
-/// keeps the second for itself.
+/// Attributes of the layout of a netCDF file. xarray adds the first to coordinates, and does not
+/// pass on the second.
 const OF_LAYOUT: [&str; 2] = ["_FillValue", "coordinates"];
 
-/// A data set that is stored, while another one is compared with it.
+/// A stored data set while another one is compared with it.
 pub(crate) struct Against<'a> {
     pub held: &'a dyn Source,
     /// Names of the variables that were compared.
     seen: BTreeSet<String>,
     /// Whether attributes of the layout are compared: not if another program laid the data set out.
     pub with_layout: bool,
-    /// Number of values and texts that were compared so far.
+    /// Number of values and texts compared so far.
     pub values: u64,
     /// The first difference, if there is one.
     pub difference: Option<Difference>,
@@ -49,7 +48,7 @@ impl<'a> Against<'a> {
         }
     }
 
-    /// Keep a difference if it is the first one. Later differences often follow from the first.
+    /// Keep a difference if it is the first one. Later differences often follow from it.
     pub fn differs(
         &mut self,
         variable: &str,
@@ -128,12 +127,12 @@ impl<'a> Against<'a> {
         self.attributes(Some(&entry.name), &expected, &[])
     }
 
-    /// See that a variable is stored of which only the name is known.
+    /// Check that a variable is stored, by name only.
     pub fn exempt(&mut self, variable: &Described) {
         self.seen.insert(variable.name.to_owned());
     }
 
-    /// Compare the attributes of the data set, and see that nothing else is stored.
+    /// Compare the attributes of the data set, and check that nothing else is stored.
     pub fn finish(&mut self, expected: &Dataset) -> Result<(), String> {
         let is_own = read_other_program(self.held)?.is_none();
         self.attributes(
@@ -168,8 +167,8 @@ impl<'a> Against<'a> {
         let left_out = [left_out, if self.with_layout { &[] } else { &OF_LAYOUT }].concat();
         for name in names.filter(|name| !left_out.contains(&name.as_str())) {
             self.values += 1;
-            // Reals are compared as they are printed, which distinguishes any two of them and takes
-            // one NaN for another.
+            // Reals are compared as they are printed, which distinguishes any two of them except
+            // NaNs.
             let (stored, computed) = (there.get(name), expected.get(name));
             let [stored, computed] = lines_that_differ(stored, computed).unwrap_or_else(|| {
                 [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown))

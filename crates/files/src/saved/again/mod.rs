@@ -1,8 +1,6 @@
-//! Comparing a data set that is stored, in a file or in memory, with what its scenario gives when
-//! it is computed again.
+//! Comparison of a data set, in a file or in memory, with a second computation from its scenario.
 //!
-//! Every variable and attribute that would be written must be there, bit for bit, and nothing else
-//! may be.
+//! All variables and attributes must be identical, bit for bit, and nothing else may be stored.
 
 mod against;
 
@@ -16,7 +14,7 @@ use stickslip::engine::{Asked, Progress, Run, RunError, Status};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;
 
-/// What the comparison of a data set came to.
+/// The result of comparing a data set.
 #[derive(Clone, Debug)]
 pub struct Verified {
     /// Number of values and texts that were compared.
@@ -100,7 +98,7 @@ pub(crate) fn compare(held: &dyn Source, again: &Dataset) -> Result<Verified, St
 ///
 /// # Errors
 ///
-/// The data set cannot be read as that of a run, its scenario is none, or the simulation fails.
+/// The data set is not that of a run, its scenario is invalid, or the simulation fails.
 pub fn again_in_memory(
     dataset: &Dataset,
     threads: usize,

@@ -1,5 +1,4 @@
-//! The cascade without diffusion for any force, to a tolerance far below the digits that are
-//! reported.
+//! The cascade without diffusion for any force, to a tolerance far below the reported precision.
 //!
 //! - Slip: x and x' are integrated in steps that adapt to the force ([`SlipMotion`]). The state at
 //!   a time inside a step, an instant of the timeline or the end of the sub-phase, is that after a
@@ -52,8 +51,7 @@ const FIRST: f64 = 0.125;
 /// The fewest intervals of a search for t_end.
 const FEWEST: f64 = 64.0;
 
-/// The cascade of a general force without noise, to a tolerance far below the digits that are
-/// reported.
+/// The cascade of a general force without noise, to a tolerance far below the reported precision.
 #[derive(Clone, Debug)]
 pub struct GeneralNoiseless {
     model: Model,
@@ -425,13 +423,12 @@ impl PathSegments for GeneralNoiseless {
         }
     }
 
-    /// The pieces do not count as work of the path, which is the same whether it is followed or
-    /// not.
+    /// The segments do not count as work of the path, which must not depend on its observation.
     fn segments(
         &self,
         part: &GeneralSegment,
         duration: f64,
-        mut tell: impl FnMut(Segment),
+        mut report: impl FnMut(Segment),
     ) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else {
             return Ok(());
@@ -451,7 +448,7 @@ impl PathSegments for GeneralNoiseless {
                 duration * (f64::from(i) / f64::from(PIECES)),
                 &mut work,
             )?;
-            tell(Segment {
+            report(Segment {
                 start: part.start.after(here.after).value(),
                 length: there.after - here.after,
                 displacement: here.displacement,

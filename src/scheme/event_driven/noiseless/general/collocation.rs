@@ -1,11 +1,11 @@
 //! A step of a slip by collocation at the nodes of Radau (Hairer and Wanner, *Solving Ordinary
 //! Differential Equations II*, IV.5), for a body that is damped so strongly that 2 alpha/m is far
-//! faster than all that it follows.
+//! faster than all other rates.
 //!
-//! The motion is a polynomial that obeys the equation of motion at each of n nodes, the last of which
-//! is the end of the step. It is found by Newton's method, with the slopes of all forces at the start of
-//! the step. So the length of a step follows from the forces and not from how quickly the damping
-//! settles the velocity.
+//! The motion is a polynomial that obeys the equation of motion at each of n nodes, the last of
+//! which is the end of the step. It is found by Newton's method, with the slopes of all forces at
+//! the start of the step. So the length of a step follows from the forces and not from the
+//! relaxation time of the velocity.
 
 use super::super::super::work::{Resolved, WorkLeft};
 use super::slip_motion::{Kinematics, SlipMotion};
@@ -28,8 +28,8 @@ const APPROACH: f64 = 0.7;
 /// The displacement from which the slope of a force is computed, relatively.
 const ASIDE: f64 = 1e-7;
 
-/// A body is followed by collocation where it is damped this many times as fast as anything else
-/// changes, and this many times in a run.
+/// Collocation is used if damping is this many times faster than any other change, and than the
+/// run.
 const STIFF: (f64, f64) = (20.0, 1e4);
 
 /// The rules for a strongly damped body.
@@ -133,7 +133,7 @@ impl Rule {
         Rule { nodes, integrals }
     }
 
-    /// What these values at the nodes, and 0 at the start, come to at a place between.
+    /// The interpolation of these values at the nodes, and 0 at the start.
     fn at(&self, values: &[f64; MOST], u: f64) -> f64 {
         let terms = self
             .nodes

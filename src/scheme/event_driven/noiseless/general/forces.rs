@@ -1,5 +1,5 @@
 //! The force on the body, b(x, x', t) = K (beta T(t) - x) - 2 alpha x' + g(x, x', t), with times
-//! that keep their digits over many periods.
+//! that keep their precision over many periods.
 
 use super::super::super::user_force::UserForce;
 use super::super::exact_time::ExactTime;

@@ -5,8 +5,9 @@
 //! in 1/n^2, and the extrapolation to n = infinity removes a term with each further result. Only
 //! the increments of x and x' over the step are computed, so that small ones lose no digits.
 //!
-//! A step whose results do not converge, as where g has a kink inside, is made shorter. Only the
-//! shortest step is taken as it is; what happens in it is below the rounding of everything else.
+//! A step whose results do not converge, for example because g has a kink inside, is shortened.
+//! Only the shortest step is accepted in any case; its effect is below the rounding of everything
+//! else.
 
 use super::super::super::work::{Resolved, Unresolved, WorkLeft};
 use super::collocation::Collocation;
@@ -148,7 +149,7 @@ impl SlipMotion<'_> {
                 let after = if is_last { until } else { from.after + h };
                 let motion = self.with(from.displacement + dx, from.velocity + dv, after, work)?;
                 let next = h * growth;
-                // A step that was cut off at `until` says nothing against the length before.
+                // A step cut off at `until` does not shorten the next one.
                 return Ok((
                     motion,
                     if is_last {

@@ -102,7 +102,7 @@ pub fn first_stop(
         };
         if h <= (finest * length).max(stairs * slip.stairs) {
             if right.velocity <= 0.0 {
-                // A motion that does not leave its rest in this direction stops as soon as it can.
+                // A motion that does not start in this direction stops immediately.
                 let is_at_rest = left.after == from.after && left.velocity == 0.0;
                 let stop = if is_at_rest {
                     slip.at(from, right.after, work)

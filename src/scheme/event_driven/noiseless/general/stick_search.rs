@@ -1,12 +1,12 @@
 //! The first time at which a force exceeds a limit in a stick, where both are any function of time.
 //!
-//! Let the excess of b be b less its limit, upwards, and -b less its limit, downwards. On an
+//! Let the excess of b be b minus its limit, upwards, and -b minus its limit, downwards. On an
 //! interval at whose ends and in whose middle an excess is known, it is taken to be the parabola
 //! through these values. How much it differs from the parabola at one more time, which is not at a
 //! simple fraction of the interval, bounds the error. An interval on which an excess neither stays
-//! below 0 nor crosses it once is divided. A force that oscillates several times
-//! within an interval could in principle look like a parabola; the first interval of a search is
-//! short, and only intervals without doubt are followed by longer ones.
+//! below 0 nor crosses it once is divided. A force that oscillates several times within an interval
+//! could in principle look like a parabola; the first interval of a search is short, and only clear
+//! intervals are followed by longer ones.
 
 use super::super::super::work::Resolved;
 use crate::model::Sign;

@@ -1,58 +1,57 @@
 //! The state of a path at instants inside a macro step.
 //!
-//! Events are drawn without regard to the instants at which the state is observed. The state at an
-//! instant is drawn given what is known of the path on the piece around it
+//! Events are drawn independently of the instants at which the state is observed. The state at an
+//! instant is drawn given the known path on the segment around it
 //! ([`crate::scheme::event_driven::law::inside`]), from random numbers that no event depends on.
 //!
-//! The output rows of a run are drawn first. Rows between them, for a closer look at a path, are
-//! drawn given those, from other random numbers. So a closer look agrees with everything that the
-//! run has recorded.
+//! The output rows of a run are drawn first. Additional rows between them are drawn given those,
+//! from other random numbers. So they agree with everything that the run has recorded.
 
-use super::super::law::{Bridge, Glance, Scene, StickEnd, StickPiece, Stuck, TRIES};
+use super::super::law::{Bridge, ObservationTime, Scene, StickEnd, StickSegment, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Segment;
 use crate::scheme::columns::{Seen, StateColumns};
 
 /// An observer of one path inside a macro step.
-pub trait Watch {
-    /// Whether the pieces of the path inside this macro step are observed.
-    fn is_looking(&self) -> bool;
+pub trait PathObserver {
+    /// Whether the path is observed inside this macro step.
+    fn is_observing(&self) -> bool;
     /// Whether there are instants to observe before this time after the start of the macro step.
     fn is_ahead(&self, end: f64) -> bool;
-    /// Observes a piece of the path: draws the state at all instants before the end of the piece.
-    /// One at its end belongs to the next piece.
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
-    /// Whether the motion is followed, piece by piece.
+    /// Observes a segment of the path: draws the state at all instants before its end. An instant
+    /// at its end belongs to the next segment.
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
+    /// Whether the motion is followed, segment by segment.
     #[inline(always)]
     fn follows(&self) -> bool {
         false
     }
-    /// Takes a piece of the motion.
+    /// Takes a segment of the motion.
     #[inline(always)]
     fn segment(&mut self, _: Segment) {}
 }
 
-/// Observes one path as `watch` does, and follows its motion where there is a place for it.
-pub struct Follower<'a, W> {
-    pub watch: W,
+/// Observes one path like `observer`, and also records its motion if there is a place for it.
+pub struct MotionObserver<'a, W> {
+    pub observer: W,
     pub lane: usize,
     pub segments: Option<&'a mut Vec<(usize, Segment)>>,
 }
 
-impl<W: Watch> Watch for Follower<'_, W> {
+impl<W: PathObserver> PathObserver for MotionObserver<'_, W> {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
-        self.watch.is_looking() || self.follows()
+    fn is_observing(&self) -> bool {
+        self.observer.is_observing() || self.follows()
     }
 
     #[inline(always)]
     fn is_ahead(&self, end: f64) -> bool {
-        self.watch.is_ahead(end)
+        self.observer.is_ahead(end)
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
-        self.watch.look(scene, piece);
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+        self.observer.observe(scene, piece);
     }
 
     #[inline(always)]
@@ -71,9 +70,9 @@ impl<W: Watch> Watch for Follower<'_, W> {
 /// There are no instants to observe inside this macro step.
 pub struct NullObserver;
 
-impl Watch for NullObserver {
+impl PathObserver for NullObserver {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
+    fn is_observing(&self) -> bool {
         false
     }
 
@@ -83,12 +82,12 @@ impl Watch for NullObserver {
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
+    fn observe<P: ObservedSegment>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
 }
 
 /// Observes one path at these times, in order.
-pub struct Glances<'a> {
-    pub glances: &'a [Glance],
+pub struct ObservedTimes<'a> {
+    pub instants: &'a [ObservationTime],
     /// When the macro step begins.
     pub macro_step_start: f64,
     /// The random numbers of the path in this macro step.
@@ -100,9 +99,9 @@ pub struct Glances<'a> {
     pub passed: usize,
 }
 
-impl Watch for Glances<'_> {
+impl PathObserver for ObservedTimes<'_> {
     #[inline(always)]
-    fn is_looking(&self) -> bool {
+    fn is_observing(&self) -> bool {
         true
     }
 
@@ -112,32 +111,36 @@ impl Watch for Glances<'_> {
     }
 
     #[inline(always)]
-    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+    fn observe<P: ObservedSegment>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         let end = self.macro_step_start + rest.end();
-        while let Some(row) = self.ahead(end).find(|glance| !glance.is_closer) {
+        while let Some(row) = self.ahead(end).find(|instant| !instant.is_additional) {
             let (seen, before, behind) = rest.parted(scene, row, &mut self.draws.from(row.place));
-            self.look_closer(scene, before, row.at);
+            self.observe_additional(scene, before, row.at);
             self.put(seen);
             rest = behind;
         }
-        self.look_closer(scene, rest, end);
+        self.observe_additional(scene, rest, end);
     }
 }
 
-impl<'a> Glances<'a> {
+impl<'a> ObservedTimes<'a> {
     /// The instants that remain before the time `end`.
-    fn ahead(&self, end: f64) -> impl Iterator<Item = Glance> + use<'a> {
-        self.glances[self.passed..]
+    fn ahead(&self, end: f64) -> impl Iterator<Item = ObservationTime> + use<'a> {
+        self.instants[self.passed..]
             .iter()
             .copied()
-            .take_while(move |glance| glance.at < end)
+            .take_while(move |instant| instant.at < end)
     }
 
     /// Draws the states at the rows between those of the run, before the time `end`.
     #[inline(always)]
-    fn look_closer<P: WatchedPiece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
-        while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
+    fn observe_additional<P: ObservedSegment>(&mut self, scene: &Scene, mut piece: P, end: f64) {
+        while let Some(row) = self
+            .ahead(end)
+            .next()
+            .filter(|instant| instant.is_additional)
+        {
             let (seen, _, behind) = piece.parted(scene, row, &mut self.draws.from(row.place));
             self.put(seen);
             piece = behind;
@@ -151,21 +154,21 @@ impl<'a> Glances<'a> {
     }
 }
 
-/// A piece of a path without an event, except perhaps at its end.
-pub trait WatchedPiece: Sized {
+/// A segment of a path without an event, except perhaps at its end.
+pub trait ObservedSegment: Sized {
     /// The time at which it ends, after the start of the macro step.
     fn end(&self) -> f64;
-    /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
-    /// piece before and after the instant.
+    /// Draws the state at an instant inside the segment. Returns the state and the two parts of the
+    /// segment before and after the instant.
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self);
 }
 
-impl WatchedPiece for (StickPiece, StickEnd) {
+impl ObservedSegment for (StickSegment, StickEnd) {
     fn end(&self) -> f64 {
         self.0.after.1
     }
@@ -174,19 +177,19 @@ impl WatchedPiece for (StickPiece, StickEnd) {
     fn parted(
         &self,
         scene: &Scene,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &mut AddressedDraws,
     ) -> (Seen, Self, Self) {
         let (piece, kind) = *self;
-        let there = stuck(&piece, kind, scene, glance, draws);
+        let there = stuck(&piece, kind, scene, instant, draws);
         let seen = (
             piece.displacement,
             0.0,
-            scene.temperature(glance.forcing, there.noise),
+            scene.temperature(instant.forcing, there.noise),
             true,
         );
-        let before = StickPiece {
-            after: (piece.after.0, glance.time),
+        let before = StickSegment {
+            after: (piece.after.0, instant.time),
             noise: (piece.noise.0, there.noise),
             force: (piece.force.0, there.force),
             ..piece
@@ -199,7 +202,7 @@ impl WatchedPiece for (StickPiece, StickEnd) {
         (
             seen,
             (before, kind_before),
-            (piece.behind(glance, there), kind),
+            (piece.behind(instant, there), kind),
         )
     }
 }
@@ -207,14 +210,14 @@ impl WatchedPiece for (StickPiece, StickEnd) {
 /// Draws n and b at an instant inside a piece of a stick of one path.
 #[inline(always)]
 fn stuck(
-    piece: &StickPiece,
+    piece: &StickSegment,
     kind: StickEnd,
     scene: &Scene,
-    glance: Glance,
+    instant: ObservationTime,
     draws: &mut AddressedDraws,
 ) -> Stuck {
-    let (before, behind) = (glance.time - piece.after.0, piece.after.1 - glance.time);
-    let rest = glance.forcing - scene.spring(piece.displacement, glance.at);
+    let (before, behind) = (instant.time - piece.after.0, piece.after.1 - instant.time);
+    let rest = instant.forcing - scene.spring(piece.displacement, instant.at);
     let (mean, sd) = bridge_at(
         scene.relaxation_rate,
         scene.diffusion,
@@ -237,8 +240,8 @@ fn stuck(
                 TimeChange::new(theta, sigma, before),
                 TimeChange::new(theta, sigma, behind),
             ];
-            let macro_step_start = glance.at - glance.time;
-            let limits = [piece.after.0, glance.time, piece.after.1]
+            let macro_step_start = instant.at - instant.time;
+            let limits = [piece.after.0, instant.time, piece.after.1]
                 .map(|after| scene.limits(piece.displacement, macro_step_start + after));
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
@@ -263,8 +266,8 @@ fn stuck(
                 }
                 tries += 1;
                 if tries == TRIES {
-                    // All attempts fail only where both ends are very close to the threshold.
-                    // There, b on the straight line between them is used.
+                    // All attempts fail only if both ends are very close to the threshold. Then b
+                    // is interpolated linearly between them.
                     let part = before / (before + behind);
                     let force = piece.force.0 + part * (piece.force.1 - piece.force.0);
                     break Stuck {
@@ -275,7 +278,7 @@ fn stuck(
             }
         }
     };
-    piece.inside(glance, drawn)
+    piece.inside(instant, drawn)
 }
 
 #[cfg(test)]
@@ -324,22 +327,22 @@ mod tests {
                 let b = -f_s + width * (f64::from(i) + 0.5) / 4000.0;
                 (mass, moment) = (mass + density(b), moment + b * density(b));
             }
-            let piece = StickPiece {
+            let piece = StickSegment {
                 after: (0.0, 1.0),
                 noise: (from, to),
                 force: (from, to),
                 displacement: 0.0,
             };
-            let glance = Glance {
+            let instant = ObservationTime {
                 at: time,
                 time,
-                is_closer: false,
+                is_additional: false,
                 forcing: 0.0,
                 place: 0,
             };
             let mut draws = AddressedDraws::new(51, 0);
             let drawn: Vec<f64> = (0..200_000)
-                .map(|_| stuck(&piece, kind, &scene, glance, &mut draws).force)
+                .map(|_| stuck(&piece, kind, &scene, instant, &mut draws).force)
                 .collect();
             let (mean, error) = mean_and_error(&drawn);
             println!("{from} to {to}: {mean} +- {error}, exact {}", moment / mass);

@@ -2,8 +2,8 @@
 //! it.
 
 use super::super::law::{
-    Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece,
-    Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
+    Bridge, Interval, Node, ObservationTime, SlipPoint, SlipSegment, SlipVelocity, StickEnd,
+    StickSegment, Stuck, TRIES, Way, force, motion, resolved_travel, stick_piece,
 };
 use super::super::macro_step_loop::Inside;
 use super::Vectorised;
@@ -30,33 +30,33 @@ struct StepStart<L: Lanes> {
 /// A slip that lasts throughout the macro step, from the last instant at which it was observed.
 struct ClearSlip<L: Lanes> {
     step: StepStart<L>,
-    piece: SlipPiece<L>,
+    piece: SlipSegment<L>,
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states of all lanes at the instants inside the macro step. A lane in which a state
-    /// cannot be drawn in lanes is added to `odd`.
+    /// cannot be drawn in lanes is added to `fallback`.
     #[inline(always)]
-    pub(super) fn look(&mut self, inside: &mut Inside) {
-        self.look_at_clear_lanes(inside);
-        self.look_at_slips(inside);
-        self.look_at_sticks(StickEnd::Clear, inside);
-        self.look_at_sticks(StickEnd::Kept, inside);
-        self.look_at_sticks(StickEnd::Exit, inside);
+    pub(super) fn observe(&mut self, inside: &mut Inside) {
+        self.observe_clear_lanes(inside);
+        self.observe_slips(inside);
+        self.observe_sticks(StickEnd::Clear, inside);
+        self.observe_sticks(StickEnd::Kept, inside);
+        self.observe_sticks(StickEnd::Exit, inside);
     }
 
     /// Draws the states of all lanes as if they crossed the macro step in one piece. Those of the
     /// lanes that do not are replaced afterwards.
     #[inline(always)]
-    fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
+    fn observe_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
         let whole = SharedStep::<L>::new(&noisy.step, self.macro_step);
         let nothing = SharedStep::<L>::until(noisy, self.macro_step, 0.0);
-        let mut parts = Vec::with_capacity(inside.glances.len());
+        let mut parts = Vec::with_capacity(inside.instants.len());
         // Slips of many steps cross the macro step in scalar form, and are observed there.
         if noisy.has_one_step_a_macro_step() {
-            for glance in &inside.glances {
-                parts.push(SharedStep::<L>::until(noisy, self.macro_step, glance.time));
+            for instant in &inside.instants {
+                parts.push(SharedStep::<L>::until(noisy, self.macro_step, instant.time));
             }
         }
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
@@ -66,29 +66,29 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let is_slip = now.eps.abs().gt(L::splat(0.0));
             let mut stick = self.clear_stick(&now, &next);
             let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
-            let mut known_odd = 0;
-            for (i, &glance) in inside.glances.iter().enumerate() {
-                let draws = now.draws(self.macro_step.index << 32 | glance.place);
+            let mut known_fallback = 0;
+            for (i, &instant) in inside.instants.iter().enumerate() {
+                let draws = now.draws(self.macro_step.index << 32 | instant.place);
                 let (mut x, mut v, mut noise) = (
                     now.x,
                     L::splat(0.0),
-                    self.stick_until(&mut stick, glance, &draws),
+                    self.stick_until(&mut stick, instant, &draws),
                 );
                 if let Some(part) = parts.get(i) {
-                    let (seen, is_felt) = self.slip_until(&mut slip, part, glance, &draws);
-                    let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
-                    self.not_in_lanes(&rows, odd & !known_odd);
-                    known_odd |= odd;
+                    let (seen, is_felt) = self.slip_until(&mut slip, part, instant, &draws);
+                    let fallback = L::bitmask(L::and(is_slip, L::not(is_felt)));
+                    self.not_in_lanes(&rows, fallback & !known_fallback);
+                    known_fallback |= fallback;
                     x = L::select(is_slip, seen.0, x);
                     v = L::select(is_slip, seen.1, v);
                     noise = L::select(is_slip, seen.2, noise);
                 }
-                let seen = (x, v, noisy.scene.temperature(glance.forcing, noise));
+                let seen = (x, v, noisy.scene.temperature(instant.forcing, noise));
                 inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
             }
         }
         for &lane in self.paths.lost.keys() {
-            inside.seen[..inside.glances.len()]
+            inside.seen[..inside.instants.len()]
                 .iter_mut()
                 .for_each(|seen| seen.set(lane, LOST));
         }
@@ -96,8 +96,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// A stick over the whole macro step.
     #[inline(always)]
-    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickPiece<L> {
-        StickPiece {
+    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickSegment<L> {
+        StickSegment {
             after: (L::splat(0.0), L::splat(self.macro_step.length)),
             noise: (now.n, next.n),
             force: (now.force, next.force),
@@ -107,10 +107,18 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Draws n in a stick that is clear, and goes on to the part of it after the instant.
     #[inline(always)]
-    fn stick_until(&self, stick: &mut StickPiece<L>, glance: Glance, draws: &LaneDraws<L>) -> L {
-        let bridge = self.bridge(stick, glance);
-        let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
-        *stick = stick.behind(glance, stuck);
+    fn stick_until(
+        &self,
+        stick: &mut StickSegment<L>,
+        instant: ObservationTime,
+        draws: &LaneDraws<L>,
+    ) -> L {
+        let bridge = self.bridge(stick, instant);
+        let stuck = stick.inside(
+            instant,
+            bridge.anywhere(draws.normal(self.paths.normals, 0)),
+        );
+        *stick = stick.behind(instant, stuck);
         stuck.noise
     }
 
@@ -143,7 +151,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             eps,
         };
         let until = interval.length;
-        let piece = SlipPiece {
+        let piece = SlipSegment {
             eps,
             x0: state.x,
             after: zero,
@@ -168,20 +176,20 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         &self,
         ClearSlip { step, piece }: &mut ClearSlip<L>,
         part: &SharedStep<L>,
-        glance: Glance,
+        instant: ObservationTime,
         draws: &LaneDraws<L>,
     ) -> ((L, L, L), L::Mask) {
         let scene = &self.paths.noisy.scene;
-        let here = self.shared_way(step, part, glance.time);
+        let here = self.shared_way(step, part, instant.time);
         let there = piece.state(
             scene,
-            glance,
+            instant,
             &here,
             draws.three_normals(self.paths.normals, 0),
         );
-        let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.macro_step.length));
+        let is_felt = piece.is_felt(scene, instant, &here, L::splat(self.macro_step.length));
         let (x, v) = piece.seen(&there);
-        *piece = piece.parted_at(glance, &there)[1];
+        *piece = piece.parted_at(instant, &there)[1];
         ((x, v, there.noise), is_felt)
     }
 
@@ -192,7 +200,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         now: &Border<L>,
         left: [L; 8],
         right: [L; 8],
-    ) -> (StepStart<L>, SlipPiece<L>) {
+    ) -> (StepStart<L>, SlipSegment<L>) {
         let scene = &self.paths.noisy.scene;
         let zero = L::splat(0.0);
         let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
@@ -228,7 +236,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             acceleration,
         };
         let (from, to) = (began + after, began + (after + length));
-        let piece = SlipPiece {
+        let piece = SlipSegment {
             eps,
             x0,
             after: from,
@@ -243,7 +251,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Draws the states in the recorded pieces of slips.
     #[inline(always)]
-    fn look_at_slips(&mut self, inside: &mut Inside) {
+    fn observe_slips(&mut self, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
         let macro_step_start = L::splat(self.macro_step.start);
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
@@ -252,28 +260,28 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let (step, mut piece) = self.recorded_slip(&now, left, right);
             let (from, to) = (piece.after, piece.until);
             let step_length = L::splat(self.macro_step.length) - step.after;
-            let mut odd = 0;
-            for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.at, macro_step_start + from, macro_step_start + to);
+            let mut fallback = 0;
+            for (i, instant) in inside.instants.iter().enumerate() {
+                let is_held = is_inside(instant.at, macro_step_start + from, macro_step_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
                 }
-                let draws = now.draws(self.macro_step.index << 32 | glance.place);
-                let here = self.way(&step, L::splat(glance.time));
+                let draws = now.draws(self.macro_step.index << 32 | instant.place);
+                let here = self.way(&step, L::splat(instant.time));
                 let there = piece.state(
                     scene,
-                    *glance,
+                    *instant,
                     &here,
                     draws.three_normals(self.paths.normals, 0),
                 );
-                let is_felt = piece.is_felt(scene, *glance, &here, step_length);
-                odd |= !L::bitmask(is_felt) & held;
+                let is_felt = piece.is_felt(scene, *instant, &here, step_length);
+                fallback |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
-                let seen = (x, v, scene.temperature(glance.forcing, there.noise));
+                let seen = (x, v, scene.temperature(instant.forcing, there.noise));
                 set(&mut inside.seen[i], &rows, held, seen, false);
-                let rest = piece.parted_at(*glance, &there)[1];
-                piece = SlipPiece {
+                let rest = piece.parted_at(*instant, &there)[1];
+                piece = SlipSegment {
                     after: L::select(is_held, rest.after, piece.after),
                     travel: L::select(is_held, rest.travel, piece.travel),
                     start: SlipVelocity::select(is_held, rest.start, piece.start),
@@ -281,13 +289,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                     ..piece
                 };
             }
-            self.not_in_lanes(&rows, odd);
+            self.not_in_lanes(&rows, fallback);
         }
     }
 
     /// Draws the states in the recorded pieces of sticks of one kind.
     #[inline(always)]
-    fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
+    fn observe_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
         let scene = &self.paths.noisy.scene;
         let (zero, macro_step_start) = (L::splat(0.0), L::splat(self.macro_step.start));
         for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
@@ -295,35 +303,35 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let [from, noise, force, _, displacement, ..] = left;
             let [to, end_noise, end_force, ..] = right;
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let mut piece = StickPiece {
+            let mut piece = StickSegment {
                 after: (from, to),
                 noise: (noise, end_noise),
                 force: (force, end_force),
                 displacement,
             };
-            for (i, glance) in inside.glances.iter().enumerate() {
-                let is_held = is_inside(glance.at, macro_step_start + from, macro_step_start + to);
+            for (i, instant) in inside.instants.iter().enumerate() {
+                let is_held = is_inside(instant.at, macro_step_start + from, macro_step_start + to);
                 let held = L::bitmask(is_held) & lanes;
                 if held == 0 {
                     continue;
                 }
-                let draws = now.draws(self.macro_step.index << 32 | glance.place);
-                let bridge = self.bridge(&piece, *glance);
+                let draws = now.draws(self.macro_step.index << 32 | instant.place);
+                let bridge = self.bridge(&piece, *instant);
                 let drawn = match kind {
                     StickEnd::Clear => bridge.anywhere(draws.normal(self.paths.normals, 0)),
                     StickEnd::Kept | StickEnd::Exit => {
-                        self.accepted(kind, &piece, *glance, &bridge, &draws, (&rows, held))
+                        self.accepted(kind, &piece, *instant, &bridge, &draws, (&rows, held))
                     }
                 };
-                let there = piece.inside(*glance, drawn);
+                let there = piece.inside(*instant, drawn);
                 let seen = (
                     displacement,
                     zero,
-                    scene.temperature(glance.forcing, there.noise),
+                    scene.temperature(instant.forcing, there.noise),
                 );
                 set(&mut inside.seen[i], &rows, held, seen, true);
-                let rest = piece.behind(*glance, there);
-                piece = StickPiece {
+                let rest = piece.behind(*instant, there);
+                piece = StickSegment {
                     after: (L::select(is_held, rest.after.0, piece.after.0), to),
                     noise: (L::select(is_held, rest.noise.0, piece.noise.0), end_noise),
                     force: (L::select(is_held, rest.force.0, piece.force.0), end_force),
@@ -339,15 +347,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn accepted(
         &mut self,
         kind: StickEnd,
-        piece: &StickPiece<L>,
-        glance: Glance,
+        piece: &StickSegment<L>,
+        instant: ObservationTime,
         bridge: &Bridge<L>,
         draws: &LaneDraws<L>,
         (rows, held): (&RowNumbers, u32),
     ) -> Stuck<L> {
         let scene = &self.paths.noisy.scene;
         let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
-        let time = L::splat(glance.time);
+        let time = L::splat(instant.time);
         let halves = [
             TimeChange::short(theta, sigma, time - piece.after.0),
             TimeChange::short(theta, sigma, piece.after.1 - time),
@@ -404,11 +412,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// The bridge of n in a piece of a stick at an instant.
     #[inline(always)]
-    fn bridge(&self, piece: &StickPiece<L>, glance: Glance) -> Bridge<L> {
+    fn bridge(&self, piece: &StickSegment<L>, instant: ObservationTime) -> Bridge<L> {
         let scene = &self.paths.noisy.scene;
         let (before, behind) = (
-            L::splat(glance.time) - piece.after.0,
-            piece.after.1 - glance.time,
+            L::splat(instant.time) - piece.after.0,
+            piece.after.1 - instant.time,
         );
         let (mean, sd) = short_bridge_at(
             scene.relaxation_rate,
@@ -420,7 +428,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         Bridge {
             mean,
             sd,
-            rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness,
+            rest: L::splat(instant.forcing) - piece.displacement * scene.oscillator.stiffness,
         }
     }
 
@@ -457,14 +465,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
-    /// Adds these lanes to `odd`, unless they are there or have been given up.
+    /// Adds these lanes to `fallback`, unless they are there or have been given up.
     #[inline(always)]
     fn not_in_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
-            let Vectorised { odd, lost, .. } = &mut *self.paths;
-            if !odd.contains(&lane) && !lost.contains_key(&(lane as usize)) {
-                odd.push(lane);
+            let Vectorised { fallback, lost, .. } = &mut *self.paths;
+            if !fallback.contains(&lane) && !lost.contains_key(&(lane as usize)) {
+                fallback.push(lane);
             }
             lanes &= lanes - 1;
         }
@@ -480,7 +488,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         searched: &SearchedSlip<L>,
         interval: &Interval<L>,
     ) {
-        if !self.paths.records.is_watched() {
+        if !self.paths.records.is_observed() {
             return;
         }
         let SearchedSlip {
@@ -543,12 +551,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         displacement: L,
         kind: StickEnd,
     ) {
-        if !self.paths.records.is_watched() {
+        if !self.paths.records.is_observed() {
             return;
         }
         let held = self.paths.records.hold(left.after, right.after) & lanes;
         if held != 0 {
-            let StickPiece {
+            let StickSegment {
                 after,
                 noise,
                 force,

@@ -1,20 +1,19 @@
-//! A body under a temperature that is followed in short steps.
+//! The motion of a body under a temperature, in short steps.
 
 use super::air::Air;
 use super::bearing::Response;
 use super::samples::{interval, starts};
 use stickslip::noise::Stream;
 
-/// The longest step in which a rough temperature is followed, in seconds, if nothing else is asked
-/// for.
+/// The longest step for a rough temperature, in seconds, by default.
 pub const STEP: f64 = 60.0;
 
-/// The most steps between two temperatures that are known.
+/// The maximum number of steps between two known temperatures.
 const MOST_STEPS: f64 = 10_000.0;
 
 /// The body and its steel at the samples of the thermometer.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Course {
+pub struct Trajectory {
     /// The temperature of the steel.
     pub steel: Vec<f64>,
     /// xi, the position of the body in kelvin.
@@ -34,7 +33,7 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// Slip as often as it takes after the temperature has gone to this value without turning.
+    /// Slip as often as needed after the temperature has moved to this value without turning.
     fn follow(&mut self, temperature: f64) {
         let motion = &self.response.motion;
         if self.scatter == 0.0 {
@@ -55,20 +54,20 @@ impl Body<'_> {
     }
 }
 
-/// Follow a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
+/// The motion of a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
 /// standard deviation `scatter` from slip to slip. `friction` draws f_s, and `between` the
 /// temperature between the times of the air, in steps of at most `longest` seconds.
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
-/// farthest temperature within a step has its exact law. Across a gap it is a straight line.
-pub fn course(
+/// extreme temperature within a step has its exact law. Across a gap it is linear.
+pub fn trajectory(
     response: &Response,
     air: &Air,
     lag: f64,
     scatter: f64,
     longest: f64,
     [friction, mut between]: [Stream; 2],
-) -> Course {
+) -> Trajectory {
     let Air {
         times,
         temperatures,
@@ -84,7 +83,7 @@ pub fn course(
         reach: motion.reach,
         slips: 0,
     };
-    let mut course = Course::default();
+    let mut trajectory = Trajectory::default();
     let mut gaps = starts(times).into_iter().skip(1).peekable();
     let usual = interval(times);
     let mut steel = temperatures.first().copied().unwrap_or(0.0);
@@ -103,7 +102,7 @@ pub fn course(
                 1.0
             };
             if is_gap && lag > 0.0 {
-                // As in a measured record, the steel is as warm as the air after a gap.
+                // As in a measured record, the steel has the temperature of the air after a gap.
                 a = temperatures[i];
                 steel = a;
             }
@@ -132,12 +131,12 @@ pub fn course(
             body.follow(steel);
         }
         if i.is_multiple_of(*stride) {
-            course.steel.push(steel);
-            course.positions.push(body.xi);
+            trajectory.steel.push(steel);
+            trajectory.positions.push(body.xi);
         }
     }
-    course.slips = body.slips;
-    course
+    trajectory.slips = body.slips;
+    trajectory
 }
 
 /// The highest value of a Brownian bridge between two values, or the lowest one if the bridge is
