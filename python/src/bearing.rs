@@ -468,7 +468,7 @@ fn weather<'py>(
 }
 
 /// Fits harmonics with these periods, in seconds, or with those of a year and a day that the samples
-/// tell, and one or two Ornstein-Uhlenbeck processes.
+/// resolve, and one or two Ornstein-Uhlenbeck processes.
 #[pyfunction]
 pub fn fit_temperature<'py>(
     py: Python<'py>,
@@ -510,9 +510,9 @@ pub fn fit_temperature<'py>(
         }
     };
     let periods = periods.unwrap_or_else(|| {
-        let (told, said) = usual(&times);
+        let (periods, said) = usual(&times);
         remarks.extend(said);
-        told
+        periods
     });
     let found = abandoned_on_interrupt(py, &progress, move |watch| {
         watch.begins("fitting the temperature model");

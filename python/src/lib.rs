@@ -4,7 +4,7 @@
 //! scenario   text or file with overrides -> a checked Scenario, and what follows from it
 //! watched    work on another thread, while this one handles signals and reports progress
 //! run        a run, its parts, one of its paths -> data sets
-//! own        statistics of the caller's own, over the events of finished blocks
+//! own        user-defined statistics, over the events of finished blocks
 //! studies    the choice for an accuracy, sweeps, trades
 //! bearing    calibration, weather and forecast of measured bearings, synthetic measurements
 //! plot       pictures of all of them

@@ -1,6 +1,5 @@
-//! Statistics of the caller's own. A function of Python turns the events of a finished block into a
-//! number for each path. The estimate from these numbers has an interval like that of any other
-//! statistic.
+//! User-defined statistics. A Python function turns the events of a finished block into a number for
+//! each path. The estimate from these numbers has an interval like that of any other statistic.
 
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -10,7 +9,7 @@ use stickslip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
 use stickslip::sums::{Measurement, Replicate, Tree};
 use stickslip_files::dataset::Recorder;
 
-/// A statistic of the caller's own.
+/// A user-defined statistic.
 struct Own {
     function: Py<PyAny>,
     /// The means of what the function returns and of what these numbers are divided by, summed
@@ -19,18 +18,18 @@ struct Own {
     is_ratio: bool,
 }
 
-/// Estimate, standard error, and the ends of the interval of a statistic of the caller's own.
+/// Estimate, standard error, and the ends of the interval of a user-defined statistic.
 pub type OwnEstimate = [f64; 4];
 
-/// The statistics of the caller's own of one scenario.
+/// The user-defined statistics of one scenario.
 pub struct OwnStatistics {
     own: Vec<Own>,
     unit: Replicate,
     blocks: u64,
 }
 
-/// A sink that keeps a run in memory, and passes the events of each block to statistics of the
-/// caller's own.
+/// A sink that keeps a run in memory, and passes the events of each block to user-defined
+/// statistics.
 pub struct Kept {
     pub recorder: Recorder,
     pub own: OwnStatistics,
@@ -114,8 +113,7 @@ impl Kept {
         }
     }
 
-    /// The scenario with events recorded, if there are statistics of the caller's own that need
-    /// them.
+    /// The scenario, with events recorded if user-defined statistics need them.
     pub fn watched(&self, scenario: &Scenario) -> Scenario {
         let record = Record {
             events: scenario.record.events || !self.own.own.is_empty(),

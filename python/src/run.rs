@@ -26,7 +26,7 @@ use stickslip_files::saved::{PartRecorder, Parts, PartsError};
 /// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);
 
-/// The results of a run: its data set, warnings, the statistics of the caller's own, and its state
+/// The results of a run: its data set, warnings, the user-defined statistics, and its state
 /// if it is a part.
 type Ran<'py> = (
     Variables<'py>,
@@ -73,7 +73,7 @@ pub fn run<'py>(
         with_bias: bias,
     };
     let (mut kept, mut part) = (Kept::new(scenario, &own), PartRecorder::default());
-    // Statistics of the caller's own need events, even if the data set is not to contain them.
+    // User-defined statistics need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, &progress, |watch| {
         let mut reported = watch.paths(scenario.ensemble.paths);
@@ -185,7 +185,7 @@ fn cut(
     Ok(part)
 }
 
-/// The exception for a failed run. If a statistic of the caller's own raised an exception, it is
+/// The exception for a failed run. If a user-defined statistic raised an exception, it is
 /// that exception.
 fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     match error {

@@ -130,7 +130,7 @@ pub fn choose(
 }
 
 /// Computes statistics as functions of keys, with `vary` as `mc sweep --vary` takes it, or the
-/// elasticities of keys. Returns the data set, the statistics of the caller's own at each point, and
+/// elasticities of keys. Returns the data set, the user-defined statistics at each point, and
 /// whether it was interrupted.
 #[pyfunction]
 pub fn sweep<'py>(

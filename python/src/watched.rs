@@ -165,7 +165,7 @@ pub fn abandoned_on_interrupt<T: Send + 'static>(
     let ended = py.detach(|| {
         let (sender, receiver) = channel();
         let of_work = Arc::clone(&watch);
-        // Nobody listens any more to work that was abandoned.
+        // The receiver of abandoned work is gone.
         thread::spawn(move || sender.send(guarded(|| work(&of_work))).unwrap_or_default());
         attend(&receiver, &watch, progress, Duration::ZERO)
     });

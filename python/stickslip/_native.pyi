@@ -18,7 +18,7 @@ Variables = tuple[
 ]
 
 # What is called with the numbers of paths done and expected, and with what is being done.
-Told = Callable[[int, int, str], object] | None
+Callback = Callable[[int, int, str], object] | None
 
 class Scenario:
     @property
@@ -62,7 +62,7 @@ def run(
     part: str | None,
     bias: bool,
     threads: int | None,
-    progress: Told,
+    progress: Callback,
     own: list[Callable[..., Any]],
 ) -> tuple[Variables, list[str], list[list[float]], bytes | None]: ...
 def merge(
@@ -70,9 +70,9 @@ def merge(
     *,
     bias: bool,
     threads: int | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Variables, list[str]]: ...
-def replay(scenario: Scenario, path: int, progress: Told) -> Variables: ...
+def replay(scenario: Scenario, path: int, progress: Callback) -> Variables: ...
 def motion(
     scenario: Scenario,
     overrides: Sequence[tuple[str, str, str]],
@@ -85,7 +85,7 @@ def choose(
     statistic: list[str],
     max_time: float | None,
     threads: int | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Scenario, str]: ...
 def sweep(
     scenario: Scenario,
@@ -98,10 +98,10 @@ def sweep(
     bias: bool,
     own: list[Callable[..., Any]],
     threads: int | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Variables, list[list[list[float]]], bool]: ...
 def trade(
-    scenario: Scenario, budget: float, threads: int | None, progress: Told
+    scenario: Scenario, budget: float, threads: int | None, progress: Callback
 ) -> tuple[Variables, bool]: ...
 
 # A scenario: its name in messages, its text (None if the name is that of a file), and overrides as
@@ -127,7 +127,7 @@ def calibrate(
     lag: float | None,
     interval: float,
     threads: int | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Variables, list[str]]: ...
 def forecast(
     scenario: Given,
@@ -140,7 +140,7 @@ def forecast(
     share: float,
     processes: int,
     threads: int | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Variables, list[str]]: ...
 
 def fit_temperature(
@@ -148,7 +148,7 @@ def fit_temperature(
     *,
     processes: int,
     periods: list[float] | None,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[dict[str, Any], list[str]]: ...
 def twin(
     scenario: Given,
@@ -167,11 +167,11 @@ def twin(
     start: str | None,
     duration: float,
     every: float,
-    progress: Told,
+    progress: Callback,
 ) -> tuple[Variables, list[str]]: ...
 def checksum(path: str, is_compared: bool) -> bool | None: ...
 def verify(
-    run: Handed, threads: int | None, progress: Told
+    run: Handed, threads: int | None, progress: Callback
 ) -> tuple[int, dict[str, Any] | None]: ...
 def plot(
     scenario: Scenario | None,

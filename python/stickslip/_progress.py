@@ -14,14 +14,14 @@ from typing import Union
 Progress = Union[Callable[[int, int, str], object], bool, None]
 
 #: What the engine calls with the progress, if anybody sees it.
-Told = Union[Callable[[int, int, str], object], None]
+Callback = Union[Callable[[int, int, str], object], None]
 
 #: Work that takes less than this many seconds shows nothing.
 SILENT_UNTIL = 2.0
 
 
 @contextmanager
-def shown(progress: Progress) -> Iterator[Told]:
+def shown(progress: Progress) -> Iterator[Callback]:
     """The callable that the engine calls with the progress; None if nobody sees it."""
     if callable(progress):
         yield progress

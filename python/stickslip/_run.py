@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 from . import _native, _own
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
-from ._progress import Progress, Told, shown
+from ._progress import Progress, Callback, shown
 from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
@@ -163,7 +163,7 @@ def run(
         "use them in a run that is not split",
     )
     if accuracy is not None:
-        with shown(progress) as told:
+        with shown(progress) as callback:
             parsed, goal = _chosen(
                 parsed,
                 accuracy,
@@ -171,10 +171,10 @@ def run(
                 seconds,
                 threads,
                 goals or paths or scheme or step or tolerance,
-                told,
+                callback,
             )
     warn([text for _, text in parsed.warnings(measures_bias=bias)])
-    with shown(progress) as told:
+    with shown(progress) as callback:
         made, remarks, estimates, state = _native.run(
             parsed,
             goals=goals,
@@ -183,7 +183,7 @@ def run(
             part=part,
             bias=bias,
             threads=threads,
-            progress=told,
+            progress=callback,
             own=_own.shown(own),
         )
     warn(remarks)
@@ -233,8 +233,8 @@ def merge(
         )
         given.append((f"parts[{number}]", raw(ds), ds.part_state.to_numpy().tobytes()))
     require(bool(given), "parts", "nothing", "no parts given", "give all parts of a run")
-    with shown(progress) as told:
-        made, remarks = _native.merge(given, bias=bias, threads=threads, progress=told)
+    with shown(progress) as callback:
+        made, remarks = _native.merge(given, bias=bias, threads=threads, progress=callback)
     warn(remarks)
     return dataset(made)
 
@@ -246,14 +246,14 @@ def _chosen(
     seconds: float | None,
     threads: int | None,
     decided: object,
-    told: Told,
+    callback: Callback,
 ) -> tuple[_native.Scenario, str]:
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
     problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
     require(not decided, "accuracy", accuracy, problem, "remove one of them")
     within(1e-6, 0.5, accuracy=accuracy)
     named = [statistic] if isinstance(statistic, str) else list(statistic)
-    return _native.choose(parsed, accuracy, named, seconds, threads, told)
+    return _native.choose(parsed, accuracy, named, seconds, threads, callback)
 
 
 @public
@@ -273,8 +273,8 @@ def replay(run: xr.Dataset, path: int, *, progress: Progress = True) -> xr.Datas
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
     """
-    with shown(progress) as told:
-        return dataset(_native.replay(of_run(run), path, told))
+    with shown(progress) as callback:
+        return dataset(_native.replay(of_run(run), path, callback))
 
 
 def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:

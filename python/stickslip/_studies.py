@@ -90,7 +90,7 @@ def sweep(
     problem = "give either `vary` or `elasticity`"
     require(bool(vary) != bool(keys), "vary", vary, problem, "give one of them")
     parsed = parse(given)
-    with shown(progress) as told:
+    with shown(progress) as callback:
         made, estimates, is_interrupted = _native.sweep(
             parsed,
             vary=[f"{key}={_values(key, values)}" for key, values in (vary or {}).items()],
@@ -101,7 +101,7 @@ def sweep(
             bias=bias,
             own=_own.shown(own),
             threads=threads,
-            progress=told,
+            progress=callback,
         )
     warn(["interrupted: missing points are NaN"] if is_interrupted else [])
     ds = dataset(made)
@@ -149,8 +149,8 @@ def trade(
     given = locals()
     ready()
     parsed = parse(given)
-    with shown(progress) as told:
-        made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads, told)
+    with shown(progress) as callback:
+        made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads, callback)
     warn(["interrupted: the results are partial"] if is_interrupted else [])
     return dataset(made)
 

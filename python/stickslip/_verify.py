@@ -92,10 +92,10 @@ def _verified(
     part = ds.attrs.get("part")
     remedy = "merge the parts and verify the run"
     require(part is None, "run", f"part {part}", "a part cannot be simulated again", remedy)
-    # Statistics of the caller's own cannot be computed again.
+    # User-defined statistics cannot be computed again.
     own = [name for name in ds.variables if str(name).startswith("own")]
-    with shown(progress) as told:
-        values, difference = _native.verify(raw(ds.drop_vars(own)), threads, told)
+    with shown(progress) as callback:
+        values, difference = _native.verify(raw(ds.drop_vars(own)), threads, callback)
     if difference is not None:
         problem = (
             f"{difference.pop('place')} is {difference['stored']} in the {where}, "

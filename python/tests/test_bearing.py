@@ -61,7 +61,7 @@ def test_calibrate_refuses_in_the_words_of_the_command(mc, tmp_path):
             ss.calibrate(BRIDGE, TWIN, **arguments)
 
 
-def test_means_are_told_by_an_argument(mc, tmp_path):
+def test_an_argument_says_that_samples_are_means(mc, tmp_path):
     mc("calibrate", BRIDGE, TWIN, "--averaged", "10min", "--method", "slips", "-o", "fit.h5")
     means = ss.calibrate(BRIDGE, TWIN, layout=ss.Layout(averaged="10min"), method="slips")
     # The title lists the flag, which is an argument here.

@@ -98,7 +98,7 @@ def test_a_warning_speaks_of_arguments():
         lambda: ss.run("rho025", temperature=([0.0, 0.0], [1.0, 2.0])),
     ],
 )
-def test_a_remedy_is_told_once(call):
+def test_a_message_has_its_remedy_once(call):
     with pytest.raises(ss.ArgumentError) as raised:
         call()
     error = raised.value

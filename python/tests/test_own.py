@@ -36,9 +36,7 @@ def jumps(events):
 
 @pytest.mark.parametrize("antithetic", [False, True])
 @pytest.mark.parametrize("scheme", ["discrete-vi", "event-driven"])
-def test_a_statistic_of_ones_own_agrees_with_that_of_the_program(
-    scheme, antithetic
-):
+def test_a_user_defined_statistic_agrees_with_the_program(scheme, antithetic):
     ds = ss.run(
         "rho025",
         paths=1000,
@@ -49,8 +47,8 @@ def test_a_statistic_of_ones_own_agrees_with_that_of_the_program(
     )
     for own, statistic in [("slips", "slips_per_path"), ("jumps", "jump_abs_mean")]:
         mine, theirs = ds.sel(own=own), ds.sel(statistic=statistic)
-        # The intervals of the program are symmetric on a logarithmic scale, and those of one's own
-        # on a linear one: where errors are small, the ends differ by their square.
+        # The intervals of the program are symmetric on a logarithmic scale, and user-defined
+        # ones on a linear one: where errors are small, the ends differ by their square.
         error = (theirs.standard_error / theirs.estimate).item()
         for name in ("estimate", "standard_error", "interval_low", "interval_high"):
             near = 1e-9 if name in ("estimate", "standard_error") else 4 * error**2
@@ -165,7 +163,7 @@ def test_parts_that_do_not_go_together_are_named():
             ss.run("rho025", paths=600, part=part, **arguments)
 
 
-def test_a_sweep_has_the_statistics_of_ones_own_of_each_run():
+def test_a_sweep_has_the_user_defined_statistics_of_runs():
     vary = {"friction.static": [1.1, 1.2], "friction.dynamic": [0.8, 0.9, 1.0]}
     own = {"slips": slips, "jumps": jumps}
     ds = ss.sweep("rho025", vary, paths=600, bias=False, own=own)

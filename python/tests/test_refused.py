@@ -29,7 +29,7 @@ def of_count(values):
     return lambda events: np.resize(values, len(events.count))
 
 
-def test_statistics_of_ones_own_lose_nothing_unsaid():
+def test_user_defined_statistics_refuse_what_would_be_lost():
     def masked(events):
         return np.ma.masked_less(np.arange(float(len(events.count))), 1.0)
 

@@ -28,8 +28,8 @@ use crate::stats::{Statistic, StepError};
 pub(super) struct Levels(pub [f64; 3]);
 
 /// The error of extrapolation of a statistic, relative to the bias from one term. `noise_to_gap` is
-/// the change of the force by the noise in a step, relative to f_s - f_d. The numbers were measured
-/// (docs/bias.md). A long step misses almost all of the shortest slips, and the error grows with
+/// the change of the force by the noise in a step, relative to f_s - f_d. The numbers were measured;
+/// `tests/library/bias_coverage.rs` tests them. A long step misses almost all of the shortest slips, and the error grows with
 /// `noise_to_gap`. It is largest for the numbers of sticks and slips, which at a `noise_to_gap` of
 /// 4 are only half of those without a step, and for the standard deviation of durations.
 pub(super) fn model_error_share(statistic: Statistic, noise_to_gap: f64) -> f64 {

@@ -1,8 +1,8 @@
 //! Widening of intervals from few paths.
 
 /// The factor by which a 95 % uncertainty from this many paths is widened. With a few dozen paths
-/// the intervals of skewed laws cover the truth in less than 95 % of cases, but the coverage is
-/// stated for every statistic of every scene (docs/bias.md).
+/// the intervals of skewed laws cover the truth in less than 95 % of cases, but the
+/// uncertainty is stated for every statistic of every scene (`tests/library/bias_coverage.rs`).
 pub(super) fn widening_factor(paths: u64) -> f64 {
     1.0 + 2.5 / (paths as f64).sqrt()
 }

@@ -282,7 +282,7 @@ keys! {
             .unit("length / time").default("0");
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear stiffness of the bearing", Positive)
+        BEARING_STIFFNESS = number("stiffness", "K_BP", "shear stiffness of the bearing", Positive)
             .unit("force / length").default("a rigid bearing");
         OFFSET = number("offset", "z0", "sensor reading at x = 0", Any)
             .unit("length").default("0");

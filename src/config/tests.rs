@@ -1077,7 +1077,7 @@ fn every_scheme_is_chosen_by_name() {
         base(&set).unwrap().scheme,
         EventDriven { tolerance: 1e-4 }.into()
     );
-    assert_eq!(DEFAULT_TOLERANCE, 1e-3, "as in docs/scenario.md");
+    assert_eq!(DEFAULT_TOLERANCE, 1e-3, "as in docs/event-driven.md");
 }
 
 /// Changing the scheme in memory and on the command line gives the same error in the same words, or

@@ -74,10 +74,10 @@ impl Scenario {
     }
 }
 
-/// The sensor at the bearing: z = z0 + x + F/K_B. The bearing does not act on the body.
+/// The sensor at the bearing: z = z0 + x + F/K_BP. The bearing does not act on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorBearing {
-    /// K_B > 0, the shear stiffness of the bearing under the friction force F; `None` for a rigid
+    /// K_BP > 0, the shear stiffness of the bearing under the friction force F; `None` for a rigid
     /// bearing.
     pub stiffness: Option<f64>,
     /// z0, the reading at x = 0 and F = 0.

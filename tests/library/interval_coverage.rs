@@ -1,7 +1,7 @@
 //! How often the 95 % intervals of runs of 10, 40 and 200 paths hold the truth, and how wide they are.
 //!
 //! `cargo test --release --test library interval_coverage:: -- --ignored --nocapture` prints the table;
-//! docs/validation.md has the last result.
+//! docs/statistics.md has the lowest numbers of the last one.
 
 use stickslip::ensemble::{BLOCK_SIZE, Plan};
 use stickslip::scenario::Scenario;

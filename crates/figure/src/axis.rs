@@ -64,7 +64,7 @@ impl Axis {
         let [low, high] = range_of(values.iter().copied());
         let is_empty = high - low <= ROUNDING * low.abs().max(high.abs());
         let title = match is_empty && values.len() > 1 {
-            true => title.into().and(", all equal"),
+            true => title.into().and(", all\u{a0}equal"),
             false => title.into(),
         };
         Axis {
@@ -96,7 +96,7 @@ impl Axis {
         } else {
             1.0
         };
-        let low = if range[0] > 0.0 && range[0] < high {
+        let low = if range[0] > 0.0 && range[0] < high * (1.0 - ROUNDING) {
             range[0]
         } else {
             high / 10.0
@@ -165,15 +165,16 @@ impl Axis {
             (0, "") => return title,
             (0, _) => " (".to_string(),
             (power, "") => return title.and(format!(" ({})", power_of_ten(power))),
-            (power, _) => format!(" ({} ", power_of_ten(power)),
+            (power, _) => format!(" ({}\u{a0}", power_of_ten(power)),
         };
-        title.and(opening).and(unit(&self.unit)).and(")")
+        let unit = unit(&self.unit.replace(' ', "\u{a0}"));
+        title.and(opening).and(unit).and(")")
     }
 
-    /// The power of ten that the numbers of a linear axis are multiples of.
+    /// The power of ten that the numbers of an axis with linear marks are multiples of.
     fn power(&self) -> i32 {
         let largest = self.low.abs().max(self.high.abs());
-        let is_plain = self.is_log || (LITTLE..LARGE).contains(&largest);
+        let is_plain = self.has_log_marks() || (LITTLE..LARGE).contains(&largest);
         if is_plain || self.whole {
             0
         } else {
@@ -433,7 +434,8 @@ pub fn between([low, high]: [f64; 2]) -> Label {
     written(low, digits).and(" to ").and(written(high, digits))
 }
 
-fn written(x: f64, digits: usize) -> Label {
+/// A number with this many significant digits, or as a product with a power of ten.
+pub fn written(x: f64, digits: usize) -> Label {
     let text = stickslip_data::numbers::significant(x, digits);
     match text.split_once('e') {
         None => Label::verbatim(&minus(&text)),
@@ -501,8 +503,8 @@ mod tests {
     #[test]
     fn large_and_small_numbers_share_a_power_of_ten() {
         assert_eq!(labels(&axis(0.0, 3.1e7), 100.0), ["0", "1", "2", "3"]);
-        assert_eq!(axis(0.0, 3.1e7).title().words(), "t (107 s)");
-        assert_eq!(axis(0.0, 2e-6).title().words(), "t (10−6 s)");
+        assert_eq!(axis(0.0, 3.1e7).title().words(), "t (107\u{a0}s)");
+        assert_eq!(axis(0.0, 2e-6).title().words(), "t (10−6\u{a0}s)");
         assert_eq!(axis(0.0, 20.0).title().words(), "t (s)");
     }
 
@@ -531,13 +533,24 @@ mod tests {
     }
 
     #[test]
+    fn marks_of_nearly_equal_numbers_differ() {
+        for difference in [0.0, 1e-14, 1e-6, 1e-3, 0.5] {
+            let range = [5.2e-8, 5.2e-8 * (1.0 + difference)];
+            let marks = labels(&Axis::log_around(range, "S", ""), 100.0);
+            let mut distinct = marks.clone();
+            distinct.dedup();
+            assert_eq!(marks, distinct, "{difference}");
+        }
+    }
+
+    #[test]
     fn an_empty_range_is_widened() {
         assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
         assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
         assert_eq!(Axis::around([], "", "").range(), [-1.0, 1.0]);
         let equal = Axis::around([2.0, 2.0 + 1e-12, f64::NAN], "x", "mm");
         assert_eq!(equal.range(), [1.0, 3.0 + 1e-12]);
-        assert_eq!(equal.title().words(), "x, all equal (mm)");
+        assert_eq!(equal.title().words(), "x, all\u{a0}equal (mm)");
         assert_eq!(Axis::around([2.0], "x", "").title().words(), "x");
     }
 

@@ -1,10 +1,13 @@
 //! The densities of x\u{2032} on a linear and on a logarithmic axis, of x, and of both as cells of
 //! the phase plane.
 
+use super::axis::written;
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
 use super::words::caveats;
-use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{
+    Absent, Axis, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid,
+};
 use ndarray::Array2;
 use stickslip::stats::{Densities, DensityCurve, Dimension};
 
@@ -50,9 +53,13 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let title = ("density of *x*", unit(0, -1));
     let displacement = marginal(&densities.displacement, &axes[0], title, style.log, palette);
-    let moving = stickslip_data::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
+    let moving = written(100.0 * (1.0 - densities.at_rest), 3);
     let mut legend = vec![
-        LegendEntry::words(format!("*x*\u{2032} in motion, {moving} % of the time")),
+        LegendEntry::words(
+            Label::from("*x*\u{2032} in motion, ")
+                .and(moving)
+                .and(" % of the time"),
+        ),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];

@@ -1,9 +1,11 @@
 //! Whether the motion has settled: mean and variance of x at whole periods, with the slopes
 //! that the statistics report.
 
-use super::axis::between;
+use super::axis::{between, unit};
 use super::theme::{DASHES, LINE};
+use super::words::caveats;
 use super::{Absent, Axis, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
+use stickslip::scenario::Units;
 use stickslip::stats::{Dimension, Statistic, Summary};
 use stickslip::sums::Ends;
 
@@ -61,11 +63,13 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::line(dashes, "measured slope"),
     ];
     if after > 0.0 {
-        legend.push(LegendEntry::area(palette.grid, "left out"));
+        legend.push(LegendEntry::area(palette.grid, "excluded"));
     }
-    legend.extend(reported(summary).into_iter().map(LegendEntry::words));
+    let slopes = reported(summary, &scenario.units).into_iter();
+    legend.extend(slopes.map(LegendEntry::words));
+    legend.extend(caveats(scenario, false));
     Ok(sheet(
-        &format!("Wandering: {}", scenario.title),
+        &format!("Drift and diffusion: {}", scenario.title),
         legend,
         [mean.above_another(), variance],
     ))
@@ -89,7 +93,7 @@ fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64;
 }
 
 /// The intervals of the slopes, as the statistics report them.
-fn reported(summary: &Summary) -> Vec<Label> {
+fn reported(summary: &Summary, units: &Units) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
         let is_known = e.low.is_finite() && e.high.is_finite();
@@ -100,9 +104,10 @@ fn reported(summary: &Summary) -> Vec<Label> {
                 "without interval".into()
             }
         };
+        let unit_of = format!(" {}", statistic.dimension().label(units));
         e.estimate
             .is_finite()
-            .then(|| Label::from(name).and(range()))
+            .then(|| Label::from(name).and(range()).and(unit(unit_of.trim_end())))
     };
     if summary.counted_periods() < 3 {
         return vec!["too few periods to detect a drift".into()];

@@ -1,9 +1,9 @@
 //! The laws of slips, jumps and times from slip to slip: the share that exceeds each value.
 
-use super::sticks::survival;
+use super::sticks::{beyond, entries, is_narrow};
 use super::words::{caveats, grouped};
-use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
-use stickslip::stats::{Distribution, PhaseLaw, QUANTILE_LEVELS};
+use super::{Absent, Sheet, Style, Subject, sheet};
+use stickslip::stats::{Distribution, PhaseLaw};
 
 /// The laws that are drawn, with the titles of their axes.
 const DRAWN: [(PhaseLaw, &str); 3] = [
@@ -23,79 +23,38 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             "the run has no laws: set record.laws = true",
         ));
     }
-    let palette = style.palette();
     let mut panels = Vec::new();
-    let (mut has_curve, mut has_quantiles) = (false, false);
-    let mut ended = Vec::new();
+    let mut legend = caveats(scenario, true);
+    let mut drawn = [false; 2];
     for (law, title) in DRAWN {
-        let Some(distribution) = summary
-            .law(law)
-            .filter(|distribution| distribution.completed > 0)
-        else {
+        let Some(of) = summary.law(law).filter(|of| of.completed > 0) else {
             continue;
         };
-        let Some([least, most]) = range(distribution) else {
+        let Some(range) = range(of) else {
             continue;
         };
-        let unit = law.dimension().label(&scenario.units);
-        let shares = distribution.survival.iter().copied().chain([1.0]);
-        let (vertical, _) = Axis::of_shares(shares, "share beyond", "", style.log);
-        if is_narrow(distribution) {
-            let axis = Axis::around(distribution.quantiles.iter().copied(), title, &unit);
-            let mut panel = Panel::new(axis, vertical, 60.0);
-            for (i, (level, value)) in QUANTILE_LEVELS
-                .into_iter()
-                .zip(&distribution.quantiles)
-                .enumerate()
-            {
-                panel.interval_across(1.0 - level, distribution.quantile_ends.at(i), palette.first);
-                panel.mark([*value, 1.0 - level], Mark::Disc, palette.first);
-            }
-            panels.push(panel);
-            has_quantiles = true;
-        } else {
-            let mut panel = Panel::new(Axis::log([least, most], title, &unit), vertical, 60.0);
-            survival(distribution).draw(palette, &mut panel);
-            panels.push(panel);
-            has_curve = true;
+        let titles = [
+            title,
+            "fraction beyond",
+            &law.dimension().label(&scenario.units),
+        ];
+        let mut panel = beyond(of, range, titles, 60.0, style);
+        // The curve has fallen there.
+        let end = match is_narrow(of) {
+            true => of.quantiles.last().copied().unwrap_or(range[1]),
+            false => range[1],
+        };
+        let values = format!("*n* = {}", grouped(of.completed));
+        panel.note([end, 0.85], values, &[[-1, 0]]);
+        panels.push(panel);
+        if !std::mem::replace(&mut drawn[usize::from(is_narrow(of))], true) {
+            legend.extend(entries(is_narrow(of), style.palette()));
         }
-        ended.push(grouped(distribution.completed));
     }
     if panels.is_empty() {
         return Err(Absent::Nothing("no slip was completed"));
     }
-    let mut legend = vec![LegendEntry::words(format!("{} values", ended.join(", ")))];
-    legend.extend(caveats(scenario, true));
-    if has_curve {
-        legend.push(LegendEntry::line(
-            solid(palette.first),
-            "Kaplan\u{2013}Meier",
-        ));
-        legend.push(LegendEntry::area(palette.narrow, "95 % interval"));
-    }
-    if has_quantiles {
-        legend.push(LegendEntry::mark(
-            Mark::Disc,
-            palette.first,
-            "quantile, with 95 % interval",
-        ));
-    }
     Ok(sheet(&format!("Laws: {}", scenario.title), legend, panels))
-}
-
-/// A law that fills at most this number of bins has no visible shape.
-const NARROW: usize = 3;
-
-/// Whether a law is hardly wider than the bins of its survival curve. It is drawn as its quantiles.
-fn is_narrow(of: &Distribution) -> bool {
-    let is_filled = |count: &u64| *count > 0;
-    let ends = of
-        .histogram
-        .counts
-        .iter()
-        .position(is_filled)
-        .zip(of.histogram.counts.iter().rposition(is_filled));
-    ends.is_some_and(|(first, last)| last - first < NARROW)
 }
 
 /// From where all but next to none of the values lie, to the largest one.

@@ -122,3 +122,80 @@ pub const SWEEP: &[Figure] = &[
         draws: section::draw,
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::engine::Run;
+    use stickslip::scenario::Scenario;
+    use stickslip::stats::Summary;
+
+    /// Draws every figure of a run but its path, and returns their names, numbers of panels and words.
+    fn figures(scenario: &Scenario) -> Vec<(&'static str, usize, String)> {
+        let summary = simulated(scenario);
+        let path = DrawnPath {
+            scenario,
+            number: 0,
+            from: 0.0,
+        };
+        let run = Subject::Run {
+            scenario,
+            summary: &summary,
+            path,
+        };
+        let draw = |figure: &Figure| {
+            let sheet = (figure.draws)(&run, &Style::default()).ok()?;
+            let mut words = String::new();
+            gather(&sheet.alone(&Style::default()).items, &mut words);
+            Some((figure.name, sheet.panel_count(), words))
+        };
+        RUN[1..].iter().filter_map(draw).collect()
+    }
+
+    fn simulated(scenario: &Scenario) -> Summary {
+        let run = Run::of(scenario).without_bias();
+        run.simulate().expect("no sink").summary
+    }
+
+    fn gather(items: &[kit::Item], out: &mut String) {
+        for item in items {
+            match item {
+                kit::Item::Words { label, .. } => *out += &format!("{}\n", label.words()),
+                kit::Item::Clipped { items, .. } | kit::Item::Moved { items, .. } => {
+                    gather(items, out)
+                }
+                kit::Item::Shape { .. } => {}
+            }
+        }
+    }
+
+    #[test]
+    fn every_figure_states_bias_and_missing_limit() {
+        let mut scenario = Scenario::shipped("equal-friction").expect("shipped");
+        scenario.ensemble.paths = 200;
+        scenario.time.end = 120.0;
+        scenario.units.length = "m".into();
+        scenario.units.time = "s".into();
+        let record = &mut scenario.record;
+        (record.laws, record.density, record.spectrum) = (true, true, true);
+        let drawn = figures(&scenario);
+        let names: Vec<&str> = drawn.iter().map(|(name, ..)| *name).collect();
+        assert_eq!(names.len(), RUN.len() - 2, "{names:?}");
+        for (name, _, words) in &drawn {
+            assert!(words.contains("including the bias"), "{name}: {words}");
+            let counts = ["sticks", "sub-phases", "laws", "overview"].contains(name);
+            assert_eq!(words.contains("without a"), counts, "{name}: {words}");
+        }
+        let drift = drawn.iter().find(|(name, ..)| *name == "drift");
+        assert!(drift.is_some_and(|(.., words)| words.contains("m/s\n")));
+    }
+
+    #[test]
+    fn sticks_of_one_length_are_shown_by_their_quantiles() {
+        let scenario = Scenario::shipped("shaw").expect("shipped");
+        let drawn = figures(&scenario);
+        let sticks = drawn.iter().find(|(name, ..)| *name == "sticks");
+        let (_, panels, words) = sticks.expect("drawn");
+        assert!(*panels == 1 && words.contains("quantile"), "{words}");
+    }
+}

@@ -40,13 +40,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let mut all = Panel::new(time_axis(), displacement("all paths *x*(*t*)"), 84.0);
     fan::quantiles(&summary.bands, palette, &mut all);
 
-    let durations = Axis::log(range, "stick duration *D*", &time_unit);
-    let mut outlasting = Panel::new(
-        durations,
-        Axis::from_zero(1.0, "fraction longer than *D*", ""),
-        84.0,
-    );
-    sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
+    let sticks = &summary.stick_durations;
+    let [across, upwards] = sticks::TITLES;
+    let outlasting = sticks::beyond(sticks, range, [across, upwards, &time_unit], 84.0, style);
 
     let curve = |words: &str| LegendEntry::line(solid(palette.first), words);
     let area = LegendEntry::area;
@@ -62,7 +58,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         ]),
         all,
         outlasting.keyed(
-            [curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]
+            sticks::entries(sticks::is_narrow(sticks), palette)
                 .into_iter()
                 .chain(caveats(scenario, true)),
         ),

@@ -4,7 +4,7 @@ use super::axis::{Axis, Tick};
 use super::kit::{Align, Colour, Item, Label, Outline, Rect, Stroke};
 use super::legend::LegendEntry;
 use super::mark::Mark;
-use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
+use super::theme::{LETTERS, LINE, MARK, Palette, SMALL, THIN};
 
 /// An element of a panel. Its positions are numbers of the two axes.
 #[derive(Clone, Debug)]
@@ -82,6 +82,8 @@ const X_ROOM: f64 = 26.0;
 const Y_ROOM: f64 = 13.0;
 /// Half the length of the bars at the ends of an interval.
 const CAP: f64 = 1.8;
+/// The distance of two rows of the title of the vertical axis, in heights of its letters.
+const ROW: f64 = 1.2;
 /// How far the title of the vertical axis may extend below the frame.
 const BELOW: f64 = 8.0;
 /// Points of a curve that are closer than this to the line between their neighbours are left out.
@@ -195,7 +197,15 @@ impl Panel {
 
     /// The space that numbers and title need to the left of the frame.
     pub fn margin(&self) -> f64 {
-        LETTERS * 1.35 + GAP + self.number_width() + GAP + TICK
+        let rows = self.title_rows().len() as f64;
+        LETTERS * (0.15 + ROW * rows) + GAP + self.number_width() + GAP + TICK
+    }
+
+    /// The title of the vertical axis, in as many rows as it needs to end at the letter of the next
+    /// panel. The letter of this one is above the frame, so a row extends below it.
+    fn title_rows(&self) -> Vec<Label> {
+        let below = if self.is_labelled { BELOW } else { 0.0 };
+        self.y.title().wrapped((self.height + below) / LETTERS)
     }
 
     fn number_width(&self) -> f64 {
@@ -226,15 +236,15 @@ impl Panel {
                 frame.bottom() - frame.height * self.y.place(y),
             ]
         };
-        let behind: Vec<Item> = self
-            .layers
-            .iter()
-            .flat_map(|layer| layer.draw(&place, frame))
-            .collect();
-        items.push(Item::Clipped {
-            inside: frame,
-            items: behind,
-        });
+        // A curve along the edge of the frame has its whole width.
+        for (is_curve, edge) in [(false, 0.0), (true, LINE / 2.0)] {
+            let layers = self.layers.iter();
+            let drawn = layers.filter(|layer| matches!(layer, Layer::Line { .. }) == is_curve);
+            items.push(Item::Clipped {
+                inside: frame.grown(edge),
+                items: drawn.flat_map(|layer| layer.draw(&place, frame)).collect(),
+            });
+        }
         self.draw_axes(frame, &across, palette, items);
         let is_seen = |at: &[f64; 2]| frame.grown(0.01).holds(*at);
         for layer in &self.layers {
@@ -298,15 +308,11 @@ impl Panel {
             ));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
-        // A title that is longer than the frame extends below it, because the letter is above it,
-        // and is smaller where it would reach the letter of the next panel.
-        let below = if self.is_labelled { BELOW } else { 0.0 };
-        let size = LETTERS.min((frame.height + below) / self.y.title().width());
-        let at = [
-            x,
-            frame.y + frame.height.max(size * self.y.title().width()) / 2.0,
-        ];
-        items.push(Item::words_upwards(self.y.title(), at, size, palette.ink));
+        for (row, title) in self.title_rows().into_iter().rev().enumerate() {
+            let low = frame.y + frame.height.max(LETTERS * title.width()) / 2.0;
+            let at = [x - ROW * LETTERS * row as f64, low];
+            items.push(Item::words_upwards(title, at, LETTERS, palette.ink));
+        }
     }
 
     /// Places the notes where they overlap nothing, and returns how many of them found no such
@@ -588,6 +594,42 @@ mod tests {
 
     fn axis() -> Axis {
         Axis::linear([0.0, 1.0], "x", "")
+    }
+
+    #[test]
+    fn a_long_title_has_rows_and_edges_have_whole_curves() {
+        let title = "autocovariance *C*(*s*) of the velocity";
+        let mut panel = Panel::new(axis(), Axis::linear([0.0, 1.0], title, "m^2/s^2"), 60.0);
+        panel.line(
+            vec![[0.0, 1.0], [1.0, 1.0]],
+            Stroke::solid(Colour::hex(0), LINE),
+        );
+        let frame = Rect {
+            x: 0.0,
+            y: 0.0,
+            width: 200.0,
+            height: 60.0,
+        };
+        let mut items = Vec::new();
+        let palette = super::super::theme::Style::default().palette();
+        panel.draw(frame, palette, &mut items);
+        let rows = items.iter().filter_map(|item| match item {
+            Item::Words {
+                label,
+                size,
+                upwards: true,
+                ..
+            } => Some((*size, size * label.width())),
+            _ => None,
+        });
+        let rows: Vec<(f64, f64)> = rows.collect();
+        let fits = |row: &(f64, f64)| row.0 == LETTERS && row.1 < 60.0 + BELOW;
+        assert!(rows.len() > 1 && rows.iter().all(fits), "{rows:?}");
+        let shown = items.iter().any(|item| {
+            matches!(item, Item::Clipped { inside, items } if !items.is_empty()
+                && inside.y <= -LINE / 2.0)
+        });
+        assert!(shown, "half of a curve along the edge is cut off");
     }
 
     #[test]

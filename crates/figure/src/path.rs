@@ -133,7 +133,7 @@ impl<'a> PathLayout<'a> {
             .samples()
             .flat_map(|s| [s.velocity, s.spring])
             .chain(self.dry.iter().map(|p| p[1]));
-        let axis = Axis::around(seen, "velocity *ẋ*(*t*), force", "");
+        let axis = Axis::around(seen, "velocity *x*′(*t*), force", "");
         let mut panel = Panel::new(self.time(), axis, 104.0);
         self.forces(&mut panel);
         velocities(&self.trace, self.palette, &mut panel);
@@ -143,7 +143,7 @@ impl<'a> PathLayout<'a> {
     /// Velocity and forces over time, in a panel each.
     fn separate(&self) -> [Panel; 2] {
         let seen = self.trace.samples().map(|s| s.velocity);
-        let axis = Axis::around(seen, "velocity *ẋ*(*t*)", &self.velocity_unit);
+        let axis = Axis::around(seen, "velocity *x*′(*t*)", &self.velocity_unit);
         let mut velocity = Panel::new(self.time(), axis, 76.0);
         velocities(&self.trace, self.palette, &mut velocity);
         let seen = self
@@ -362,7 +362,7 @@ fn short_slip(
         .map(|s| s.velocity);
     let mut panel = Panel::new(
         time,
-        Axis::around(seen, "velocity *ẋ*", velocity_unit),
+        Axis::around(seen, "velocity *x*′", velocity_unit),
         60.0,
     );
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
@@ -438,7 +438,7 @@ fn phase_plane(
     let room = 0.04 * (high - low);
     let x = Axis::around(
         [low - room, high + room],
-        "velocity *ẋ*(*t*)",
+        "velocity *x*′(*t*)",
         velocity_unit,
     );
     // A threshold of which the force stays far is left out.

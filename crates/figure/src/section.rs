@@ -54,7 +54,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         amplitude.mark(*point, Mark::Disc, palette.second);
     }
     amplitude.line(curve, solid(palette.second));
-    let legend = [LegendEntry::words("last periods of one path at each point")];
+    let words = "last periods of one path at each point";
+    let mut legend = vec![LegendEntry::words(words)];
+    if cycles.len() < sweep.points.len() {
+        legend.push(LegendEntry::words("random points are left out"));
+    }
     let title = format!("Section: {}", sweep.question.scenario.title);
     Ok(sheet(&title, legend, [section.above_another(), amplitude]))
 }

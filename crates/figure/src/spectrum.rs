@@ -1,6 +1,7 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
 use super::theme::Palette;
+use super::words::caveats;
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
@@ -15,12 +16,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             "the run has no spectrum: set record.spectrum = true",
         ));
     };
-    let [least, most] = range_of(
-        spectrum.velocity.spectrum[1..]
-            .iter()
-            .copied()
-            .filter(|power| *power > 0.0),
-    );
+    let (of, ends) = (&spectrum.velocity, &spectrum.velocity.spectrum_ends);
+    let shown = of.spectrum[1..].iter().chain(&ends.high[1..]);
+    let [least, most] = range_of(shown.copied().filter(|power| *power > 0.0));
     if !(least > 0.0 && least < most) {
         return Err(Absent::Nothing(
             "x' is identical in all paths at every row of the output grid, or there is only one path",
@@ -35,19 +33,19 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
         .label(&scenario.units)
     };
-    let vertical = Axis::log_around(
-        [least, most],
-        "power spectrum *S*(*ω*) of *x*\u{2032}",
-        &unit(-1, 2),
-    );
+    let vertical = Axis::log_around([least, most], "power spectrum *S*(*ω*)", &unit(-1, 2));
     let panels = [
         power(spectrum, &unit(-1, 0), vertical, palette),
         covariance(spectrum, [unit(1, 0), unit(-2, 2)], palette),
     ];
-    let legend = [
-        LegendEntry::line(solid(palette.first), "deviations from the mean over paths"),
+    let mut legend = vec![
+        LegendEntry::line(
+            solid(palette.first),
+            "velocity *x*\u{2032} less its mean over paths",
+        ),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
+    legend.extend(caveats(scenario, false));
     Ok(sheet(
         &format!("Spectrum: {}", scenario.title),
         legend,
@@ -81,7 +79,7 @@ fn covariance(spectrum: &Spectrum, units: [String; 2], palette: &Palette) -> Pan
         .iter()
         .chain(&of.autocovariance_ends.high[..lags.len()])
         .copied();
-    let title = "autocovariance *C*(*s*) of *x*\u{2032}";
+    let title = "autocovariance *C*(*s*)";
     let vertical = Axis::around(seen.chain([0.0]), title, &units[1]);
     let mut panel = Panel::new(horizontal, vertical, 72.0);
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));

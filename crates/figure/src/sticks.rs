@@ -4,11 +4,14 @@
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
 use super::words::{caveats, grouped};
-use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
-use stickslip::stats::{Dimension, Distribution};
+use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
+use stickslip::stats::{Dimension, Distribution, QUANTILE_LEVELS};
 
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 5e-3;
+
+/// The titles of the axes of durations and of the fraction that lasts longer.
+pub(super) const TITLES: [&str; 2] = ["stick duration *D*", "fraction longer than *D*"];
 
 /// The share of the completed sticks in one bin, divided by the width of the bin in decades.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,17 +26,14 @@ struct DrawnBin {
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let sticks = &summary.stick_durations;
+    let range = range(sticks).ok_or(Absent::Nothing(
+        "no stick after the first of a path has ended",
+    ))?;
     let all = bins(sticks);
     let (bins, shorter) = drawn(&all);
-    let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
-        return Err(Absent::Nothing(
-            "no stick after the first of a path has ended",
-        ));
-    };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
-    let end = longest(sticks).map_or(last.edges[1], |edge| edge.max(last.edges[1]));
-    let durations = || Axis::log([first.edges[0], end], "stick duration *D*", &unit);
+    let titles = [TITLES[0], TITLES[1], &unit];
 
     let (axis, floor) = Axis::of_shares(
         bins.iter().map(|bin| bin.density),
@@ -41,24 +41,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         "",
         style.log,
     );
-    let mut density = Panel::new(durations(), axis, 84.0);
+    let mut density = Panel::new(Axis::log(range, titles[0], &unit), axis, 84.0);
     let steps: Vec<DensityBin> = bins
         .iter()
         .map(|bin| (bin.edges, bin.density, [bin.density; 2]))
         .collect();
     steps::draw(&steps, floor, palette, &mut density);
-
-    let mut curve = survival(sticks);
-    let shares = curve.shares.iter().map(|point| point[1]);
-    let (axis, floor) = Axis::of_shares(shares, "fraction longer than *D*", "", style.log);
-    let mut outlasting = Panel::new(durations(), axis, 84.0);
-    if style.log {
-        curve
-            .ends
-            .iter_mut()
-            .for_each(|[_, low, _]| *low = low.max(floor));
-    }
-    curve.draw(palette, &mut outlasting);
 
     let mut legend = vec![LegendEntry::words(format!(
         "{} ended, {} censored",
@@ -70,16 +58,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend.push(LegendEntry::words(words));
     }
     legend.extend(caveats(scenario, true));
-    let interval = LegendEntry::area(palette.narrow, "95 % interval");
-    let panels = [
-        density
-            .above_another()
-            .keyed([LegendEntry::line(solid(palette.first), "density")]),
-        outlasting.keyed([
-            LegendEntry::line(solid(palette.first), "Kaplan–Meier"),
-            interval,
-        ]),
-    ];
+    let key = entries(is_narrow(sticks), palette);
+    let mut panels = vec![beyond(sticks, range, titles, 84.0, style).keyed(key)];
+    if !is_narrow(sticks) {
+        let key = [LegendEntry::line(solid(palette.first), "density")];
+        panels.insert(0, density.above_another().keyed(key));
+    }
     Ok(sheet(
         &format!("Stick durations: {}", scenario.title),
         legend,
@@ -152,43 +136,75 @@ pub(super) fn range(sticks: &Distribution) -> Option<[f64; 2]> {
     ])
 }
 
-/// A survival curve at the edges of the bins: shares, and their intervals, against durations.
-pub(super) struct SurvivalCurve {
-    shares: Vec<[f64; 2]>,
-    ends: Vec<[f64; 3]>,
+/// A law that fills at most this number of bins has no visible shape.
+const NARROW: usize = 3;
+
+/// Whether a law is hardly wider than the bins of its survival curve. It is drawn as its quantiles.
+pub(super) fn is_narrow(of: &Distribution) -> bool {
+    let counts = &of.histogram.counts;
+    let first = counts.iter().position(|count| *count > 0);
+    let last = counts.iter().rposition(|count| *count > 0);
+    first
+        .zip(last)
+        .is_some_and(|(first, last)| last - first < NARROW)
 }
 
-/// The survival curve of the file.
-pub(super) fn survival(sticks: &Distribution) -> SurvivalCurve {
-    let edges = &sticks.histogram.edges;
-    let mut curve = SurvivalCurve {
-        shares: Vec::new(),
-        ends: Vec::new(),
-    };
-    let mut put = |edge: f64, share: f64, [low, high]: [f64; 2]| {
-        curve.shares.push([edge, share]);
-        curve.ends.push([edge, low, high]);
-    };
-    edges
-        .first()
-        .into_iter()
-        .for_each(|edge| put(*edge, 1.0, [1.0; 2]));
+/// The fraction of the values of a law beyond each number of this range.
+pub(super) fn beyond(
+    of: &Distribution,
+    range: [f64; 2],
+    [across, upwards, unit]: [&str; 3],
+    height: f64,
+    style: &Style,
+) -> Panel {
+    let palette = style.palette();
+    let shares = of.survival.iter().copied().chain([1.0]);
+    let (vertical, _) = Axis::of_shares(shares, upwards, "", style.log);
+    if is_narrow(of) {
+        let axis = Axis::around(of.quantiles.iter().copied(), across, unit);
+        let mut panel = Panel::new(axis, vertical, height);
+        for (i, (level, value)) in QUANTILE_LEVELS.iter().zip(&of.quantiles).enumerate() {
+            panel.interval_across(1.0 - level, of.quantile_ends.at(i), palette.first);
+            panel.mark([*value, 1.0 - level], Mark::Disc, palette.first);
+        }
+        return panel;
+    }
+    let mut panel = Panel::new(Axis::log(range, across, unit), vertical, height);
+    let (curve, ends) = survival(of, range[0]);
+    panel.band(ends, palette.narrow);
+    panel.line(curve, solid(palette.first));
+    panel
+}
+
+/// What the panels of [`beyond`] show.
+pub(super) fn entries(is_narrow: bool, palette: &Palette) -> Vec<LegendEntry> {
+    match is_narrow {
+        true => vec![LegendEntry::mark(
+            Mark::Disc,
+            palette.first,
+            "quantile, with 95 % interval",
+        )],
+        false => vec![
+            LegendEntry::line(solid(palette.first), "Kaplan–Meier, at bin edges"),
+            LegendEntry::area(palette.narrow, "95 % interval"),
+        ],
+    }
+}
+
+/// The survival curve of the file and its interval, from the smallest number that is drawn. It is
+/// known at the edges of the bins only, and falls there.
+fn survival(of: &Distribution, from: f64) -> (Vec<[f64; 2]>, Vec<[f64; 3]>) {
     let mut before = (1.0, [1.0; 2]);
-    for (i, share) in sticks.survival.iter().enumerate() {
-        let here = (*share, sticks.survival_ends.at(i));
-        // The share is known at the edges only, and never rises between them.
-        put(edges[i + 1], before.0, before.1);
-        put(edges[i + 1], here.0, here.1);
+    let first = of.histogram.edges[0].min(from);
+    let mut rows = vec![(first, before)];
+    for (i, edge) in of.histogram.edges[1..].iter().enumerate() {
+        let here = (of.survival[i], of.survival_ends.at(i));
+        rows.extend([(*edge, before), (*edge, here)]);
         before = here;
     }
-    curve
-}
-
-impl SurvivalCurve {
-    pub(super) fn draw(self, palette: &Palette, panel: &mut Panel) {
-        panel.band(self.ends, palette.narrow);
-        panel.line(self.shares, solid(palette.first));
-    }
+    let point =
+        |&(edge, (share, [low, high])): &(f64, (f64, [f64; 2]))| ([edge, share], [edge, low, high]);
+    rows.iter().map(point).unzip()
 }
 
 #[cfg(test)]
@@ -214,8 +230,8 @@ mod tests {
                 .simulate()
                 .expect("no sink")
                 .summary;
-            let curve = survival(&summary.stick_durations).shares;
-            assert!(curve.len() > 8);
+            let (curve, _) = survival(&summary.stick_durations, 1e-3);
+            assert!(curve.len() > 8 && curve[0][0] <= 1e-3 && curve[0][1] == 1.0);
             for pair in curve.windows(2) {
                 let [[x, y], [next, below]] = [pair[0], pair[1]];
                 assert!(

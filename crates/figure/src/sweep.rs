@@ -116,9 +116,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         .iter()
         .any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some())
     {
-        legend.push(LegendEntry::words(
-            "with the bias of the step, where there is one",
-        ));
+        legend.push(LegendEntry::words("including the bias of the step"));
     }
     Ok(sheet(
         &format!("Sweep: {}", first.question.scenario.title),

@@ -2,7 +2,7 @@
 //! the top.
 
 use super::theme::THIN;
-use super::words::{of_key, of_statistic};
+use super::words::{caveats, of_key, of_statistic};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
 use stickslip::study::sweep::Design;
 
@@ -62,10 +62,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         );
         panels.push(panel.keyed([LegendEntry::words(of_statistic(statistic, style))]));
     }
-    let legend = [LegendEntry::area(
+    let mut legend = caveats(&sweep.question.scenario, true);
+    legend.push(LegendEntry::area(
         palette.narrow,
         "elasticity of a statistic, with its 95 % interval",
-    )];
+    ));
     Ok(sheet(
         &format!("Elasticities: {}", sweep.question.scenario.title),
         legend,

@@ -83,7 +83,7 @@ pub fn caveats(scenario: &Scenario, are_counts: bool) -> Vec<LegendEntry> {
     let has_no_limit = scenario.resolution().is_some()
         || is_equal && scenario.scheme.step().is_some() && scenario.model.temperature.is_random();
     let bias = scenario.scheme.step();
-    let bias = bias.map(|h| format!("with the bias of the step {h}"));
+    let bias = bias.map(|h| format!("including the bias of the step {h}"));
     let limit = (are_counts && has_no_limit)
         .then(|| "without a limit, because *f*_{s} = *f*_{d} under noise".to_string());
     bias.into_iter()

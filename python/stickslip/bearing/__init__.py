@@ -137,7 +137,7 @@ def calibrate(
     ready()
     within(0.5, 0.999, interval=interval)
     within(1, 1000, starts=starts)
-    with shown(progress) as told:
+    with shown(progress) as callback:
         made, remarks = _native.calibrate(
             (*source(scenario), written(set)),
             _record(data, displacement, layout or Layout()),
@@ -148,7 +148,7 @@ def calibrate(
             lag=None if lag is None else _seconds("lag", lag),
             interval=interval,
             threads=threads,
-            progress=told,
+            progress=callback,
         )
     warn(remarks)
     return dataset(made)
@@ -208,7 +208,7 @@ def forecast(
     within(2, 10_000, draws=draws, years=years)
     require(0 <= share < 1, "share", share, "out of range", "must be in [0, 1)")
     within(1, 2, processes=processes)
-    with shown(progress) as told:
+    with shown(progress) as callback:
         made, remarks = _native.forecast(
             (*source(scenario), written(set)),
             _record(data, displacement, layout or Layout()),
@@ -219,7 +219,7 @@ def forecast(
             share=share,
             processes=processes,
             threads=threads,
-            progress=told,
+            progress=callback,
         )
     warn(remarks)
     return dataset(made)
@@ -317,9 +317,9 @@ def fit_temperature(
     else:
         times, values, _ = _repaired(data, "data", "temperature", layout.outliers)
         measured = _Measured("the arrays", layout, arrays=[times, values])
-    with shown(progress) as told:
+    with shown(progress) as callback:
         fit, remarks = _native.fit_temperature(
-            measured, processes=processes, periods=lengths, progress=told
+            measured, processes=processes, periods=lengths, progress=callback
         )
     warn(remarks)
     return Weather(**fit)
@@ -422,7 +422,7 @@ def twin(
     if temperature is not None:
         times, values, first = _repaired(temperature, "temperature", "temperature")
         arrays = [times, values]
-    with shown(progress) as told:
+    with shown(progress) as callback:
         made, remarks = _native.twin(
             (*source(scenario), written(set)),
             arrays,
@@ -439,7 +439,7 @@ def twin(
             start=start,
             duration=seconds,
             every=step,
-            progress=told,
+            progress=callback,
         )
     warn(remarks)
     ds = dataset(made)

@@ -14,7 +14,7 @@ pub(super) fn never_moves(case: &Case) -> Option<String> {
 
 /// If the change of the force during a slip, relative to the force released, is above this, the
 /// stopping place is visibly wrong. In the paper's scenario without noise the error of the jumps is
-/// 0.85 times that ratio (docs/event-driven.md).
+/// 0.85 times that ratio.
 const SLOW_FORCING: f64 = 0.01;
 
 /// The force changes too much during a slip for the quasi-static recursion. It does not apply if

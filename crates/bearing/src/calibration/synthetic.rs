@@ -4,10 +4,10 @@
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, STEP, course};
 use super::fit::SensorNoise;
 use super::motion::Motion;
 use super::samples::MeasuredRecord;
+use super::trajectory::{STEP, Trajectory, trajectory};
 use crate::weather::HiddenTemperature;
 use stickslip::noise::{Stream, Transition};
 
@@ -93,9 +93,9 @@ impl Synthetic<'_> {
                 ..Air::straight(self.record.times.clone(), self.record.temperatures.clone())
             },
         };
-        let Course {
+        let Trajectory {
             steel, positions, ..
-        } = course(
+        } = trajectory(
             &response,
             &air,
             self.lag,

@@ -2,7 +2,7 @@
 
 use super::air::Air;
 use super::bearing::Response;
-use super::course::{Course, STEP, course};
+use super::trajectory::{STEP, Trajectory, trajectory};
 use super::zero::Zero;
 use std::ops::Range;
 use stickslip::noise::{Stream, Transition};
@@ -74,11 +74,11 @@ pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed:
     // others unchanged.
     let [mut sensor, friction, mut spikes, mut gaps, between] =
         std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let Course {
+    let Trajectory {
         steel,
         positions,
         slips,
-    } = course(
+    } = trajectory(
         response,
         air,
         imperfections.lag,

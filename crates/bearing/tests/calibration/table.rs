@@ -338,7 +338,7 @@ impl Situation {
 /// situation. `SEEDS` is the number of records of each situation, 20 by default, and `ONLY` a part of the
 /// names of the situations.
 #[test]
-#[ignore = "an hour or more; prints a table"]
+#[ignore = "ten minutes; prints a table"]
 fn table() {
     let seeds: u64 = std::env::var("SEEDS").map_or(20, |seeds| seeds.parse().expect("a number"));
     let only = std::env::var("ONLY").unwrap_or_default();

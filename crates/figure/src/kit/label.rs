@@ -135,21 +135,27 @@ impl Label {
     /// The label in rows that are at most this wide. Rows end at spaces, and a wider word has a row
     /// of its own.
     pub fn wrapped(&self, width: f64) -> Vec<Label> {
+        let texts = self.runs.iter().flat_map(|run| {
+            let mut end = run.at[0];
+            run.text.split_inclusive(' ').map(move |text| {
+                let x = end;
+                end += run.size * run.face.width(text);
+                (run, x, text)
+            })
+        });
+        let texts: Vec<_> = texts.collect();
         let mut rows = vec![Label::default()];
-        let (mut start, mut may_break) = (0.0, false);
-        for run in &self.runs {
-            let mut x = run.at[0];
-            for word in run.text.split_inclusive(' ') {
-                let end = x + run.size * run.face.width(word.trim_end());
-                if may_break && end - start > width {
-                    rows.push(Label::default());
-                    start = x;
-                }
-                if let Some(row) = rows.last_mut() {
-                    row.push(run.face, run.size, [x - start, run.at[1]], word);
-                }
-                may_break = word.ends_with(' ');
-                x += run.size * run.face.width(word);
+        let mut start = 0.0;
+        // A word ends at a space, even if its letters differ in face or size.
+        for word in texts.split_inclusive(|(.., text)| text.ends_with(' ')) {
+            let ((_, begin, _), (run, x, text)) = (word[0], word[word.len() - 1]);
+            if begin > start && x + run.size * run.face.width(text.trim_end()) - start > width {
+                rows.push(Label::default());
+                start = begin;
+            }
+            for (run, x, text) in word {
+                let row = rows.last_mut().expect("there is a row");
+                row.push(run.face, run.size, [x - start, run.at[1]], text);
             }
         }
         rows
@@ -207,6 +213,9 @@ mod tests {
         assert_eq!(words, ["mean of x(t) ", "over paths"]);
         assert_eq!(rows[1].runs[0].at, [0.0; 2]);
         assert_eq!(label.wrapped(label.width()).len(), 1);
+        let unit = Label::from("density (10^{-4}\u{a0}s/m)");
+        let rows = unit.wrapped(0.8 * unit.width());
+        assert_eq!(rows[0].words(), "density ", "a power is never separated");
     }
 
     #[test]

@@ -94,11 +94,13 @@ impl Page<'_> {
 }
 
 fn of_table(table: &Table) -> String {
-    let sign = |text: &str| match text.parse::<f64>() {
-        Ok(_) => text.replace('-', "\u{2212}"),
-        Err(_) => text.replace("+-", "\u{b1}"),
+    // The numbers of a range have minus signs, too.
+    let sign = |word: &str| match word.parse::<f64>() {
+        Ok(_) => word.replace('-', "\u{2212}"),
+        Err(_) => word.replace("+-", "\u{b1}"),
     };
-    let words = |cell: &super::Cell| escaped(&in_words(&sign(&cell.text)));
+    let signs = |text: &str| text.split(' ').map(sign).collect::<Vec<_>>().join(" ");
+    let words = |cell: &super::Cell| escaped(&in_words(&signs(&cell.text)));
     let mut rows = table.shown(Format::Html).0.into_iter();
     let headings: Vec<String> = rows.next().unwrap_or_default().iter().map(words).collect();
     let head: String = headings
@@ -127,7 +129,11 @@ fn of_table(table: &Table) -> String {
 fn picture(drawing: &Drawing) -> String {
     let image = base64::engine::general_purpose::STANDARD.encode(stickslip_figure::svg(drawing));
     let words = escaped(&drawing.title);
-    format!("<figure><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n")
+    // The heading of the page names the scenario.
+    let caption = words.split(": ").next().unwrap_or_default();
+    format!(
+        "<figure><figcaption>{caption}</figcaption><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n"
+    )
 }
 
 /// A text with the names of statistics in words.

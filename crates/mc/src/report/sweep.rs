@@ -39,6 +39,8 @@ pub fn sweep(sweep: &Sweep, chosen: Chosen, file: &Path) -> Report {
         }
         Design::Grid(_) | Design::Zip(_) => vec![points(sweep, *statistic)],
     });
+    let keys = keys(&question.design);
+    let varied: Vec<&str> = keys.iter().map(|(key, _)| key.as_str()).collect();
     let seconds: f64 = sweep
         .points
         .iter()
@@ -46,7 +48,12 @@ pub fn sweep(sweep: &Sweep, chosen: Chosen, file: &Path) -> Report {
         .map(|point| point.seconds)
         .sum();
     Report {
-        title: question.scenario.title.clone(),
+        // The title may name a value that the sweep varies.
+        title: format!(
+            "{} (varied: {})",
+            question.scenario.title,
+            varied.join(", ")
+        ),
         about: format!(
             "{}{step}{paths}, {} seeds",
             question.scenario.scheme.name(),

@@ -350,7 +350,7 @@ fn repairs_and_noise_over_a_series_are_reported() {
 }
 
 /// With x(0) = beta T(0) there is no force at the start. In a stick F is b, so that z = z0 + x +
-/// b/K_B.
+/// b/K_BP.
 #[test]
 fn a_balanced_bearing_shows_its_offset_first() {
     let here = bridge(&days());

@@ -53,6 +53,7 @@ fn a_page_is_whole_and_asks_for_nothing() {
             statistic.name()
         );
     }
+    assert!(page.contains("<figcaption>Stick durations</figcaption>"));
     assert_eq!(page.matches("src=\"data:image/svg+xml;base64,").count(), 5);
     assert!(
         page.contains("<code>mc show run.h5 --format csv</code>") && page.contains("How to cite")
@@ -119,7 +120,10 @@ fn every_file_has_a_page() {
         "Traffic",
     ];
     for (page, says) in [
-        ("sweep.html", &["mean stick duration"][..]),
+        (
+            "sweep.html",
+            &["mean stick duration", "(varied: friction.static)"][..],
+        ),
         ("trade.html", &["Cheapest runs"]),
         (
             "fit.html",
@@ -152,6 +156,10 @@ fn every_file_has_a_page() {
         );
         says.iter()
             .for_each(|words| assert!(text.contains(words), "{page}: {words}"));
+        assert!(
+            !text.contains(" to -"),
+            "{page}: a range without minus signs"
+        );
     }
     let other = mc(path, &["forecast", &scenario, &data, "-o", "years.txt"]);
     assert_eq!(other.status.code(), Some(2));

@@ -7,37 +7,6 @@ use crate::scheme::columns::{LOST, Seen, StateColumns};
 use crate::scheme::{Instant, Observer, Segment, Timeline};
 use std::cell::RefCell;
 
-/// A phase of the path, or a part of one.
-pub struct PathSegment<M, C> {
-    pub start: ExactTime,
-    pub phase: Phase,
-    /// The known motion at the start.
-    pub from: M,
-    /// The duration of the segment and what ends it; none if it does not end before t_end.
-    pub end: Option<(f64, End<C>)>,
-}
-
-/// What ends a segment.
-#[derive(Clone, Copy)]
-pub enum End<C> {
-    Event(Event),
-    /// A cut in the phase, with the known motion there.
-    Cut(C),
-}
-
-impl<M, C: Copy> PathSegment<M, C> {
-    /// The end of the segment, if it is at a time or before.
-    fn end_by(&self, time: f64) -> Option<(f64, End<C>)> {
-        self.end.filter(|(duration, end)| match end {
-            End::Event(event) => event.time <= time,
-            End::Cut(_) => *duration <= self.start.until(time),
-        })
-    }
-}
-
-/// A segment of the path of a scheme.
-pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;
-
 /// A scheme without noise, by the segments of its path. Nothing is random, so one path is computed
 /// for all lanes.
 pub trait PathSegments {
@@ -132,3 +101,34 @@ pub trait PathSegments {
         }
     }
 }
+
+/// A phase of the path, or a part of one.
+pub struct PathSegment<M, C> {
+    pub start: ExactTime,
+    pub phase: Phase,
+    /// The known motion at the start.
+    pub from: M,
+    /// The duration of the segment and what ends it; none if it does not end before t_end.
+    pub end: Option<(f64, End<C>)>,
+}
+
+/// What ends a segment.
+#[derive(Clone, Copy)]
+pub enum End<C> {
+    Event(Event),
+    /// A cut in the phase, with the known motion there.
+    Cut(C),
+}
+
+impl<M, C: Copy> PathSegment<M, C> {
+    /// The end of the segment, if it is at a time or before.
+    fn end_by(&self, time: f64) -> Option<(f64, End<C>)> {
+        self.end.filter(|(duration, end)| match end {
+            End::Event(event) => event.time <= time,
+            End::Cut(_) => *duration <= self.start.until(time),
+        })
+    }
+}
+
+/// A segment of the path of a scheme.
+pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;

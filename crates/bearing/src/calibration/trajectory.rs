@@ -13,7 +13,7 @@ const MOST_STEPS: f64 = 10_000.0;
 
 /// The body and its steel at the samples of the thermometer.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Course {
+pub struct Trajectory {
     /// The temperature of the steel.
     pub steel: Vec<f64>,
     /// xi, the position of the body in kelvin.
@@ -60,14 +60,14 @@ impl Body<'_> {
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
 /// extreme temperature within a step has its exact law. Across a gap it is linear.
-pub fn course(
+pub fn trajectory(
     response: &Response,
     air: &Air,
     lag: f64,
     scatter: f64,
     longest: f64,
     [friction, mut between]: [Stream; 2],
-) -> Course {
+) -> Trajectory {
     let Air {
         times,
         temperatures,
@@ -83,7 +83,7 @@ pub fn course(
         reach: motion.reach,
         slips: 0,
     };
-    let mut course = Course::default();
+    let mut trajectory = Trajectory::default();
     let mut gaps = starts(times).into_iter().skip(1).peekable();
     let usual = interval(times);
     let mut steel = temperatures.first().copied().unwrap_or(0.0);
@@ -131,12 +131,12 @@ pub fn course(
             body.follow(steel);
         }
         if i.is_multiple_of(*stride) {
-            course.steel.push(steel);
-            course.positions.push(body.xi);
+            trajectory.steel.push(steel);
+            trajectory.positions.push(body.xi);
         }
     }
-    course.slips = body.slips;
-    course
+    trajectory.slips = body.slips;
+    trajectory
 }
 
 /// The highest value of a Brownian bridge between two values, or the lowest one if the bridge is
