@@ -146,34 +146,7 @@ pub fn sweep<'py>(
     threads: Threads,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<Vec<OwnEstimate>>, bool)> {
-    let design = if elasticity.is_empty() {
-        let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
-        let remedy = "give {key: values}, where values are numbers, names of files, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
-        let axis = |text: &String| {
-            SweepAxis::parse(text, symbol).map_err(|error| {
-                // Its own remedy is for those who write the values as a text.
-                let problem = error.to_string().replace(&error.remedy, remedy);
-                errors::of_argument(py, "vary", text, &problem, remedy)
-            })
-        };
-        let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
-        let remedy = "give different names, equal numbers of values with zip, or fewer values";
-        let refused =
-            |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
-        Design::of(axes, zip).map_err(refused)?
-    } else {
-        star(py, scenario, elasticity, relative_step)?
-    };
-    if let Some(key) = scenario.checked.record.curve() {
-        let remedy = format!("turn it off, or run each point with ss.run and {key} = true");
-        return Err(errors::of_argument(
-            py,
-            "scenario",
-            key,
-            "a sweep stores statistics only, no curves",
-            &remedy,
-        ));
-    }
+    let design = design(py, scenario, &vary, zip, elasticity, relative_step)?;
     let laid = |setting: &Setting| setting.change(&format!("{}, swept to", setting.key));
     let point = |settings: &[Setting]| {
         let own: Vec<Override> = settings.iter().map(laid).collect();
@@ -238,6 +211,46 @@ pub fn sweep<'py>(
         estimates,
         is_interrupted,
     ))
+}
+
+/// What a sweep varies: keys over values, or each key of `elasticity` up and down. Refuses scenarios
+/// with curves.
+fn design(
+    py: Python<'_>,
+    scenario: &Scenario,
+    vary: &[String],
+    zip: bool,
+    elasticity: Vec<String>,
+    relative_step: f64,
+) -> PyResult<Design> {
+    if let Some(key) = scenario.checked.record.curve() {
+        let remedy = format!("turn it off, or run each point with ss.run and {key} = true");
+        return Err(errors::of_argument(
+            py,
+            "scenario",
+            key,
+            "a sweep stores statistics only, no curves",
+            &remedy,
+        ));
+    }
+    if elasticity.is_empty() {
+        let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
+        let remedy = "give {key: values}, where values are numbers, names of files, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
+        let axis = |text: &String| {
+            SweepAxis::parse(text, symbol).map_err(|error| {
+                // Its own remedy is for those who write the values as a text.
+                let problem = error.to_string().replace(&error.remedy, remedy);
+                errors::of_argument(py, "vary", text, &problem, remedy)
+            })
+        };
+        let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
+        let remedy = "give different names, equal numbers of values with zip, or fewer values";
+        let refused =
+            |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
+        Design::of(axes, zip).map_err(refused)
+    } else {
+        star(py, scenario, elasticity, relative_step)
+    }
 }
 
 fn star(

@@ -1433,8 +1433,8 @@ fn white_noise_asks_for_its_rate_where_only_a_force_brakes() {
     };
     let message = read("").unwrap_err().to_string();
     assert!(
-        message.contains("forgets its velocity is unknown")
-            && message.contains("write a `relaxation_rate`")
+        message.contains("velocity relaxation time of the body is unknown")
+            && message.contains("give the noise a `relaxation_rate`")
     );
     let noise = read(", relaxation_rate = 200").unwrap();
     assert_eq!(

@@ -574,7 +574,7 @@ mod tests {
         };
         calibration.slips = vec![slip(0.01), slip(-0.01)];
         assert!(
-            seen(&calibration).contains("a sliding path of 40 mm"),
+            seen(&calibration).contains("sliding path is 40 mm in total"),
             "{}",
             seen(&calibration)
         );

@@ -388,7 +388,7 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         ("1 2\n3\n", Some("2"), "`` is not a number"),
         ("1 x\n", None, "`x` is not a number"),
         ("1", None, "1 values"),
-        ("1 2", Some("acc"), "by their numbers"),
+        ("1 2", Some("acc"), "by its number"),
         ("2020-01-01 2", None, "`2020-01-01` is not a number"),
     ] {
         assert!(

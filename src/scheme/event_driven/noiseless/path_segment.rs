@@ -7,6 +7,27 @@ use crate::scheme::columns::{LOST, Seen, StateColumns};
 use crate::scheme::{Instant, Observer, Segment, Timeline};
 use std::cell::RefCell;
 
+/// A phase of the path, or a part of one.
+pub struct PathSegment<M, C> {
+    pub start: ExactTime,
+    pub phase: Phase,
+    /// The known motion at the start.
+    pub from: M,
+    /// The duration of the segment and what ends it; none if it does not end before t_end.
+    pub end: Option<(f64, End<C>)>,
+}
+
+/// What ends a segment.
+#[derive(Clone, Copy)]
+pub enum End<C> {
+    Event(Event),
+    /// A cut in the phase, with the known motion there.
+    Cut(C),
+}
+
+/// A segment of the path of a scheme.
+pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;
+
 /// A scheme without noise, by the segments of its path. Nothing is random, so one path is computed
 /// for all lanes.
 pub trait PathSegments {
@@ -14,38 +35,6 @@ pub trait PathSegments {
     type Motion;
     /// The known motion at a cut.
     type Cut: Copy;
-
-    fn timeline(&self) -> &Timeline;
-
-    /// The number of evaluations that the path may make.
-    fn work_limit(&self) -> u64;
-
-    /// The segment that begins at t = 0.
-    fn first(&self, work: &mut WorkLeft) -> Resolved<PathSegmentOf<Self>>;
-
-    /// The segment that follows one that ends like this after a duration.
-    fn next(
-        &self,
-        path_segment: &PathSegmentOf<Self>,
-        end: (f64, End<Self::Cut>),
-        work: &mut WorkLeft,
-    ) -> Resolved<PathSegmentOf<Self>>;
-
-    /// x, x', T and whether the path is static, at a time within the segment.
-    fn state(
-        &self,
-        path_segment: &PathSegmentOf<Self>,
-        t: f64,
-        work: &mut WorkLeft,
-    ) -> Resolved<Seen>;
-
-    /// The first part of a segment, of this duration, in pieces that a quintic describes.
-    fn segments(
-        &self,
-        path_segment: &PathSegmentOf<Self>,
-        duration: f64,
-        report: impl FnMut(Segment),
-    ) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
@@ -100,24 +89,38 @@ pub trait PathSegments {
             evaluations: self.work_limit() - work.left(),
         }
     }
-}
 
-/// A phase of the path, or a part of one.
-pub struct PathSegment<M, C> {
-    pub start: ExactTime,
-    pub phase: Phase,
-    /// The known motion at the start.
-    pub from: M,
-    /// The duration of the segment and what ends it; none if it does not end before t_end.
-    pub end: Option<(f64, End<C>)>,
-}
+    fn timeline(&self) -> &Timeline;
 
-/// What ends a segment.
-#[derive(Clone, Copy)]
-pub enum End<C> {
-    Event(Event),
-    /// A cut in the phase, with the known motion there.
-    Cut(C),
+    /// The number of evaluations that the path may make.
+    fn work_limit(&self) -> u64;
+
+    /// The segment that begins at t = 0.
+    fn first(&self, work: &mut WorkLeft) -> Resolved<PathSegmentOf<Self>>;
+
+    /// The segment that follows one that ends like this after a duration.
+    fn next(
+        &self,
+        path_segment: &PathSegmentOf<Self>,
+        end: (f64, End<Self::Cut>),
+        work: &mut WorkLeft,
+    ) -> Resolved<PathSegmentOf<Self>>;
+
+    /// x, x', T and whether the path is static, at a time within the segment.
+    fn state(
+        &self,
+        path_segment: &PathSegmentOf<Self>,
+        t: f64,
+        work: &mut WorkLeft,
+    ) -> Resolved<Seen>;
+
+    /// The first part of a segment, of this duration, in pieces that a quintic describes.
+    fn segments(
+        &self,
+        path_segment: &PathSegmentOf<Self>,
+        duration: f64,
+        report: impl FnMut(Segment),
+    ) -> Resolved<()>;
 }
 
 impl<M, C: Copy> PathSegment<M, C> {
@@ -129,6 +132,3 @@ impl<M, C: Copy> PathSegment<M, C> {
         })
     }
 }
-
-/// A segment of the path of a scheme.
-pub type PathSegmentOf<P> = PathSegment<<P as PathSegments>::Motion, <P as PathSegments>::Cut>;
