@@ -231,7 +231,7 @@ catalogue! {
         dimension: Dimension::ONE,
         range: Range::SHARE,
         ..OF_SLIPS.called(
-            "sub_phases_multiple_share", "share of slips with sub-phases",
+            "sub_phases_multiple_share", "share of slips with several sub-phases",
             "share of dynamic phases with two or more sub-phases")
     },
     /// Share of the counted time, [after, t_end], that is spent static, the first and the last

@@ -58,8 +58,14 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         2.0 * diffusion,
         of_variance,
     );
+    let has_interval = periods.mean_ends.low.iter().any(|low| low.is_finite());
+    let of_disc = if has_interval {
+        "with 95 % interval"
+    } else {
+        "one path"
+    };
     let mut legend = vec![
-        LegendEntry::mark(Mark::Disc, palette.first, "with 95 % interval"),
+        LegendEntry::mark(Mark::Disc, palette.first, of_disc),
         LegendEntry::line(dashes, "measured slope"),
     ];
     if after > 0.0 {
@@ -68,11 +74,13 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let slopes = reported(summary, &scenario.units).into_iter();
     legend.extend(slopes.map(LegendEntry::words));
     legend.extend(caveats(scenario, false));
-    Ok(sheet(
-        &format!("Drift and diffusion: {}", scenario.title),
-        legend,
-        [mean.above_another(), variance],
-    ))
+    // One path has no variance.
+    let panels = match has_interval {
+        true => vec![mean.above_another(), variance],
+        false => vec![mean],
+    };
+    let title = format!("Drift and diffusion: {}", scenario.title);
+    Ok(sheet(&title, legend, panels))
 }
 
 /// The line with this slope through the mean of the points that are counted, from the first of them

@@ -191,6 +191,14 @@ mod tests {
     }
 
     #[test]
+    fn the_drift_of_one_path_has_no_variance_and_no_interval() {
+        let drawn = figures(&Scenario::shipped("shaw").expect("shipped"));
+        let drift = drawn.iter().find(|(name, ..)| *name == "drift");
+        let (_, panels, words) = drift.expect("drawn");
+        assert!(*panels == 1 && !words.contains("95 %"), "{words}");
+    }
+
+    #[test]
     fn sticks_of_one_length_are_shown_by_their_quantiles() {
         let scenario = Scenario::shipped("shaw").expect("shipped");
         let drawn = figures(&scenario);

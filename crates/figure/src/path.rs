@@ -199,6 +199,7 @@ impl<'a> PathLayout<'a> {
         match (&model.force, model.oscillator.drive) {
             (Some(_), _) => "*b*",
             (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
+            (None, Drive::Force(_)) if model.oscillator.stiffness == 0.0 => "*cT*",
             (None, Drive::Force(_)) => "*cT* − *Kx*",
         }
     }
