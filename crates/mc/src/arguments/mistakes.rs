@@ -15,9 +15,14 @@ pub fn answered(error: &clap::Error) -> Option<Failure> {
     };
     match error.kind() {
         ErrorKind::InvalidSubcommand => file_without_verb(word(ContextKind::InvalidSubcommand)?),
-        ErrorKind::UnknownArgument if error.get(ContextKind::SuggestedArg).is_none() => {
+        ErrorKind::UnknownArgument => {
             let option = word(ContextKind::InvalidArg)?;
-            let key = config::key_meant(option.strip_prefix('-')?.trim_start_matches('-'));
+            let name = option.strip_prefix('-')?.trim_start_matches('-');
+            // Every option that contains a letter is similar to it, as `--until` to `--n`.
+            if name.len() > 2 && error.get(ContextKind::SuggestedArg).is_some() {
+                return None;
+            }
+            let key = config::key_meant(name);
             let remedy = key.map_or_else(
                 || "add `--help` to the command to list its options".to_string(),
                 |(key, meaning)| {

@@ -45,6 +45,10 @@ const MISTAKES: &[Mistake] = &[
         &["unknown option `-n`", "`--set ensemble.paths=...`"],
     ),
     mistake(
+        "run scene.toml --h 0.1",
+        &["unknown option `--h`", "`--set time.step=...`"],
+    ),
+    mistake(
         "show done.h5 --latex",
         &["unknown option `--latex`", "--help"],
     ),
