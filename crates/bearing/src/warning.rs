@@ -45,7 +45,7 @@ pub const WARNINGS: &[WarningKind] = &[
     WarningKind("large_dilatation", "beta exceeds that of two kilometres of steel", "check the unit of the displacement", EXACT),
     WarningKind("gap_not_identified", "the standard error of f_s - f_d exceeds a quarter of it, or slips explain under 90 % of the motion", "measure longer, or with less noise", "4"),
     WarningKind("few_slips", "fewer than 18 slips", "measure longer", EXACT),
-    WarningKind("sparse_samples", "T moves by more than 0.75 G between samples", "sample more often: f_s may be 1 % off, beyond its interval", EXACT),
+    WarningKind("sparse_samples", "T moves by more than 0.75 G between samples", "sample more often: 14 of 20 intervals of f_s held", EXACT),
     WarningKind("scatter", "slip sizes differ by 20 % more than noise explains", "use the estimates as means; the interval of f_s - f_d is too narrow", "0"),
     WarningKind("friction_changes", "A changes by more than 5 %", "measure for years", "0"),
     WarningKind("temperature_elsewhere", "T at slips scatters more than in synthetic records", "put the thermometer on the steel", "0"),
