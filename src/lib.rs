@@ -77,8 +77,10 @@
 //! neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
+#[cfg(feature = "toml")]
 pub mod advice;
 pub mod bias;
+#[cfg(feature = "toml")]
 pub mod config;
 pub mod engine;
 pub mod ensemble;
@@ -86,8 +88,10 @@ pub mod lanes;
 pub mod memory;
 pub mod model;
 pub mod noise;
+pub mod prelude;
 pub mod scenario;
 pub mod scheme;
 pub mod stats;
+#[cfg(feature = "toml")]
 pub mod study;
 pub mod sums;

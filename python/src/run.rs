@@ -195,7 +195,7 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
         },
         RunError::Threads(error) => errors::of_run(py, &error, ThreadsError::REMEDY),
         RunError::Flaw { flaw, .. } => errors::of_flaw(py, &flaw),
-        RunError::Overlap(error) => errors::of_run(py, error, "report it"),
+        error => errors::of_run(py, error, "report it"),
     }
 }
 

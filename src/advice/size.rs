@@ -79,6 +79,7 @@ fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
 pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
     let rows = scenario.timeline().rows() as f64;
     let samples: usize = scenario
+        .written
         .measured
         .iter()
         .map(|measured| measured.series.times().len())

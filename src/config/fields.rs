@@ -9,7 +9,7 @@ use super::source::{Place, Sources};
 use super::tree::{KeyValue, Node, Value, node_at};
 use crate::model::LARGEST;
 use std::ops::RangeInclusive;
-use stickslip_data::excerpt::short;
+use stickslip_text::excerpt::short;
 
 /// A value with its dotted key.
 struct ValueAt<'a> {

@@ -9,7 +9,7 @@ use crate::model::{
     Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator,
 };
 use crate::scenario::{INPUT, Measured, WrittenForce};
-use stickslip_data::excerpt::underlined;
+use stickslip_text::excerpt::underlined;
 
 /// A body with the force of `[force]`.
 pub(super) struct Forced {

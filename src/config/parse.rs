@@ -9,15 +9,12 @@ use super::physics::{Physics, bearing, physics};
 use super::source::Sources;
 use super::time::scheme_and_time;
 use super::tree;
-use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
+use crate::scenario::build::{DEFAULT_PATHS, DEFAULT_SEED};
+use crate::scenario::{
+    AsWritten, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units,
+};
 use crate::stats::{PassageLevels, Record};
 use std::path::Path;
-
-/// Number of paths if a scenario does not give it.
-const DEFAULT_PATHS: u64 = 10_000;
-
-/// The default seed is fixed, so that a scenario without a seed is still reproducible.
-const DEFAULT_SEED: u64 = 1;
 
 /// The beginning of the list of changes in a title.
 const CHANGED: &str = " (changed: ";
@@ -63,16 +60,15 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     report_unknown_keys(&root);
     let Physics {
         mut model,
-        measured,
-        is_balanced,
-        white_noise,
-        written_force,
-        parameters,
+        written,
         unused,
     } = physics(sources, &root);
     let bearing = bearing(&root);
-    let (scheme, end, output_step) = scheme_and_time(sources, &root, &measured);
-    match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
+    let (scheme, end, output_step) = scheme_and_time(sources, &root, &written.measured);
+    match written
+        .white_noise
+        .map(|noise| noise.simulated(&model, scheme, end))
+    {
         None => {}
         Some(Ok(noise)) => model.temperature.noises = vec![noise],
         Some(Err(check_error)) => report_check_error(sources, &root, check_error),
@@ -80,7 +76,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     let statistics = root.table("statistics");
     let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
     let title = default_title(sources.name);
-    let mut scenario = Scenario {
+    let scenario = Scenario {
         // `abs` turns -0.0 into 0.0.
         statistics: Statistics {
             after: statistics.number_or(keys::AFTER, 0.0).abs(),
@@ -89,12 +85,6 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         ensemble: ensemble(&root.table("ensemble")),
         title: titled(root.line_or(keys::TITLE, &title), sources.overrides),
         model,
-        measured,
-        parameters,
-        named: Vec::new(),
-        is_balanced,
-        white_noise,
-        written_force,
         bearing,
         time: output_step.map_or_else(
             || Time::with_default_rows(end, scheme),
@@ -103,9 +93,18 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         scheme,
         record: record(&root.table("record"), levels),
         units: units(&root.table("units")),
+        written: AsWritten {
+            named: sources.all_named(),
+            ..written
+        },
     };
-    scenario.named = sources.all_named();
-    let is_named = |name: &str| scenario.named.iter().any(|(_, named)| named == name);
+    let is_named = |name: &str| {
+        scenario
+            .written
+            .named
+            .iter()
+            .any(|(_, named)| named == name)
+    };
     unused
         .into_iter()
         .filter(|(name, _)| !is_named(name))

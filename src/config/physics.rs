@@ -9,21 +9,14 @@ use super::source::Sources;
 use crate::model::{
     Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
 };
-use crate::scenario::{Measured, SensorBearing, WhiteNoise, WrittenForce};
+use crate::scenario::{AsWritten, Measured, SensorBearing, WhiteNoise};
 
 /// The model, and the sources of its parts.
 pub(super) struct Physics {
+    /// White noise is not yet in it.
     pub model: Model,
-    /// The measured temperature, if there is one, and then the inputs.
-    pub measured: Vec<Measured>,
-    /// Whether x(0) is given as "balanced": zero spring force.
-    pub is_balanced: bool,
-    /// White noise, not yet in the model.
-    pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as written.
-    pub written_force: Option<WrittenForce>,
-    /// The parameters with their values.
-    pub parameters: Vec<(String, f64)>,
+    /// How it is spelled; which numbers name parameters is not known yet.
+    pub written: AsWritten,
     /// For each parameter that does not occur in any expression, the error to report if no number
     /// names it either.
     pub unused: Vec<(String, Box<Diagnostic>)>,
@@ -83,11 +76,14 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     };
     Physics {
         model,
-        measured,
-        is_balanced,
-        white_noise,
-        written_force,
-        parameters,
+        written: AsWritten {
+            measured,
+            parameters,
+            named: Vec::new(),
+            is_balanced,
+            white_noise,
+            force: written_force,
+        },
         unused,
     }
 }

@@ -5,7 +5,7 @@ use super::error::{Diagnostic, ScenarioError};
 use super::overrides::Override;
 use crate::model::NamedSeries;
 use std::cell::{Cell, RefCell};
-use stickslip_data::excerpt::{short, underlined};
+use stickslip_text::excerpt::{short, underlined};
 
 /// A range of bytes in one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1439,6 +1439,7 @@ fn white_noise_asks_for_its_rate_where_only_a_force_brakes() {
     let noise = read(", relaxation_rate = 200").unwrap();
     assert_eq!(
         noise
+            .written
             .white_noise
             .and_then(|white| white.share(&noise.model)),
         None
@@ -1501,7 +1502,7 @@ fn parameters_have_one_scope() {
         Scenario::parse("a", &text, &sets)
     };
     let scenario = split("k3 = 0.02, c = 0.1", "c = 0.1").unwrap();
-    assert_eq!(scenario.parameters.len(), 2);
+    assert_eq!(scenario.written.parameters.len(), 2);
     assert_eq!(scenario.number_at("force.parameters.k3"), Some(0.02));
     let twice = diagnostic(split("k3 = 0.02, c = 0.1", "c = 0.2"));
     assert!(

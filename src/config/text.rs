@@ -98,8 +98,8 @@ impl Scenario {
     pub fn to_toml(&self) -> String {
         let mut text = Written {
             lines: format!("title = {}\n", string(&self.title)),
-            named: &self.named,
-            parameters: &self.parameters,
+            named: &self.written.named,
+            parameters: &self.written.parameters,
             ..Written::default()
         };
         physics(&mut text, self);
@@ -141,11 +141,12 @@ impl Scenario {
                 include_str!("parts/series.toml"),
             ),
             (
-                self.written_force.is_none(),
+                self.written.force.is_none(),
                 include_str!("parts/force.toml"),
             ),
             (
-                self.measured
+                self.written
+                    .measured
                     .iter()
                     .all(|measured| measured.input().is_none()),
                 include_str!("parts/input.toml"),
@@ -171,15 +172,9 @@ impl Scenario {
 }
 
 fn physics(text: &mut Written, scenario: &Scenario) {
-    let Scenario {
-        model,
-        measured,
-        is_balanced,
-        written_force,
-        parameters,
-        ..
-    } = scenario;
-    let oscillator = written_force
+    let (model, written) = (&scenario.model, &scenario.written);
+    let oscillator = written
+        .force
         .as_ref()
         .and_then(|force| force.without)
         .unwrap_or(model.oscillator);
@@ -193,30 +188,31 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
     text.table("friction");
     friction(text, model);
-    let (inputs, series): (Vec<_>, Vec<_>) = measured
+    let (inputs, series): (Vec<_>, Vec<_>) = written
+        .measured
         .iter()
         .partition(|measured| measured.input().is_some());
     temperature(
         text,
         &model.temperature,
         series.first().copied(),
-        scenario.white_noise,
+        written.white_noise,
     );
     inputs
         .into_iter()
         .for_each(|input| series_of(text, input, keys::COLUMN));
-    if let Some(WrittenForce { expression, .. }) = written_force {
+    if let Some(WrittenForce { expression, .. }) = &written.force {
         text.table("force");
         text.other(keys::EXPRESSION, string(expression.text()));
     }
-    if !parameters.is_empty() {
+    if !written.parameters.is_empty() {
         text.table(keys::PARAMETERS.name);
     }
-    for (name, value) in parameters {
+    for (name, value) in &written.parameters {
         text.plain(format!("{name} = {value:?}"));
     }
     text.table("initial");
-    if *is_balanced {
+    if written.is_balanced {
         let x0 = model.initial_displacement;
         text.line(
             keys::DISPLACEMENT.name,

@@ -7,7 +7,7 @@ use super::keys::{self, Key};
 use super::source::Sources;
 use crate::scenario::Measured;
 use crate::scheme::{CheckError, DEFAULT_TOLERANCE, Kind, Parameter, Scheme};
-use stickslip_data::numbers::tidy;
+use stickslip_text::numbers::tidy;
 
 /// Read `[scheme]` and `[time]`. A missing output step is none.
 pub(super) fn scheme_and_time(

@@ -2,11 +2,17 @@
 
 use super::{Outcome, SinkError};
 use crate::ensemble::{Flaw, ThreadsError};
+use crate::scheme::CheckError;
 use crate::sums::Overlap;
 
 /// Why a run has no outcome, or why its outcome could not be stored.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
+    /// A value of the scenario is out of its range, or values cannot be used together. Nothing was
+    /// begun.
+    #[error("{0}")]
+    Scenario(#[from] CheckError),
     /// A sink failed. What happens to the blocks that it received before depends on the sink.
     #[error("{error}")]
     Sink {

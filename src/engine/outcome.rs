@@ -2,7 +2,8 @@
 
 use super::{EndedBy, MissedGoal, Part};
 use crate::bias::NoBias;
-use crate::stats::Summary;
+use crate::stats::{Estimate, Statistic, Summary};
+use std::ops::Index;
 
 /// The status of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,5 +87,14 @@ impl Outcome {
     pub fn is_all_lost(&self) -> bool {
         let lost = self.summary.diverged.len() as u64;
         lost > 0 && lost == self.summary.completed_paths
+    }
+}
+
+impl Index<Statistic> for Outcome {
+    type Output = Estimate;
+
+    /// The estimate of a statistic; NaN where it was not requested or does not exist.
+    fn index(&self, statistic: Statistic) -> &Estimate {
+        self.summary.estimate(statistic)
     }
 }

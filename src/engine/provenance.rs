@@ -3,7 +3,7 @@
 use crate::ensemble::BLOCK_SIZE;
 use crate::model::NamedSeries;
 use crate::noise::GENERATOR;
-use crate::scenario::{Scenario, SensorBearing, TEMPERATURE_SERIES};
+use crate::scenario::{Scenario, SensorBearing};
 use crate::stats::Units;
 use std::fmt;
 use std::sync::OnceLock;
@@ -136,13 +136,7 @@ impl Provenance {
             units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
             samples: scenario.samples(),
-            series_start: {
-                let temperature = scenario
-                    .measured
-                    .iter()
-                    .find(|measured| measured.table == TEMPERATURE_SERIES);
-                temperature.and_then(|measured| measured.start.clone())
-            },
+            series_start: scenario.series_start(),
             bearing: scenario.bearing,
         }
     }

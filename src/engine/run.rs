@@ -7,9 +7,14 @@ use super::ending::Endings;
 use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
 use crate::ensemble::{Flaw, MOST_THREADS, Plan, check_threads, guarded};
+use crate::model::Model;
 use crate::scenario::Scenario;
-use crate::stats::{AuxiliaryObserver, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
+use crate::scheme::{CheckError, Scheme};
+use crate::stats::{
+    AuxiliaryObserver, Goal, LimitCycle, Record, RunTotals, Summary, Tallied, Tally,
+};
 use crate::sums::{Measurement, Merge};
+use std::borrow::Cow;
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -33,7 +38,7 @@ use std::time::{Duration, Instant};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Run<'a> {
-    scenario: &'a Scenario,
+    scenario: Cow<'a, Scenario>,
     asked: Asked,
     threads: usize,
     stop: Option<&'a AtomicBool>,
@@ -54,12 +59,38 @@ pub struct SoFar {
 /// A time limit is divided accordingly.
 const BIAS_SHARE: f64 = 0.15;
 
+impl Run<'static> {
+    /// A run of this model until t = 0: [`Run::end`] sets its end, and the methods below what else
+    /// differs from [`Scenario::new`].
+    ///
+    /// ```
+    /// use stickslip::prelude::*;
+    ///
+    /// let model = Model::oscillator(1.0, 1.0)
+    ///     .dilatation(6.0)
+    ///     .friction(1.2, 1.0)
+    ///     .temperature(Temperature::harmonic(1.0, 0.25).with(Noise::new(0.25, 1.0, 1.0)))
+    ///     .force(|x, _v, _t| -0.02 * x.powi(3))
+    ///     .start(6.0, 0.0);
+    /// let outcome = Run::new(model).scheme(EventDriven::default()).paths(500).end(20.0).seed(1).simulate()?;
+    /// println!("{}", outcome[Statistic::StickDurationMean]);
+    /// assert!(Run::new(Model::free(-1.0)).end(1.0).simulate().is_err());
+    /// # Ok::<(), RunError>(())
+    /// ```
+    pub fn new(model: Model) -> Self {
+        Run::with(Cow::Owned(Scenario::new(model, 0.0)))
+    }
+}
+
 impl<'a> Run<'a> {
     /// A run of all paths of the scenario, on one thread for each core, with an estimate of the
     /// bias of the step.
     pub fn of(scenario: &'a Scenario) -> Self {
+        Run::with(Cow::Borrowed(scenario))
+    }
+
+    fn with(scenario: Cow<'a, Scenario>) -> Self {
         Run {
-            scenario,
             asked: Asked {
                 with_bias: true,
                 ..Asked::paths(scenario.ensemble.paths)
@@ -70,7 +101,39 @@ impl<'a> Run<'a> {
             stop: None,
             progress: None,
             sinks: Vec::new(),
+            scenario,
         }
+    }
+
+    /// The scenario of the run.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Choose the scheme, and an output grid of about 120 rows that suits it.
+    pub fn scheme(mut self, scheme: impl Into<Scheme>) -> Self {
+        let end = self.scenario.time.end;
+        self.scenario.to_mut().set_span(end, scheme.into());
+        self
+    }
+
+    /// Simulate until this time, on an output grid of about 120 rows.
+    pub fn end(mut self, end: f64) -> Self {
+        let scheme = self.scenario.scheme;
+        self.scenario.to_mut().set_span(end, scheme);
+        self
+    }
+
+    /// Set the seed.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.scenario.to_mut().ensemble.seed = seed;
+        self
+    }
+
+    /// Set what is recorded of single paths.
+    pub fn record(mut self, record: Record) -> Self {
+        self.scenario.to_mut().record = record;
+        self
     }
 
     /// The options of the run in addition to its scenario.
@@ -98,6 +161,9 @@ impl<'a> Run<'a> {
         } else {
             paths
         };
+        if let Cow::Owned(scenario) = &mut self.scenario {
+            scenario.ensemble.paths = self.asked.paths;
+        }
         self
     }
 
@@ -148,8 +214,17 @@ impl<'a> Run<'a> {
         self
     }
 
+    /// Values that were set in memory are checked; a scenario that is borrowed was checked before.
+    fn check(&self) -> Result<(), CheckError> {
+        match &self.scenario {
+            Cow::Owned(scenario) => scenario.check_all(),
+            Cow::Borrowed(_) => Ok(()),
+        }
+    }
+
     /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
+        self.check()?;
         let so_far = SoFar {
             totals: RunTotals::empty(
                 &self.scenario.model,
@@ -171,11 +246,12 @@ impl<'a> Run<'a> {
         self,
         tally: &T,
     ) -> Result<(Outcome, Measurement), RunError> {
+        self.check()?;
         let tallied = Tallied {
             tally,
             seed: self.scenario.ensemble.seed,
         };
-        let Scenario { model, record, .. } = self.scenario;
+        let Scenario { model, record, .. } = &*self.scenario;
         let totals = RunTotals::with(tallied.empty(), model, &self.scenario.timeline(), record);
         let (outcome, means) = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
         Ok((outcome, tally.estimate(&means)))
@@ -202,7 +278,7 @@ impl<'a> Run<'a> {
         let sinks = self.begin_sinks()?;
         let mut session = Session {
             run: &self,
-            plan: self.asked.plan(self.scenario),
+            plan: self.asked.plan(&self.scenario),
             stop,
             alarm: &alarm,
             course: Course {
@@ -229,7 +305,7 @@ impl<'a> Run<'a> {
     fn begin_sinks(&mut self) -> Result<Vec<&'a mut dyn Sink>, RunError> {
         let mut sinks = mem::take(&mut self.sinks);
         for sink in &mut sinks {
-            sink.begin(self.scenario, &self.asked)
+            sink.begin(&self.scenario, &self.asked)
                 .map_err(|error| RunError::Sink {
                     error,
                     outcome: None,
@@ -378,7 +454,7 @@ impl<X: Merge + Clone + Send> Session<'_, '_, X> {
     ) -> Result<(Outcome, X), RunError> {
         // It takes one more path, which an interrupted run does not simulate.
         if self.course.broken.is_none() && !self.is_stopped() {
-            summary.cycle = LimitCycle::of(self.run.scenario);
+            summary.cycle = LimitCycle::of(&self.run.scenario);
         }
         let status = self.status(blocks, &bias);
         let mut course = self.course;

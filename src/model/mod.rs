@@ -19,6 +19,7 @@
 pub const PAPER: &str = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a \
                          dynamical system with dry friction subjected to external forces.";
 
+mod build;
 mod cascade;
 mod complex;
 mod force;

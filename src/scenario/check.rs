@@ -2,13 +2,13 @@
 
 use super::limits::MAX_PHASE;
 use super::time::check_end;
-use super::{Ensemble, Scenario, Statistics, WrittenForce};
+use super::{Ensemble, Scenario, Statistics};
 use crate::model::{
     Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature,
     can_be_computed_with,
 };
 use crate::scheme::{CheckError, Scheme, divergence_bound};
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// Samples this close, as a share of the whole series, are two values at the same time.
 const CLOSEST: f64 = 1e-12;
@@ -33,7 +33,7 @@ impl Scenario {
         found.extend(friction(model));
         found.extend(model.temperature.noises.iter().filter_map(noise));
         found.extend(third_noise(&model.temperature));
-        found.extend(self.white_noise.and_then(|noise| noise.check_error(model)));
+        found.extend(self.check_white_noise());
         found.extend(pinned(&model.temperature));
         if found.is_empty() {
             found.extend(forces(model, time.end));
@@ -63,11 +63,7 @@ impl Scenario {
             .series
             .iter()
             .map(|series| ("the measured temperature".into(), series));
-        let inputs = self.measured.iter().filter_map(|of| {
-            let what = format!("the input `{}` ({})", of.input()?, of.file);
-            Some((what, &of.series))
-        });
-        let all: Vec<(String, _)> = temperature.chain(inputs).collect();
+        let all: Vec<(String, _)> = temperature.chain(self.inputs()).collect();
         let close = |series: &Series| {
             Some(
                 series
@@ -96,36 +92,6 @@ impl Scenario {
         );
         let remedy = "lower `time.end`, or leave it out to end with the series";
         Some(CheckError::new(&[("time.end", end)], problem, remedy))
-    }
-
-    /// An error of the stiffness or the damping is attributed to a linear force that changed it.
-    fn as_written(&self, check_error: CheckError) -> CheckError {
-        let Some(WrittenForce {
-            expression,
-            without: Some(body),
-        }) = &self.written_force
-        else {
-            return check_error;
-        };
-        let (what, before) = match check_error.about.first() {
-            Some(("oscillator.stiffness", _)) => ("stiffness K", body.stiffness),
-            Some(("oscillator.damping", _)) => ("damping alpha", body.damping),
-            _ => return check_error,
-        };
-        let value = check_error.about[0].1;
-        if value == before {
-            return check_error;
-        }
-        let problem = format!(
-            "`force.expression` = \"{}\" is linear, and makes the {what} {value:?}, which {}",
-            expression.shown(),
-            check_error.problem
-        );
-        CheckError::new(
-            &[("force.expression", f64::NAN)],
-            problem,
-            check_error.remedy,
-        )
     }
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that

@@ -6,8 +6,9 @@
 //! time       duration and output grid, and whether they go with a scheme's step
 //! check      whether all values are consistent
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
-//! written    a force as the user wrote it
-//! measured   measured temperatures and inputs with where they come from, and how a sensor sees the body
+//! white      white noise as a fast Ornstein-Uhlenbeck process
+//! sensor     how a sensor at the bearing sees the body
+//! written    how a text spells a scenario: parameters, white noise, files of measured values
 //! bridge     the parts of a scenario that a study of measurements needs: a BridgeScene
 //! limits     the largest number of paths, rows, steps and periods
 //! ```
@@ -18,22 +19,31 @@
 #[cfg(test)]
 #[path = "tests/arbitrary.rs"]
 pub(crate) mod arbitrary;
+#[cfg(feature = "toml")]
 mod bridge;
+pub(crate) mod build;
 pub(crate) mod check;
 mod limits;
-mod measured;
 mod plan;
+mod sensor;
 pub(crate) mod time;
+#[cfg(not(feature = "toml"))]
+mod unwritten;
+#[cfg(feature = "toml")]
 mod white;
+#[cfg(feature = "toml")]
 mod written;
 
+#[cfg(feature = "toml")]
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
-pub use measured::{INPUT, Measured, SensorBearing, TEMPERATURE_SERIES};
 pub use plan::{Period, PeriodSource};
+pub use sensor::SensorBearing;
 pub use time::Time;
+#[cfg(feature = "toml")]
 pub use white::WhiteNoise;
-pub use written::WrittenForce;
+#[cfg(feature = "toml")]
+pub use written::{AsWritten, INPUT, Measured, TEMPERATURE_SERIES, WrittenForce};
 
 pub use crate::stats::Units;
 
@@ -49,19 +59,6 @@ pub struct Scenario {
     pub title: String,
     /// Oscillator, friction, temperature and x(0).
     pub model: Model,
-    /// The measured temperature, if there is one, and then the inputs.
-    pub measured: Vec<Measured>,
-    /// The parameters with their values, which expressions contain and numbers name.
-    pub parameters: Vec<(String, f64)>,
-    /// The numbers that are written as the name of a parameter: the dotted key, and the name.
-    pub named: Vec<(String, String)>,
-    /// Whether x(0) is given as "balanced": it is then beta E T(0), at zero spring force.
-    pub is_balanced: bool,
-    /// White noise, if the scenario has it; the model contains a fast noise instead.
-    pub white_noise: Option<WhiteNoise>,
-    /// The user-defined force as written, if there is one. A linear one is in the stiffness and the
-    /// damping of the model.
-    pub written_force: Option<WrittenForce>,
     /// The sensor at the bearing, if there is one.
     pub bearing: Option<SensorBearing>,
     /// Duration and output grid.
@@ -76,6 +73,9 @@ pub struct Scenario {
     pub record: Record,
     /// Labels of the units. They appear in tables and attributes but do not affect the computation.
     pub units: Units,
+    /// How the text of the scenario spells it, if it was read from a text.
+    #[cfg(feature = "toml")]
+    pub written: AsWritten,
 }
 
 /// Which part of a path the statistics count.

@@ -3,7 +3,7 @@
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
 use crate::scheme::{CheckError, Scheme};
-use stickslip_data::numbers::{round_up, tidy};
+use stickslip_text::numbers::{round_up, tidy};
 
 /// Duration and output grid of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]

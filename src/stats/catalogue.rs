@@ -74,6 +74,7 @@ pub(crate) enum Over {
 impl Over {
     /// Whether phases are counted or averaged over. There are infinitely many of them if slips of
     /// all sizes occur, which does not affect total times, the first stick and positions.
+    #[cfg(feature = "toml")]
     pub fn counts_phases(self) -> bool {
         matches!(
             self,

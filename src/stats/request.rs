@@ -56,6 +56,13 @@ impl PassageLevels {
     }
 }
 
+impl Default for Record {
+    /// Nothing is recorded in addition to the statistics of the ensemble.
+    fn default() -> Self {
+        Record::NOTHING
+    }
+}
+
 impl Record {
     /// Nothing is kept of single paths.
     pub const NOTHING: Record = Record {

@@ -4,6 +4,8 @@ use super::{LimitCycle, PhaseLaw, Statistic};
 use crate::sums::interval::Measured;
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
+use std::fmt;
+use stickslip_text::numbers::Digits;
 
 /// The quantile levels of every band and of the stick durations.
 pub const QUANTILE_LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
@@ -62,6 +64,21 @@ impl Estimate {
     /// Half the width of the 95 % interval.
     pub fn half_width(&self) -> f64 {
         (self.high - self.low) / 2.0
+    }
+}
+
+/// The name, the estimate, its interval and its bias.
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = Digits::of(self.estimate, self.standard_error);
+        let [estimate, low, high] = [self.estimate, self.low, self.high].map(|x| digits.show(x));
+        let name = self.statistic.name();
+        write!(f, "{name} = {estimate}, 95 % interval [{low}, {high}]")?;
+        self.bias.map_or(Ok(()), |bias| {
+            let digits = Digits::of(bias.estimate, bias.uncertainty);
+            let [bias, uncertainty] = [bias.estimate, bias.uncertainty].map(|x| digits.show(x));
+            write!(f, ", bias of the step {bias} +- {uncertainty}")
+        })
     }
 }
 

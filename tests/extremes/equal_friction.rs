@@ -19,7 +19,7 @@ use stickslip::advice::Warning;
 use stickslip::config::Override;
 use stickslip::scenario::Scenario;
 use stickslip::stats::{Statistic, Summary};
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 fn scenario(settings: &[(&str, String)]) -> Scenario {
     let overrides: Vec<Override> = settings

@@ -6,8 +6,8 @@ use crate::calibration::{
 use crate::forecast::{Forecast, ForecastQuantity, YEAR};
 use crate::weather::WeatherFit;
 use stickslip_data::Start;
-use stickslip_report::numbers::{grouped, percent, significant, time};
 use stickslip_report::{Cell, Column, Format, NO_TEXT, Report, Row, Table, columns};
+use stickslip_text::numbers::{grouped, percent, significant, time};
 
 /// The report of a calibration, in the units of a scenario, or for a page in millimetres.
 pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Report {

@@ -7,7 +7,7 @@ use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
 use super::rows::OR_SKIP;
 use super::unit::{self, ColumnQuantity, InputUnit};
-use crate::numbers::short;
+use stickslip_text::numbers::short;
 
 /// One column: times in ascending order, with their values.
 #[derive(Clone, Debug, PartialEq)]

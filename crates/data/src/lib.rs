@@ -38,12 +38,10 @@ mod decimals;
 mod dialect_tests;
 mod encoding;
 mod error;
-pub mod excerpt;
 mod header;
 #[cfg(test)]
 mod logger_tests;
 mod marks;
-pub mod numbers;
 mod orders;
 mod outliers;
 mod pair;

@@ -436,7 +436,7 @@ pub fn between([low, high]: [f64; 2]) -> Label {
 
 /// A number with this many significant digits, or as a product with a power of ten.
 pub fn written(x: f64, digits: usize) -> Label {
-    let text = stickslip_data::numbers::significant(x, digits);
+    let text = stickslip_text::numbers::significant(x, digits);
     match text.split_once('e') {
         None => Label::verbatim(&minus(&text)),
         Some(("1", power)) => power_of_ten(power).into(),

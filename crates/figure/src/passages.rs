@@ -33,7 +33,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         panel.band(between(time, low, high), palette.wide);
         let stroke = numbered(i, palette);
         panel.line(along(time, &of.survival), stroke.clone());
-        let distance = stickslip_data::numbers::significant(of.level, 4);
+        let distance = stickslip_text::numbers::significant(of.level, 4);
         let label = format!("closer than {distance} {length_unit}");
         legend.push(LegendEntry::line(stroke, label.trim_end()));
     }

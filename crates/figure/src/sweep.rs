@@ -11,7 +11,7 @@ use super::{
 };
 use stickslip::stats::{Estimate, Statistic};
 use stickslip::study::sweep::{self, AxisValue, AxisValues, Design, Sweep};
-use stickslip_data::numbers::significant;
+use stickslip_text::numbers::significant;
 
 /// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;

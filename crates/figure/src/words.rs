@@ -5,7 +5,7 @@ use super::{LegendEntry, Style};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{SweepAxis, table_of_file};
-use stickslip_data::numbers;
+use stickslip_text::numbers;
 
 /// The names of Greek letters that people give to quantities, each before its letter.
 const GREEK: &str = "alpha α beta β gamma γ delta δ epsilon ε zeta ζ kappa κ lambda λ mu μ omega ω phi φ rho ρ sigma σ tau τ theta θ";

@@ -3,9 +3,7 @@
 
 #![deny(missing_docs)]
 
-pub mod numbers;
-
-use numbers::{Digits, significant};
+use stickslip_text::numbers::{Digits, significant};
 
 /// The report of a result.
 #[derive(Clone, Debug, Default)]

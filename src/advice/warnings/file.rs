@@ -1,7 +1,7 @@
 //! Warnings about the file of a run and about its memory.
 
 use super::case::Case;
-use stickslip_data::numbers::bytes;
+use stickslip_text::numbers::bytes;
 
 /// The number of rows of the output grid above which to warn.
 const MANY_ROWS: usize = 10_000;

@@ -5,7 +5,7 @@ use super::steepness::{expression, scales};
 use crate::lanes::InstructionSet;
 use crate::model::{ForceWarning, Sides, Sign, beyond_hold, force_warnings};
 use crate::scheme::Kind;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// The expression has a jump, or grows faster than linearly without confining the body. The paper's
 /// existence theorem (section 2.1) requires b to be locally Lipschitz and to grow at most linearly.
@@ -26,7 +26,7 @@ pub(super) fn force_warning(case: &Case) -> Vec<String> {
             .map_or(1, |before| before.chars().count() + 1);
         format!(
             "[force] expression, column {column}, `{}`: {sentence}",
-            stickslip_data::excerpt::short(place)
+            stickslip_text::excerpt::short(place)
         )
     };
     found.into_iter().map(told).collect()

@@ -4,7 +4,7 @@
 use super::case::Case;
 use super::noisy_step::NoisyStep;
 use crate::scheme::Resolution;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 pub(super) fn against_stick_band(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;
@@ -152,7 +152,12 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
 
 /// White noise is approximated by a fast OU process.
 pub(super) fn white(case: &Case) -> Option<String> {
-    let share = match case.scenario.white_noise?.share(&case.scenario.model) {
+    let share = match case
+        .scenario
+        .written
+        .white_noise?
+        .share(&case.scenario.model)
+    {
         Some(share) => format!("{} of the shortest velocity relaxation time", short(share)),
         None => "an unknown share of the velocity relaxation time".to_string(),
     };

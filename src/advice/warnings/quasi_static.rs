@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::slip::Slip;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 pub(super) fn never_moves(case: &Case) -> Option<String> {
     case.slip.as_ref().is_some_and(|slip| !slip.moves).then(|| {

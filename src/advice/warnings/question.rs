@@ -5,7 +5,7 @@ use crate::advice::amplitude::NEVER_SD;
 use crate::model::Drive;
 use crate::scenario::{MAX_PERIODS, PeriodSource};
 use crate::scheme::Timeline;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// The force |b| cannot reach the static friction f_s.
 pub(super) fn never_slips(case: &Case) -> Option<String> {

@@ -6,6 +6,7 @@ use super::case::Case;
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {
     let repaired = case
         .scenario
+        .written
         .measured
         .iter()
         .filter(|measured| !measured.repairs.is_empty());

@@ -3,7 +3,7 @@
 use crate::advice::derived::Derived;
 use crate::model::{Expression, Oscillator, Scales, Steepest, steepest};
 use crate::scenario::Scenario;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// The force as a text, if there is one.
 pub(super) fn expression(scenario: &Scenario) -> Option<&Expression> {

@@ -6,7 +6,7 @@ use super::steepness::Stiffened;
 use crate::model::Model;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// The step is beyond its stability limit, by itself or where a user-defined force is
 /// steepest.

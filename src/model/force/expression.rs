@@ -9,7 +9,7 @@ use super::tree::{DIRECTION, Formula, TIME};
 use super::words::Names;
 use crate::lanes::Lanes;
 use crate::model::NamedSeries;
-use stickslip_data::excerpt::short;
+use stickslip_text::excerpt::short;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
 ///

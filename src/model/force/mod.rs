@@ -7,6 +7,7 @@
 
 mod error;
 mod expression;
+mod function;
 mod law;
 mod operation;
 mod parse;

@@ -14,7 +14,7 @@ use super::token::{Token, TokenKind, tokens};
 use super::tree::{Formula, INPUT, Operation, Term};
 use super::words::{Function, Meaning, Names, check, meaning};
 use std::ops::Range;
-use stickslip_data::excerpt::short;
+use stickslip_text::excerpt::short;
 
 /// The maximum number of bytes of an expression.
 const MAX_BYTES: usize = 2000;

@@ -3,7 +3,7 @@
 use super::error::ExpressionError;
 use super::words::CASES;
 use std::ops::Range;
-use stickslip_data::excerpt::short;
+use stickslip_text::excerpt::short;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TokenKind {

@@ -5,7 +5,7 @@ use super::operation::{Binary, Unary};
 use super::tree::{DIRECTION, TIME, X, XDOT};
 use crate::model::NamedSeries;
 use std::ops::Range;
-use stickslip_data::excerpt::short;
+use stickslip_text::excerpt::short;
 
 /// The maximum number of parameters of an expression.
 const MAX_PARAMETERS: usize = 64;
@@ -102,11 +102,6 @@ const SUPPORT: &str = "a force cannot depend on the temperature; `V*t`, with a p
 /// What to write in place of a comparison.
 pub(super) const CASES: &str =
     "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
-
-/// The similarity (1 for equal words) from which a name is suggested.
-const ALIKE: f64 = 0.75;
-/// The minimum length of a name that may be a misspelling of another.
-const LONG: usize = 3;
 
 /// The names known in an expression in addition to those of the language.
 #[derive(Clone, Copy, Debug)]
@@ -206,9 +201,19 @@ fn hint(name: &str, names: Names<'_>) -> Option<String> {
     nearest(&word, names).map(|right| format!("write `{right}`"))
 }
 
+#[cfg(not(feature = "toml"))]
+fn nearest<'a>(_word: &str, _names: Names<'a>) -> Option<&'a str> {
+    None
+}
+
 /// The name of which a word is probably a misspelling. A name with something added, as x2 or sinh,
 /// probably means something else.
+#[cfg(feature = "toml")]
 fn nearest<'a>(word: &str, names: Names<'a>) -> Option<&'a str> {
+    /// The similarity (1 for equal words) from which a name is suggested.
+    const ALIKE: f64 = 0.75;
+    /// The minimum length of a name that may be a misspelling of another.
+    const LONG: usize = 3;
     let own = VARIABLES
         .iter()
         .map(|(name, _)| *name)

@@ -11,7 +11,7 @@ use crate::model::{Drive, Friction, Model};
 use crate::scheme::{
     Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
 };
-use stickslip_data::numbers::tidy;
+use stickslip_text::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while
 /// [`monitoring_shift`] is small compared with f_s.

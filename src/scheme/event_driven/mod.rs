@@ -47,6 +47,14 @@ pub struct EventDriven {
     pub tolerance: f64,
 }
 
+impl Default for EventDriven {
+    fn default() -> Self {
+        EventDriven {
+            tolerance: DEFAULT_TOLERANCE,
+        }
+    }
+}
+
 impl Method for EventDriven {
     const NAME: &'static str = "event-driven";
     const MEANING: &'static str = "event by event, exact in law between events";

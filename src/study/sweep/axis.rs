@@ -3,8 +3,8 @@
 use crate::scenario::{INPUT, TEMPERATURE_SERIES};
 use std::fmt;
 use std::ops::Range;
-use stickslip_data::excerpt::underlined;
-use stickslip_data::numbers::tidy;
+use stickslip_text::excerpt::underlined;
+use stickslip_text::numbers::tidy;
 
 /// Largest number of points of a sweep.
 pub const MOST_POINTS: usize = 100_000;

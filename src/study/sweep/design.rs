@@ -2,7 +2,7 @@
 
 use super::axis::{AxisValue, MOST_POINTS, SweepAxis};
 use crate::config::Override;
-use stickslip_data::numbers::tidy;
+use stickslip_text::numbers::tidy;
 
 /// The points of a sweep.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 //! force over years, with the range of most single years.
 
 use crate::forecast::{Forecast, ForecastQuantity};
-use stickslip_data::numbers::grouped;
 use stickslip_figure::{Axis, Drawing, LegendEntry, Panel, Style, range_of, sheet, solid};
+use stickslip_text::numbers::grouped;
 
 /// Number of bars.
 const BARS: usize = 30;

@@ -3,7 +3,7 @@
 use crate::linear::{Normal, cholesky};
 use std::f64::consts::TAU;
 use stickslip_data::median;
-use stickslip_data::numbers::short;
+use stickslip_text::numbers::short;
 
 /// Why samples do not resolve a harmonic. Times are in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -4,7 +4,7 @@ use crate::saved::SavedError;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use stickslip_data::numbers::{bytes, grouped};
+use stickslip_text::numbers::{bytes, grouped};
 
 /// Why a file could not be written or read. Each message names the file and the remedy.
 #[derive(Debug, thiserror::Error)]

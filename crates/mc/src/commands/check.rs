@@ -32,7 +32,7 @@ impl Arguments {
         // The printed scenario must run from the working directory, so the paths of its data files
         // are relative to it.
         let folder = self.scenario.parent().unwrap_or(Path::new(""));
-        for measured in &mut scenario.measured {
+        for measured in &mut scenario.written.measured {
             measured.file = folder.join(&measured.file).display().to_string();
         }
         if self.json {
@@ -51,6 +51,7 @@ pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
     text.push_str("\n# Derived quantities\n");
     let inputs = scenario
+        .written
         .measured
         .iter()
         .filter_map(|measured| Some((measured.input()?, measured)));
@@ -159,7 +160,7 @@ fn derived(scenario: &Scenario) -> Vec<(String, String)> {
         Some((meaning.to_string(), shown))
     };
     let mut lines: Vec<_> = scenario.derived().quantities().filter_map(shown).collect();
-    if let Some(WrittenForce { without, .. }) = &scenario.written_force {
+    if let Some(WrittenForce { without, .. }) = &scenario.written.force {
         let Oscillator {
             stiffness, damping, ..
         } = scenario.model.oscillator;

@@ -94,7 +94,7 @@ impl From<RunError> for Failure {
             },
             RunError::Threads(error) => crate::arguments::threads::refused(error),
             RunError::Flaw { flaw, .. } => flaw.into(),
-            RunError::Overlap(_) => Failure::Run(error.to_string()),
+            _ => Failure::Run(error.to_string()),
         }
     }
 }

@@ -58,7 +58,7 @@ impl AnyResult for StoredSweep {
 impl StoredResult for StoredSweep {
     fn scenario(&self) -> (String, bool) {
         let scenario = &self.sweep.question.scenario;
-        (scenario.to_toml(), !scenario.measured.is_empty())
+        (scenario.to_toml(), !scenario.written.measured.is_empty())
     }
 
     fn other_program(&self) -> Option<String> {

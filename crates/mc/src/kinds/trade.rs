@@ -49,7 +49,7 @@ impl AnyResult for StoredTrade {
 impl StoredResult for StoredTrade {
     fn scenario(&self) -> (String, bool) {
         let scenario = &self.scenario;
-        (scenario.to_toml(), !scenario.measured.is_empty())
+        (scenario.to_toml(), !scenario.written.measured.is_empty())
     }
 
     fn other_program(&self) -> Option<String> {

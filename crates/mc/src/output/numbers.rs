@@ -3,8 +3,7 @@
 use crate::output::terminal::columns;
 use std::ops::RangeBounds;
 use std::time::Duration;
-pub use stickslip_data::numbers::{bytes, grouped, significant};
-pub use stickslip_report::numbers::{Digits, duration, percent, time};
+pub use stickslip_text::numbers::{Digits, bytes, duration, grouped, percent, significant, time};
 
 /// A number of things with its noun: 1 path, 10 000 paths.
 pub fn counted(n: u64, thing: &str) -> String {

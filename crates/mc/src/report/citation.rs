@@ -3,8 +3,8 @@
 use crate::output::document::sha256;
 use crate::output::numbers::{counted, grouped};
 use stickslip::model::PAPER;
-use stickslip_data::numbers::short;
 use stickslip_files::store::Stored;
+use stickslip_text::numbers::short;
 
 /// The number of digits of the hash of the scenario that are printed: enough to distinguish
 /// scenarios.

@@ -1,5 +1,7 @@
 //! Numbers in the form in which people read them.
 
+pub use super::digits::{Digits, duration, percent, time};
+
 /// A number rounded to `digits` significant digits, with an exponent only below 1e-4 and from 1e7
 /// on, and without trailing zeros. NaN is `none`, infinities are `infinite` and `-infinite`.
 pub fn significant(x: f64, digits: usize) -> String {

@@ -1,6 +1,6 @@
 //! Numbers with sensible digits.
 
-pub use stickslip_data::numbers::{grouped, significant};
+use super::numbers::significant;
 
 /// A duration in seconds, minutes or hours: 0.42 s, 3 min 20 s, 2 h 5 min.
 pub fn duration(seconds: f64) -> String {

@@ -1,0 +1,7 @@
+//! Numbers with the digits that people need, and excerpts of a text, for messages and tables.
+
+#![deny(missing_docs)]
+
+mod digits;
+pub mod excerpt;
+pub mod numbers;
