@@ -73,9 +73,12 @@
 //!
 //! # Features
 //!
-//! command `mc` and includes both. These three are on by default. Without them the library needs
-//! neither HDF5 nor a C compiler.
-#![deny(missing_docs)]
+//! - `toml`, on by default: scenarios as TOML ([`config`]), what can be said of them in advance
+//!   ([`advice`]), and [`study`]. It includes `data`.
+//! - `data`: logger files and records of ground motion, for scenarios that name them.
+//!
+//! Without them the engine is what [`prelude`] leads to: a problem that is built in Rust, runs, and
+//! their results. HDF5, pictures and the command `mc` are other crates.
 
 #[cfg(feature = "toml")]
 pub mod advice;

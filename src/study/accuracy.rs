@@ -320,7 +320,7 @@ impl FromStr for AccuracyGoal {
 }
 
 #[cfg(test)]
-#[path = "../../tests/common/reference.rs"]
+#[path = "tests/reference.rs"]
 mod reference;
 
 #[cfg(test)]

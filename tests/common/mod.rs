@@ -1,6 +1,7 @@
 //! Scenes and observers that several tests of the schemes use.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+#[path = "../../src/study/tests/reference.rs"]
 pub mod reference;
 
 use stickslip::config::shipped;

@@ -1,5 +1,5 @@
 /* Statistics of the noisy scene of the paper (scenarios/rho025.toml), from a program that shares no
-   code with the crate, for the tests that compare with them (tests/common/reference.rs).
+   code with the crate, for the tests that compare with them (src/study/tests/reference.rs).
 
        cc -O2 -o noisy tests/reference/noisy.c -lm
        (./noisy limit 500000; ./noisy step 0.02 200000; ./noisy step 0.01 200000; \

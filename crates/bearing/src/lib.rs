@@ -17,8 +17,6 @@
 //! warning      all warnings, in one table
 //! ```
 
-#![deny(missing_docs)]
-
 pub mod calibration;
 pub mod dataset;
 pub mod figures;

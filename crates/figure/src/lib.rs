@@ -13,8 +13,6 @@
 //! A new figure is a file with a function `draw` in it, and its row in [`RUN`], [`TRADE`] or [`SWEEP`]. Figures of other
 //! data sets are in the crates that write them, and made of the same parts.
 
-#![deny(missing_docs)]
-
 mod axis;
 mod density;
 mod drift;

@@ -1,5 +1,4 @@
 //! The contents of results: in memory, as bytes and as HDF5.
-#![deny(missing_docs)]
 // Some of this is used by files only.
 #![cfg_attr(not(feature = "store"), allow(dead_code, unused_imports))]
 

@@ -1,8 +1,6 @@
 //! Reports, independent of the output format: tables and remarks, with sensible digits. Each kind
 //! of result is turned into a [`Report`]; the command line has the writers.
 
-#![deny(missing_docs)]
-
 use stickslip_text::numbers::{Digits, significant};
 
 /// The report of a result.

@@ -1,7 +1,5 @@
 //! Numbers with the digits that people need, and excerpts of a text, for messages and tables.
 
-#![deny(missing_docs)]
-
 mod digits;
 pub mod excerpt;
 pub mod numbers;

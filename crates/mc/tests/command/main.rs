@@ -4,7 +4,7 @@
 mod command;
 #[path = "../common/edit.rs"]
 mod edit;
-#[path = "../../../../tests/common/reference.rs"]
+#[path = "../../../../src/study/tests/reference.rs"]
 mod reference;
 #[path = "../common/shim.rs"]
 mod shim;

@@ -2,7 +2,7 @@
 //! program that shares no code with this crate.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-const TABLE: &str = include_str!("../reference/noisy.csv");
+const TABLE: &str = include_str!("noisy.csv");
 
 /// A statistic of the model itself, at zero step, and its standard error.
 #[track_caller]
