@@ -46,15 +46,22 @@ pub(super) fn record(
         return None;
     };
     let text = String::from_utf8_lossy(text);
-    let sampling = match layout.step {
-        Some(step) => stepped(file, step, layout, wanted),
-        None => {
-            let [_, _, third, fourth] = text.lines().take(HEADER).collect::<Vec<_>>()[..] else {
-                return None;
-            };
-            let fourth = fourth.to_uppercase().replace(" =", "=");
-            at2(file, third, &fourth, wanted)?
+    let with_header = match text.lines().take(HEADER).collect::<Vec<_>>()[..] {
+        [_, _, third, fourth] if layout.skip.is_none() => at2(
+            file,
+            third,
+            &fourth.to_uppercase().replace(" =", "="),
+            wanted,
+        ),
+        _ => None,
+    };
+    let sampling = match (with_header, layout.step) {
+        (Some(_), Some(_)) => {
+            let problem = "the header of an AT2 record gives the time between its values";
+            wrong(file, HEADER, problem.into(), "remove `step`")
         }
+        (Some(sampling), None) => sampling,
+        (None, step) => stepped(file, step?, layout, wanted),
     };
     Some(sampling.and_then(|sampling| sampling.table(&text)))
 }
@@ -124,35 +131,34 @@ fn at2<'a>(
 }
 
 /// The word for the unit in the third line, such as `IN UNITS OF G. FILTER POINTS: ...` or
-/// `IN CM/SEC/SEC`. PEER writes records in g.
-fn said(third: &str) -> &str {
+/// `IN CM/SEC/SEC`.
+fn said(third: &str) -> Option<&str> {
     let upper = third.to_ascii_uppercase();
     let at = ["UNITS OF ", "UNITS: ", " IN "]
         .iter()
         .find_map(|key| Some(upper.find(key)? + key.len()));
-    let word = at
-        .and_then(|at| third[at..].split_whitespace().next())
-        .unwrap_or("G");
-    word.trim_matches(['.', ',', ';', ':', '(', ')', '[', ']'])
+    let word = third[at?..].split_whitespace().next()?;
+    Some(word.trim_matches(['.', ',', ';', ':', '(', ')', '[', ']']))
 }
 
-fn unit_of(file: &str, wanted: &Wanted<'_>, said: &str) -> Result<InputUnit, DataError> {
-    let name = wanted.unit.unwrap_or(said);
-    wanted.quantity.unit(name).map_or_else(
-        || {
-            let remedy = format!(
-                "give the unit of the values as `unit`: {}",
-                wanted.quantity.units()
-            );
-            wrong(
-                file,
-                HEADER - 1,
-                format!("has the unknown unit `{name}`"),
-                &remedy,
-            )
-        },
-        Ok,
-    )
+/// The unit of the values: the given one, or that of the header. PEER writes records in g.
+fn unit_of(file: &str, wanted: &Wanted<'_>, said: Option<&str>) -> Result<InputUnit, DataError> {
+    let name = wanted.unit.or(said).unwrap_or("G");
+    let wrong = |problem, remedy: &str| wrong(file, HEADER - 1, problem, remedy);
+    let Some(unit) = wanted.quantity.unit(name) else {
+        let units = wanted.quantity.units();
+        return wrong(
+            format!("has the unknown unit `{name}`"),
+            &format!("give the unit of the values as `unit`: {units}"),
+        );
+    };
+    match said.filter(|said| wanted.quantity.unit(said).is_some_and(|said| said != unit)) {
+        Some(said) => wrong(
+            format!("the header gives the unit `{said}`, but `unit` = \"{name}\""),
+            "remove `unit`, or correct the header",
+        ),
+        None => Ok(unit),
+    }
 }
 
 /// Values whose step the scenario gives, in seconds.
@@ -178,7 +184,7 @@ fn stepped<'a>(
         },
     };
     let unit = match wanted.unit {
-        Some(_) => unit_of(file, wanted, "")?,
+        Some(_) => unit_of(file, wanted, None)?,
         None => InputUnit::AS_GIVEN,
     };
     let skipped = layout.skip.unwrap_or(0) as usize;
@@ -269,7 +275,7 @@ impl Sampling<'_> {
 
     /// The numbers of the record, each with its line.
     fn cells(&self, text: &str) -> Result<Vec<(f64, u64)>, DataError> {
-        let mut found = Vec::new();
+        let mut found: Vec<(f64, u64)> = Vec::new();
         for (i, line) in text
             .lines()
             .enumerate()
@@ -302,7 +308,31 @@ impl Sampling<'_> {
                 }
             }
         }
+        let lines: Vec<_> = found.chunk_by(|one, next| one.1 == next.1).collect();
+        let is_table = self.count.is_none() && self.column.is_none() && self.has_times(&lines);
+        if is_table {
+            let problem = format!(
+                "has {} numbers in each line, but `step` is for values without times",
+                lines[0].len()
+            );
+            let remedy = "remove `step` and name both columns, `time = 1` and `column = 2`, or keep it and name \
+                          the column of values";
+            return wrong(self.file, lines[0][0].1 as usize, problem, remedy);
+        }
         Ok(found)
+    }
+
+    /// Whether lines of equal length seem to hold times and values: two numbers, or first numbers
+    /// that differ by about the step.
+    fn has_times(&self, lines: &[&[(f64, u64)]]) -> bool {
+        let is_step = |pair: &[&[(f64, u64)]]| {
+            (pair[1][0].0 - pair[0][0].0 - self.step).abs() < 0.5 * self.step
+        };
+        let width = lines.first().map_or(0, |line| line.len());
+        width > 1
+            && lines.len() > 1
+            && lines.iter().all(|line| line.len() == width)
+            && (width == 2 || lines.windows(2).all(is_step))
     }
 }
 

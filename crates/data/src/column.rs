@@ -49,7 +49,8 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// Parts of messages about an input without a unit, and about an invalid cell of an input.
-pub(super) const AS_IT_IS: &str = "SI (`unit = \"g\"` converts, `unit = \"none\"` confirms SI)";
+pub(super) const AS_IT_IS: &str =
+    "SI units (no unit given; `unit = \"g\"` converts, `unit = \"none\"` confirms)";
 pub(super) const NOT_REPAIRED: &str =
     "correct the cell; values of an input are not repaired or left out";
 
@@ -71,6 +72,7 @@ const COLDEST: f64 = -459.67;
 impl<'a> Column<'a> {
     /// A column with the given unit, or that in its name.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
+        let named = unit::of_name(wanted.quantity, name);
         let unit = match wanted.unit {
             Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
                 (
@@ -78,8 +80,16 @@ impl<'a> Column<'a> {
                     format!("give {}", wanted.quantity.units()),
                 )
             })?),
-            None => unit::of_name(wanted.quantity, name)?,
+            None => named.clone()?,
         };
+        if let (Some(given), Ok(Some(_))) = (wanted.unit, &named)
+            && named != Ok(unit)
+        {
+            return Err((
+                format!("the name of column `{name}` contradicts the unit `{given}`"),
+                "remove the unit, or correct the name".into(),
+            ));
+        }
         let said = ColumnRepairs {
             name: name.to_string(),
             ..ColumnRepairs::default()
@@ -116,7 +126,8 @@ impl<'a> Column<'a> {
     /// Take the unit that a row of units or a cell gives.
     fn adopt(&mut self, unit: InputUnit) -> Result<(), ProblemAndRemedy> {
         let is_late = self.unit.is_none() && !self.samples.is_empty();
-        if self.wanted.unit.is_none() && (is_late || self.unit.is_some_and(|known| unit != known)) {
+        let is_given = self.wanted.unit.is_some() && !self.is_strict();
+        if !is_given && (is_late || self.unit.is_some_and(|known| unit != known)) {
             return Err((
                 "has a different unit from its column".into(),
                 format!("give the same unit in the name and in all cells{OR_SKIP}"),
@@ -159,7 +170,7 @@ impl<'a> Column<'a> {
                 Ok(())
             }
             ColumnQuantity::Temperature => {
-                self.said.assumed_unit = Some("degrees Celsius or kelvin");
+                self.said.assumed_unit = Some("degrees Celsius or kelvin (no unit given)");
                 Ok(())
             }
             ColumnQuantity::Displacement => Err((

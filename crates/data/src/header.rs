@@ -300,7 +300,7 @@ const DATE_AND_TIME: [&str; 6] = [
     "date/time",
     "date_time",
 ];
-const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
+const TIME: [&str; 5] = ["time", "zeit", "uhrzeit", "tid", "heure"];
 const DATE: [&str; 4] = ["date", "datum", "dato", "yyyymmdd"];
 
 /// Words, and beginnings of words, for other quantities that loggers and weather services record.
@@ -347,7 +347,8 @@ impl Sought<'_> {
             .collect()
     }
 
-    /// The columns of this name: exactly, or in other case, or followed by a unit or a note.
+    /// The columns of this name: exactly, or in other case, or followed by a unit or a note; or the
+    /// column of this number.
     fn called(&self, name: &str) -> Vec<usize> {
         let found = self.fields(|column| column == name);
         if !found.is_empty() {
@@ -357,11 +358,23 @@ impl Sought<'_> {
         if !found.is_empty() || name.is_empty() {
             return found;
         }
+        let number = name.parse().ok().filter(|_| self.is_above_data());
+        if let Some(number) = number {
+            return (0..self.names.len())
+                .filter(|field| field + 1 == number)
+                .collect();
+        }
         self.fields(|column| {
             column
                 .strip_prefix(name)
                 .is_some_and(|rest| rest.starts_with([' ', ',', '(', '[']))
         })
+    }
+
+    /// Whether this is a line of names directly above rows of as many measurements.
+    fn is_above_data(&self) -> bool {
+        let is_row = |line: &Line| line.names.len() == self.names.len() && is_data(&line.names);
+        !self.names.iter().any(|name| is_datum(name)) && self.below.last().is_some_and(is_row)
     }
 
     /// The column of times, or those of dates and of times of day.
@@ -515,8 +528,8 @@ impl Sought<'_> {
     }
 
     /// The name of the column that most likely holds a quantity: one with a fitting unit, in its
-    /// name or below, then one with a fitting name, then the first; times and other quantities of
-    /// loggers and weather services are excluded.
+    /// name or below, then one with a fitting name, then the first; columns of other cells than
+    /// numbers, times, and other quantities of loggers and weather services are excluded.
     fn proposal(&self, quantity: ColumnQuantity, among: &[usize]) -> &str {
         let likeness = |field: &&usize| {
             let name = &self.names[**field];
@@ -554,7 +567,14 @@ impl Sought<'_> {
             let rank = (has_unit, begins(known), first, Reverse(**field));
             (!name.is_empty(), !is_other, rank)
         };
-        let best = among.iter().max_by_key(likeness);
+        let is_number = |field: &&usize| {
+            let cell = self.below.last().and_then(|line| line.names.get(**field));
+            cell.is_none_or(|cell| {
+                let is_time = is_date(cell) || is_time_of_day(cell);
+                cell.is_empty() || !is_time && cell.contains(|c: char| c.is_ascii_digit())
+            })
+        };
+        let best = among.iter().filter(is_number).max_by_key(likeness);
         let best = best.map(|field| self.names[*field].as_str());
         best.filter(|name| !name.is_empty()).unwrap_or("NAME")
     }

@@ -500,7 +500,7 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
     assert!(error.problem.contains("different date format"), "{error}");
     for (wording, remedy) in [
         (Wording::Key, "`zone = \"UTC\"`"),
-        (Wording::TemperatureFlag, "`--temperature-zone UTC`"),
+        (Wording::TemperatureFlag, "`--zone UTC`"),
         (Wording::Argument, "`zone=\"UTC\"`"),
     ] {
         let error = times(
@@ -613,7 +613,7 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
     };
     assert_eq!(
         said("temperature"),
-        ["unit of `temperature` not given; assuming degrees Celsius or kelvin"]
+        ["read `temperature` in degrees Celsius or kelvin (no unit given)"]
     );
     assert!(said("temperature_K").is_empty());
 }

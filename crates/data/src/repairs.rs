@@ -121,7 +121,7 @@ impl ColumnRepairs {
             .map(|said| format!("{said} in `{name}`"));
         let unit = self
             .assumed_unit
-            .map(|unit| format!("unit of `{name}` not given; assuming {unit}"));
+            .map(|unit| format!("read `{name}` in {unit}"));
         let means = self.averaged.as_ref().map(|time| {
             format!(
                 "took `{name}` as means over the {time} before each stamp, from its name; set `averaged = 0` \

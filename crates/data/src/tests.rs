@@ -224,7 +224,7 @@ fn an_input_is_converted_from_every_unit() {
         );
         let said = table.repairs.sentences();
         assert!(
-            said.len() == 1 && said[0].contains("not given; assuming SI"),
+            said.len() == 1 && said[0].contains("in SI units (no unit given"),
             "{name}: {said:?}"
         );
     }
@@ -296,7 +296,8 @@ fn records_with_a_constant_step_are_read_in_each_form() {
         (in_g, "NPTS=  4, DT=   .0125 SEC,", None, 0.0125, g),
         (in_g, "NPTS=4, DT= 10 MSEC", None, 0.01, g),
         (in_g, "   4    0.0100    NPTS, DT", None, 0.01, g),
-        (in_g, "NPTS = 4, DT = .005 SEC", Some("cm/s2"), 0.005, 0.01),
+        (in_g, "NPTS = 4, DT = .005 SEC", Some("g"), 0.005, g),
+        (plain, "NPTS = 4, DT = .005 SEC", Some("cm/s2"), 0.005, 0.01),
         (plain, "NPTS=  4, DT= .01", None, 0.01, g),
         (
             "ACCELERATION TIME SERIES IN CM/SEC/SEC",
@@ -400,6 +401,114 @@ fn records_with_a_constant_step_are_read_in_each_form() {
     let text = "  0.0   1\n  0.5  -2\n  1.0   3\n";
     let table = stepping(text, None, Some("2"), Some("cm/s2")).unwrap();
     assert_eq!((self::samples(&table), table.in_seconds), (samples, false));
+}
+
+/// Two numbers in each line, or first numbers that differ by about the step, are times and values.
+#[test]
+fn a_step_contradicts_a_column_of_times() {
+    let read = |text: &str, column| stepping(text, Some(0.5), column, Some("g"));
+    let three = "0.0 1 5\n0.5 -2 6\n1.0 3 7\n";
+    for text in ["0.0 1\n0.5 -2\n1.0 3\n", "7,8\n9,1\n", three] {
+        let error = read(text, None).expect_err(text);
+        assert!(
+            error
+                .problem
+                .contains("in each line, but `step` is for values without times"),
+            "{error}"
+        );
+        assert!(
+            error.remedy.contains("remove `step`") && error.line == Some(1),
+            "{error}"
+        );
+        assert!(read(text, Some("2")).is_ok());
+    }
+    // Values wrapped in lines of equal length, even if they grow.
+    for text in ["0 1 2\n3 4 5\n6 7 8\n", "1 2 3\n", "1 2\n3\n"] {
+        assert!(read(text, None).is_ok(), "{text}");
+    }
+}
+
+/// A unit, or a step, that contradicts the file is an error, whichever is right.
+#[test]
+fn what_the_file_says_is_not_overruled() {
+    let header = "PEER\nPLACE\nACCELERATION IN UNITS OF G\nNPTS= 4, DT= .01 SEC\n1 2 3 4\n";
+    for unit in ["m/s2", "cm/s2", "kN", "none"] {
+        for (text, problem) in [
+            (
+                header,
+                format!("the header gives the unit `G`, but `unit` = \"{unit}\""),
+            ),
+            (
+                "t_s,a_g\n0,1\n1,2\n",
+                format!("`a_g` contradicts the unit `{unit}`"),
+            ),
+            (
+                "t_s,a\ns,g\n0,1\n1,2\n",
+                "a different unit from its column".into(),
+            ),
+        ] {
+            let error = input(text, Some(unit)).expect_err(text);
+            assert!(error.problem.contains(&problem), "{error}");
+        }
+    }
+    assert!(input(header, Some("g's")).is_ok());
+    let error = stepping(header, Some(0.01), None, None).expect_err("a step");
+    assert!(
+        error.problem.contains("AT2") && error.remedy == "remove `step`",
+        "{error}"
+    );
+}
+
+/// The number of a column selects it with and without a line of names.
+#[test]
+fn a_column_is_named_or_numbered() {
+    for text in ["t_s,b_g,a_g\n0,7,1\n1,7,-3\n", "0,7,1\n1,7,-3\n"] {
+        let unit = Some("g").filter(|_| !text.starts_with("t_s"));
+        let table = stepping(text, None, Some("3"), unit).unwrap();
+        let values = &table.columns[0].values;
+        assert_eq!(
+            (values[0] / 9.80665, values[1] / 9.80665),
+            (1.0, -3.0),
+            "{text}"
+        );
+    }
+    for column in ["0", "4"] {
+        let error = stepping("t_s,b_g,a_g\n0,7,1\n1,7,-3\n", None, Some(column), None);
+        assert!(error.is_err_and(|error| error.problem.contains("no column")));
+    }
+}
+
+/// Only a column of numbers is proposed, and a date and its time of day are one time.
+#[test]
+fn a_time_is_not_proposed_as_a_value() {
+    let read = |text: &str, quantity| {
+        let layout = Layout {
+            zone: Some("UTC".into()),
+            wording: super::Wording::Flag,
+            ..Layout::default()
+        };
+        parse(
+            "a.csv",
+            text.as_bytes(),
+            &layout,
+            &[Wanted::of(quantity, None, None)],
+        )
+    };
+    let text = "Datum;Uhrzeit;Weg\n13.08.2015;00:00;1,5\n13.08.2015;00:10;1,6\n";
+    let error = read(text, ColumnQuantity::Temperature).expect_err("no temperature");
+    assert!(error.remedy.contains("`--temperature Weg`"), "{error}");
+    let known = text.replace("Weg", "Temperatur_degC");
+    let table = read(&known, ColumnQuantity::Temperature).unwrap();
+    assert_eq!(
+        (&*table.time, &table.columns[0].times[..]),
+        ("Datum,Uhrzeit", &[0.0, 600.0][..])
+    );
+    let error = read(
+        "Datum,Zeit\n2015-08-13,00:00\n2015-08-13,00:10\n",
+        ColumnQuantity::Temperature,
+    );
+    let error = error.expect_err("no numbers");
+    assert!(error.remedy.contains("`--temperature NAME`"), "{error}");
 }
 
 #[test]
