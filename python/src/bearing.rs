@@ -13,14 +13,15 @@ use std::path::{Path, PathBuf};
 use stickslip::config::{self, Override, ScenarioError};
 use stickslip::scenario::{BridgeScene, Scenario as Checked};
 use stickslip_bearing::calibration::{
-    Air, Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
-    NotHeld, Quantity, Response, calibrate as calibrated, twin as made, values,
+    Air, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Imperfections, Lag,
+    MeasuredRecord, NotHeld, Quantity, Response, calibrate as calibrated, twin as made, values,
 };
 use stickslip_bearing::dataset::{self, StoredCalibration};
-use stickslip_bearing::forecast::{BearingForecast, ForecastQuestion as Asked};
+use stickslip_bearing::forecast::{BearingForecast, ForecastError, ForecastQuestion as Asked};
 use stickslip_bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
 use stickslip_data::{
-    BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
+    BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start,
+    Wording, remedy,
 };
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
@@ -332,11 +333,15 @@ pub fn calibrate<'py>(
     let question = question
         .fitting(&fitted, &scene)
         .map_err(|error| not_held(py, error))?;
+    let mark = record.mark.clone();
     let calibration = abandoned_on_interrupt(py, &progress, move |watch| {
         watch.begins("calibrating the bearing");
         calibrated(&record, &question, threads.0, &watch.stop)
     })?;
-    let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
+    let failed = |error: CalibrationError| {
+        errors::of_run(py, &error, &remedy(mark.as_deref(), error.remedy()))
+    };
+    let calibration = calibration.map_err(failed)?;
     remarks.extend(warnings(&calibration));
     let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
     Ok((to_python(py, stored.dataset())?, remarks))
@@ -368,6 +373,7 @@ pub fn forecast<'py>(
         share,
     };
     let (title, text) = (scene.title.clone(), scene.text.clone());
+    let mark = record.mark.clone();
     let ended = abandoned_on_interrupt(py, &progress, move |watch| {
         let begins = |what: &str| watch.begins(what);
         BearingForecast::of(
@@ -380,12 +386,13 @@ pub fn forecast<'py>(
             &begins,
         )
     })?;
-    let outcome = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
+    let failed =
+        |error: ForecastError| errors::of_run(py, &error, &remedy(mark.as_deref(), error.remedy()));
+    let outcome = ended.map_err(failed)?;
     let outcome = outcome.ok_or_else(|| PyKeyboardInterrupt::new_err(()))?;
-    let found = &outcome.forecast;
     remarks.extend(outcome.warnings().into_iter().map(|(_, text)| text));
     Ok((
-        to_python(py, dataset::forecast(&title, &text, found))?,
+        to_python(py, dataset::forecast(&title, &text, &outcome))?,
         remarks,
     ))
 }

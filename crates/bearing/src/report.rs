@@ -138,7 +138,8 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
     let rest = format!(
         "{rest} m (root mean square of measurement minus model); correlation {hour} after an hour, {day} after a day"
     );
-    vec![
+    let repairs = Some(record.repairs.join("; ")).filter(|repairs| !repairs.is_empty());
+    let mut sources = vec![
         (
             "data",
             format!(
@@ -158,7 +159,9 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
             format!("the temperature between samples {between}"),
         ),
         ("rest", rest),
-    ]
+    ];
+    sources.splice(1..1, repairs.map(|repairs| ("repairs", repairs)));
+    sources
 }
 
 /// The lag, in minutes, and where it comes from.

@@ -255,6 +255,7 @@ impl Sampling<'_> {
             times,
             values,
             averaged: 0.0,
+            mark: None,
             unit: unit.name,
         };
         let repairs = Repairs {

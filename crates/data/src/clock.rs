@@ -2,8 +2,9 @@
 
 use super::column::LARGEST_MEASURED;
 use super::error::ProblemAndRemedy;
+use super::orders::are_exchanged;
 use super::query::{DateOrder, Layout, Wording};
-use super::rows::OR_SKIP;
+use super::rows::{OR_SKIP, TOO_NARROW};
 use super::stamp::{self, PARSER, Stamp};
 use super::unit::{self, InputUnit};
 use jiff::civil::DateTime;
@@ -141,8 +142,8 @@ impl Clock {
             None => None,
         };
         // Like the zone in a stamp, the zone in the column's name takes precedence over a given
-        // one, which may be for another file.
-        let named = zone_in(column);
+        // one, which may be for another file. An abbreviation may stand for a zone with summer time.
+        let named = offset_in(column);
         let differs = |zone: &&TimeZone| given.as_ref().is_some_and(|given| given != *zone);
         let other_zone = named
             .as_ref()
@@ -150,7 +151,7 @@ impl Clock {
             .and_then(|zone| zone.to_fixed_offset().ok());
         Ok(Clock {
             kind,
-            zone: named.or(given),
+            zone: named.or(given).or_else(|| zone_in(column)),
             order,
             wording: layout.wording,
             origin: None,
@@ -168,6 +169,20 @@ impl Clock {
     pub fn is_disordered(&self) -> bool {
         let steps = self.up + self.down;
         steps >= FEWEST_STEPS && self.up.min(self.down) as f64 >= MOST_DISORDER * steps as f64
+    }
+
+    /// Whether a spreadsheet has exchanged day and month in the dates of these times, given in the
+    /// order of their rows.
+    pub fn is_exchanged(&self, times: impl Iterator<Item = f64>) -> bool {
+        if self.kind != Kind::Stamps || self.down == 0 {
+            return false;
+        }
+        let zone = self.zone.clone().unwrap_or(TimeZone::UTC);
+        let date = |time| {
+            let instant = self.first()?.after(time)?.0;
+            Some(instant.to_zoned_datetime(zone.clone()).date())
+        };
+        are_exchanged(&times.filter_map(date).collect::<Vec<_>>())
     }
 
     /// Whether times are in seconds. Numbers in a column whose name gives no unit keep their
@@ -256,7 +271,15 @@ impl Clock {
 
     /// Why a cell is not a stamp.
     fn no_stamp(&self, cell: &str) -> Result<f64, ProblemAndRemedy> {
+        if let Some(zone) = stamp::unknown_zone(cell) {
+            let example = self.wording.option("zone", "Europe/Paris");
+            return wrong(
+                format!("ends with `{zone}`, a time zone that is unknown or has several meanings"),
+                format!("write an offset such as +01:00 instead, or remove it and give {example}"),
+            );
+        }
         match self.order {
+            _ if cell.bytes().all(|byte| byte == b'#') => wrong(TOO_NARROW.0, TOO_NARROW.1),
             _ if stamp::is_time_of_day(cell) => wrong(
                 "is a time of day without a date",
                 format!(
@@ -392,14 +415,28 @@ fn without_unit(column: &str) -> &str {
 }
 
 /// What to do about dates without a zone.
-pub(super) fn zone_remedy(wording: Wording) -> String {
+fn zone_remedy(wording: Wording) -> String {
     let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| wording.option("zone", zone));
-    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00")
+    let alone = match wording {
+        Wording::TemperatureFlag => {
+            "; if the other file has another zone, `--temperature-zone` for this one"
+        }
+        _ => "",
+    };
+    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00{alone}")
 }
 
-/// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
+/// The zone that the name of a column gives: an offset, or an abbreviation as in `Time (CET)`.
+fn zone_in(column: &str) -> Option<TimeZone> {
+    let words = column.split(|c: char| !c.is_alphanumeric());
+    let mut zones = words.filter_map(stamp::abbreviated);
+    let only = zones.next().filter(|_| zones.next().is_none());
+    offset_in(column).or_else(|| only.map(TimeZone::fixed))
+}
+
+/// The offset that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
 /// (UTC)`, `time_utc`.
-pub(super) fn zone_in(column: &str) -> Option<TimeZone> {
+fn offset_in(column: &str) -> Option<TimeZone> {
     let upper = column.to_uppercase();
     let at = ["UTC", "GMT"]
         .iter()

@@ -23,6 +23,8 @@ pub struct DataColumn {
     pub unit: &'static str,
     /// The averaging time of each value, ending at its time; 0 for instantaneous values.
     pub averaged: f64,
+    /// The option that leaves out the outlier that was kept, if there is one.
+    pub mark: Option<String>,
 }
 
 /// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
@@ -38,6 +40,15 @@ pub fn is_constant(values: &[f64]) -> bool {
             (low.min(*x), high.max(*x))
         });
     high - low < 1.0 / LARGEST_MEASURED
+}
+
+/// What to do if a column cannot be used: leave out its outlier with this option, or the other
+/// remedy.
+pub fn remedy(mark: Option<&str>, otherwise: &str) -> String {
+    match mark {
+        Some(mark) => format!("leave out its outliers with {mark}, or {otherwise}"),
+        None => otherwise.into(),
+    }
 }
 
 /// The first sample, as its time and its value, that is not finite or is too large for a
@@ -60,9 +71,14 @@ pub(super) struct Column<'a> {
     wanted: &'a Wanted<'a>,
     /// The unit, if it is known.
     unit: Option<InputUnit>,
-    /// Time, value in the unit of the cells, and the place of the row.
+    /// The unit that the first header gives, also if another one was given.
+    stated: Option<InputUnit>,
+    /// The unit of the cells, if a second header has changed it.
+    changed: Option<InputUnit>,
+    /// Time, value in the unit, and the place of the row.
     pub samples: Vec<(f64, f64, u32)>,
     averaged: f64,
+    mark: Option<String>,
     said: ColumnRepairs,
 }
 
@@ -98,8 +114,11 @@ impl<'a> Column<'a> {
             name: name.to_string(),
             wanted,
             unit,
+            stated: named.unwrap_or_default(),
+            changed: None,
             samples: Vec::new(),
             averaged: 0.0,
+            mark: None,
             said,
         })
     }
@@ -110,24 +129,62 @@ impl<'a> Column<'a> {
             .trim()
             .trim_start_matches(['[', '('])
             .trim_end_matches([']', ')']);
-        let Some(unit) = self.wanted.quantity.unit(inside) else {
-            let is_unknown =
-                self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
-            let remedy = || unit::unknown_unit(self.wanted.quantity, &self.name, inside).1;
-            return if is_unknown {
-                Err(("is an unknown unit".into(), remedy()))
-            } else {
-                Ok(())
-            };
-        };
-        self.adopt(unit)
+        let quantity = self.wanted.quantity;
+        match quantity.unit(inside) {
+            Some(unit) if self.samples.is_empty() => {
+                self.stated = Some(unit);
+                self.adopt(unit)
+            }
+            Some(unit)
+                if unit::of_name(quantity, &self.name).is_ok_and(|named| named.is_some()) =>
+            {
+                self.adopt(unit)
+            }
+            Some(unit) => self.change(unit),
+            None if self.wanted.unit.is_some() => Ok(()),
+            None if self.is_strict() && unit::is_claim(inside) => {
+                let remedy = unit::unknown_unit(quantity, &self.name, inside).1;
+                Err(("is an unknown unit".into(), remedy))
+            }
+            None if !self.is_strict() && unit::has_factor(quantity, inside) => {
+                Err(unit::factor(quantity, "the unit"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Take the name that a header below the first gives, with its unit.
+    pub fn take_name(&mut self, name: &str) -> Result<(), ProblemAndRemedy> {
+        if name == self.name {
+            self.changed = None;
+            return Ok(());
+        }
+        match unit::of_name(self.wanted.quantity, name)? {
+            Some(unit) => self.change(unit),
+            None => Err(other_header()),
+        }
+    }
+
+    /// Take the unit of the cells below a header other than the first.
+    fn change(&mut self, unit: InputUnit) -> Result<(), ProblemAndRemedy> {
+        let is_fixed = self.wanted.unit.is_some() || self.is_strict();
+        let is_same = self.stated.or(self.unit) == Some(unit);
+        if (is_fixed || self.unit.is_none()) && !is_same {
+            return Err((
+                "is another unit than that of the first header".into(),
+                "split the file at this line, convert one of the parts, and join them again".into(),
+            ));
+        }
+        self.changed = Some(unit).filter(|_| !is_same);
+        Ok(())
     }
 
     /// Take the unit that a row of units or a cell gives.
     fn adopt(&mut self, unit: InputUnit) -> Result<(), ProblemAndRemedy> {
-        let is_late = self.unit.is_none() && !self.samples.is_empty();
+        let known = self.changed.or(self.unit);
+        let is_late = known.is_none() && !self.samples.is_empty();
         let is_given = self.wanted.unit.is_some() && !self.is_strict();
-        if !is_given && (is_late || self.unit.is_some_and(|known| unit != known)) {
+        if !is_given && (is_late || known.is_some_and(|known| unit != known)) {
             return Err((
                 "has a different unit from its column".into(),
                 format!("give the same unit in the name and in all cells{OR_SKIP}"),
@@ -222,17 +279,22 @@ impl<'a> Column<'a> {
                 "correct the cell; if it marks a missing value, give MARK",
             ));
         }
-        let least = self.unit.map_or(f64::INFINITY, |unit| unit.least);
+        let unit = self.changed.or(self.unit);
+        let least = unit.map_or(f64::INFINITY, |unit| unit.least);
         if self.wanted.quantity == ColumnQuantity::Temperature && value < COLDEST.min(least) {
             self.said.cold += 1;
             return Ok(());
         }
-        if self.unit.is_some() && value < least {
+        if unit.is_some() && value < least {
             return Err((
                 "is below absolute zero",
                 "correct the unit; if it marks a missing value, give MARK",
             ));
         }
+        let value = match (&self.unit, &self.changed) {
+            (Some(unit), Some(changed)) => unit.cell_of(changed, value),
+            _ => value,
+        };
         self.samples.push((when, value, place));
         Ok(())
     }
@@ -268,10 +330,13 @@ impl<'a> Column<'a> {
             } else {
                 String::new()
             };
+            let mark = layout.wording.option("missing", &value.to_string());
+            let outliers = layout.wording.option("outliers", "8");
             self.said.odd = Some(format!(
-                "kept the outlier `{name}` = {value} in line {first}{more}; use `outliers` or `missing` to \
-                 leave out invalid values"
+                "kept the outlier `{name}` = {value} in line {first}{more}; {mark} or {outliers} leaves out \
+                 invalid values"
             ));
+            self.mark = Some(mark);
         }
     }
 
@@ -287,9 +352,18 @@ impl<'a> Column<'a> {
                 .map(|sample| unit.of(sample.1))
                 .collect(),
             averaged: self.averaged,
+            mark: self.mark,
             unit: unit.name,
         }
     }
+}
+
+/// The error of a second header that does not fit the first.
+pub(super) fn other_header() -> ProblemAndRemedy {
+    (
+        "begins a second header, with other columns than the first".into(),
+        "split the file at this line, and join the parts after giving them the same columns".into(),
+    )
 }
 
 /// Where the samples of a column come from, and how they are read.
@@ -322,6 +396,7 @@ pub(super) fn sorted(
     }
     repairs.unsorted = repairs.unsorted.max(column.sort());
     repairs.repeated = repairs.repeated.max(column.leave_out_repeated(source)?);
+    column.check_strays(source)?;
     column.check_spacing(source)?;
     if column.is_strict() {
         let values = column.samples.iter().map(|of| (of.1, line(of.2)));
@@ -390,6 +465,39 @@ impl Column<'_> {
         Ok((all - samples.len()) as u64)
     }
 
+    /// Check that few samples lie between others that are far away in the file, as those of two
+    /// interleaved series do. Rows that are late by a few lines, and files joined in any order, are
+    /// merely sorted.
+    fn check_strays(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
+        let places = || self.samples.iter().map(|sample| sample.2);
+        let (Some(first), Some(last)) = (places().min(), places().max()) else {
+            return Ok(());
+        };
+        let count = self.samples.len();
+        let far = LATE * f64::from(last - first) / count as f64;
+        let is_far = |a: &(_, _, u32), b: &(_, _, u32)| f64::from(a.2.abs_diff(b.2)) > far;
+        let is_stray = |of: &&[(f64, f64, u32)]| is_far(&of[0], &of[1]) && is_far(&of[1], &of[2]);
+        let mut strays = self.samples.windows(3).filter(is_stray);
+        let Some(stray) = strays.next() else {
+            return Ok(());
+        };
+        let more = strays.count();
+        if more < FEW.max(count / 1000) {
+            return Ok(());
+        }
+        let line = |i: usize| (source.line)(stray[i].2);
+        let problem = format!(
+            "{} rows lie between rows from elsewhere in the file, e.g. line {} between lines {} and {} in time",
+            more + 1,
+            line(1),
+            line(0),
+            line(2)
+        );
+        let remedy =
+            "keep the rows of one series; if a clock was set back, correct the times after it";
+        Err(DataError::file(source.file, problem, remedy))
+    }
+
     /// Check that no two samples are too close in time.
     fn check_spacing(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
         let samples = &self.samples;
@@ -443,6 +551,12 @@ impl Column<'_> {
         Err(source.error(here.2, problem, remedy))
     }
 }
+
+/// A row is far from another one if more rows than this are between them.
+const LATE: f64 = 20.0;
+
+/// So many rows may lie between others that are far away, or one in a thousand.
+const FEW: usize = 10;
 
 /// The shortest time between two samples, as a share of the record and in all. At the end of a
 /// record a double resolves 2e-16 of it.

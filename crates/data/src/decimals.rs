@@ -1,6 +1,7 @@
 //! Whether commas are decimal marks or thousands separators.
 
 use super::query::Layout;
+use super::rows::TOO_NARROW;
 
 /// How the numbers of a file are written, inferred from those read so far.
 pub(super) struct Decimals {
@@ -34,14 +35,38 @@ const FIELDS: Wrong = (
 /// The problem of one number with a decimal comma and another with a point.
 const MIXED: Wrong = (
     "mixes decimal commas and points, and its comma may separate thousands",
-    "write all numbers with decimal points, or give the decimal separator, e.g. DECIMAL",
+    "write all numbers with decimal points, or give the decimal separator: POINT if commas separate thousands, \
+     COMMA if points do",
 );
 
 /// The problem of numbers with a comma that all have three digits after it.
 pub(super) const THOUSANDS: Wrong = (
     "is ambiguous: the comma before three digits may separate decimals or thousands, here and in all other values",
-    "write the numbers of the file with decimal points, or give the decimal separator, e.g. DECIMAL",
+    "write the numbers of the file with decimal points, or give the decimal separator: POINT if commas separate \
+     thousands, COMMA if they separate decimals",
 );
+
+/// The problems of numbers whose marks show that one of them separates thousands.
+const COMMAS_GROUP: Wrong = (
+    "has commas between thousands",
+    "write the numbers of the file without them, or give the decimal separator, POINT",
+);
+const POINTS_GROUP: Wrong = (
+    "has points between thousands",
+    "write the numbers of the file without them, or give the decimal separator, COMMA",
+);
+
+/// What is wrong with a text that is not a number, unless its thousands are separated by the other
+/// mark.
+fn no_number(text: &str) -> Wrong {
+    let is = |mark| grouped(text, mark).is_some_and(f64::is_finite);
+    match (is('.'), is(',')) {
+        (true, false) if text.contains(',') => COMMAS_GROUP,
+        (false, true) if text.contains('.') => POINTS_GROUP,
+        _ if text.bytes().all(|byte| byte == b'#') => TOO_NARROW,
+        _ => NO_NUMBER,
+    }
+}
 
 impl Decimals {
     /// A reader for a file in which a comma may separate columns, or can only be decimal.
@@ -72,7 +97,7 @@ impl Decimals {
         if let Some(mark) = self.given {
             self.commas += u64::from(mark == ',' && text.contains(','));
             self.are_decimal = true;
-            return grouped(text, mark).ok_or(NO_NUMBER);
+            return grouped(text, mark).ok_or_else(|| no_number(text));
         }
         if let Some((whole, _)) = digits.split_once(',').filter(|_| self.separates)
             && whole.len() > 1
@@ -86,14 +111,11 @@ impl Decimals {
             return if self.commas > 0 && text.contains('.') {
                 Err(MIXED)
             } else {
-                text.parse().map_err(|_| NO_NUMBER)
+                text.parse().map_err(|_| no_number(text))
             };
         };
         if decimals.contains([',', '.']) || whole.contains('.') {
-            return Err((
-                "has a comma or a point between thousands",
-                "write the numbers of the file without them, or give the decimal separator, e.g. DECIMAL",
-            ));
+            return Err(no_number(text));
         }
         let value = format!("{whole}.{decimals}")
             .parse()

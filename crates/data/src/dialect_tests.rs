@@ -395,7 +395,7 @@ fn what_cannot_be_read_is_refused_with_a_remedy() {
         .to_string();
     let both = [
         "no column has a name",
-        "its dates have no time zone",
+        "is the date 2023-03-04T05:00:00 without a zone",
         "--zone UTC",
     ];
     assert!(both.iter().all(|part| error.contains(part)), "{error}");

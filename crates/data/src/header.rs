@@ -1,9 +1,8 @@
 //! The line of a CSV file that names its columns, and which of them are wanted.
 
-use super::clock::{zone_in, zone_remedy};
 use super::error::DataError;
 use super::parts::Parts;
-use super::query::{DateOrder, Layout, Name, Wanted};
+use super::query::{Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
 use super::stamp::{is_time_of_day, needs_order, stamp};
 use super::unit::{self, ColumnQuantity};
@@ -18,8 +17,19 @@ pub(super) struct Header {
     pub times: Vec<usize>,
     /// The columns of values, in the order in which they were wanted.
     pub values: Vec<usize>,
+    /// The cells of a row of units above it; empty if there is none.
+    pub units_above: Vec<String>,
     /// Number of lines before it, other than comments, that are not measurements.
     pub skipped: u64,
+}
+
+impl Header {
+    /// Whether the name of a column is that of a time or of a part of one.
+    pub fn is_of_time(&self, field: usize) -> bool {
+        let name = self.names[field].to_lowercase();
+        let begins = |words: &[&str]| words.iter().any(|word| name.starts_with(word));
+        Parts::is_part(&name) || begins(&TIME) || begins(&DATE)
+    }
 }
 
 /// The number of lines in which the names of the columns are searched for.
@@ -36,6 +46,25 @@ struct Line {
     names: Vec<String>,
 }
 
+/// A file at the row below the names of its columns.
+pub(super) type Opened<'a> = (CsvRows<'a>, Header);
+
+/// A file whose columns were not found: the error, and the file with the columns that were found or
+/// are likely, if there is one for each.
+pub(super) struct NotFound<'a> {
+    pub error: DataError,
+    pub likely: Option<Opened<'a>>,
+}
+
+impl From<DataError> for NotFound<'_> {
+    fn from(error: DataError) -> Self {
+        NotFound {
+            error,
+            likely: None,
+        }
+    }
+}
+
 /// Open a file at the row below the names of its columns. That is the first line in which every
 /// wanted column can be found, or the line after those that are to be skipped.
 pub(super) fn open<'a>(
@@ -43,7 +72,7 @@ pub(super) fn open<'a>(
     bytes: &'a [u8],
     layout: &Layout,
     wanted: &[Wanted<'_>],
-) -> Result<(CsvRows<'a>, Header), DataError> {
+) -> Result<Opened<'a>, NotFound<'a>> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
         let problem = if layout.skip.is_some() && !bytes.is_empty() {
@@ -52,11 +81,10 @@ pub(super) fn open<'a>(
             "it is empty"
         };
         let remedy = "give a CSV file whose first line names its columns";
-        return Err(DataError::file(file, problem, remedy));
+        return Err(DataError::file(file, problem, remedy).into());
     };
     let of_line = |line: &Line| sought(file, &lines, line, layout).columns(wanted);
-    if let Some(line) = naming(&lines, |line| of_line(line).is_ok()) {
-        let (times, values) = of_line(line)?;
+    let opened = |line: &Line, (times, values): (Vec<usize>, Vec<usize>)| {
         let skipped = lines
             .iter()
             .take_while(|other| other.number < line.number)
@@ -64,6 +92,7 @@ pub(super) fn open<'a>(
         let header = Header {
             names: line.names.clone(),
             times,
+            units_above: units_above(&lines, line, &values, wanted),
             values,
             skipped: skipped.count() as u64,
         };
@@ -71,64 +100,91 @@ pub(super) fn open<'a>(
         rows.texts();
         let last = header.times.iter().chain(&header.values).max();
         let least = last.map_or(0, |last| last + 1);
-        return Ok((rows.below(least), header));
+        (rows.below(least), header)
+    };
+    if let Some((line, found)) = naming(&lines, |line| of_line(line).ok()) {
+        return Ok(opened(line, found));
     }
-    // Columns without names are identified by their numbers.
-    let width = lines.last().map_or(0, |line| line.names.len());
-    let numbered: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
-    if let Some(line) = lines
-        .iter()
-        .find(|line| !line.is_comment && line.names.len() == width)
-        && let Ok((times, values)) = (Sought {
-            file,
-            names: &numbered,
-            below: &[],
-            layout,
-        })
-        .columns(wanted)
-    {
-        let header = Header {
-            names: numbered,
-            times,
-            values,
-            skipped: line.number.saturating_sub(first.number),
-        };
-        return Ok((
-            CsvRows::at(file, bytes, line.offset, line.separator, true).numbered(width),
-            header,
-        ));
+    if let Some((line, header)) = numbered(file, &lines, first, layout, wanted) {
+        let rows = CsvRows::at(file, bytes, line.offset, line.separator, true);
+        return Ok((rows.numbered(header.names.len()), header));
     }
     let best = likeliest(file, &lines, layout, wanted)
         .filter(|best| best.number == first.number || best.is_comment || !is_data(&first.names));
     let Some(best) = best else {
-        return Err(unnamed(file, &first.names, layout, wanted).line(first.number));
+        return Err(unnamed(file, &first.names, layout, wanted)
+            .line(first.number)
+            .into());
     };
     let error = of_line(best).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
-    let error = match sought(file, &lines, best, layout).no_zone() {
-        Some(zone) => error.and(zone),
-        None => error,
-    };
-    Err(if best.number == first.number {
+    let error = if best.number == first.number {
         error
     } else {
         error.line(best.number)
-    })
+    };
+    let likely = sought(file, &lines, best, layout).likely(wanted);
+    let likely = likely.map(|found| opened(best, found));
+    Err(NotFound { error, likely })
 }
 
-/// The line that names the columns, among those for which `is_naming` holds.
-fn naming(lines: &[Line], is_naming: impl Fn(&Line) -> bool) -> Option<&Line> {
-    let in_text = lines
-        .iter()
-        .filter(|line| !line.is_comment)
-        .find(|line| is_naming(line));
+/// The first row of a file without names, whose columns are identified by their numbers.
+fn numbered<'l>(
+    file: &str,
+    lines: &'l [Line],
+    first: &Line,
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Option<(&'l Line, Header)> {
+    let width = lines.last()?.names.len();
+    let names: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
+    let is_row = |line: &&Line| !line.is_comment && line.names.len() == width;
+    let line = lines.iter().find(is_row)?;
+    let sought = Sought {
+        file,
+        names: &names,
+        below: &[],
+        layout,
+    };
+    let (times, values) = sought.columns(wanted).ok()?;
+    let header = Header {
+        names,
+        times,
+        values,
+        units_above: Vec::new(),
+        skipped: line.number.saturating_sub(first.number),
+    };
+    Some((line, header))
+}
+
+/// The cells of the line above the names, if one of them is the unit of a wanted column.
+fn units_above(
+    lines: &[Line],
+    line: &Line,
+    values: &[usize],
+    wanted: &[Wanted<'_>],
+) -> Vec<String> {
+    let above = lines.iter().rfind(|above| above.number < line.number);
+    let is_unit = |cells: &&Vec<String>| {
+        let mut columns = values.iter().zip(wanted);
+        cells.len() == line.names.len()
+            && columns.any(|(field, wanted)| unit::is_unit(wanted.quantity, &cells[*field]))
+    };
+    let units = above.map(|above| &above.names).filter(is_unit);
+    units.cloned().unwrap_or_default()
+}
+
+/// The line that names the columns, which are those `of` it.
+fn naming<T>(lines: &[Line], of: impl Fn(&Line) -> Option<T>) -> Option<(&Line, T)> {
+    let named = |line| Some((line, of(line)?));
+    let in_text = lines.iter().filter(|line| !line.is_comment).find_map(named);
     // A comment names the columns only if the rows below it have as many cells.
     let in_comment = || {
         let last = lines.iter().rev().find(|line| !line.is_comment)?;
         lines
             .iter()
             .filter(|line| line.is_comment && line.names.len() == last.names.len())
-            .find(|line| is_naming(line))
+            .find_map(named)
     };
     in_text.or_else(in_comment)
 }
@@ -292,13 +348,14 @@ fn in_two_lines(above: &Line, names: Vec<String>) -> Vec<String> {
 
 /// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
 /// loggers and spreadsheets write them in lower case.
-const DATE_AND_TIME: [&str; 6] = [
+const DATE_AND_TIME: [&str; 7] = [
     "timestamp",
     "time stamp",
     "datetime",
     "date time",
     "date/time",
     "date_time",
+    "date-time",
 ];
 const TIME: [&str; 5] = ["time", "zeit", "uhrzeit", "tid", "heure"];
 const DATE: [&str; 4] = ["date", "datum", "dato", "yyyymmdd"];
@@ -446,43 +503,75 @@ impl Sought<'_> {
         }
     }
 
-    /// The error without a column of times. It proposes the first column of dates, with one of
-    /// hours after it.
+    /// The error without a column of times. It proposes the likely ones.
     fn no_time(&self, name: Name<'_>) -> DataError {
-        let first = self.below.last().map_or(&[][..], |line| &line.names);
-        let date = first.iter().position(|cell| is_date(cell));
-        let called = |field: usize| self.names.get(field).filter(|name| !name.is_empty());
-        let hour = date
-            .and_then(|date| called(date + 1))
-            .filter(|name| Parts::is_hour(name));
-        let date = (0..)
-            .skip(date.unwrap_or(0))
-            .take(self.names.len())
-            .find_map(called);
-        let example = date.into_iter().chain(hour).map(String::as_str);
-        let example = example.collect::<Vec<_>>().join(",");
-        let example = self.layout.wording.option("time", &example);
+        let names: Vec<&str> = self
+            .likely_times()
+            .iter()
+            .map(|field| &*self.names[*field])
+            .collect();
+        let example = self.layout.wording.option("time", &names.join(","));
         self.none(name, &format!("name the right one, e.g. {example}"))
     }
 
-    /// The error of dates without a zone, reported together with that of a missing column.
-    fn no_zone(&self) -> Option<DataError> {
-        let time = *self.times().ok()?.first()?;
-        let cell = self.below.last()?.names.get(time)?;
-        let dates = DateOrder::WORDS
-            .iter()
-            .filter_map(|(_, order)| stamp(cell, Some(*order)));
-        let is_local = dates.map(|date| date.offset.is_none()).next()?;
-        let is_known = self.layout.zone.is_some() || zone_in(&self.names[time]).is_some();
-        let remedy = zone_remedy(self.layout.wording);
-        let error = || DataError::file(self.file, "its dates have no time zone", remedy);
-        (is_local && !is_known).then(error)
+    /// The first column of dates, with one of hours after it. Without one, it is the first with a
+    /// name.
+    fn likely_times(&self) -> Vec<usize> {
+        let date = self.first_row().iter().position(|cell| is_date(cell));
+        let is_named = |field: &usize| !self.names[*field].is_empty();
+        let all = date.unwrap_or(0)..self.names.len();
+        let date = all.into_iter().find(is_named);
+        let is_hour =
+            |field: &usize| Parts::is_hour(&self.names[*field]) && self.date_in(*field - 1);
+        let hour = date
+            .map(|date| date + 1)
+            .filter(|field| *field < self.names.len())
+            .filter(is_hour);
+        date.into_iter().chain(hour).collect()
+    }
+
+    /// The cells of the first row of measurements.
+    fn first_row(&self) -> &[String] {
+        self.below.last().map_or(&[], |line| &line.names)
+    }
+
+    fn date_in(&self, field: usize) -> bool {
+        self.first_row()
+            .get(field)
+            .is_some_and(|cell| is_date(cell))
+    }
+
+    /// The columns that are wanted, or the likely ones in place of those that are not found, if they
+    /// hold a date and numbers.
+    fn likely(&self, wanted: &[Wanted<'_>]) -> Option<(Vec<usize>, Vec<usize>)> {
+        let likely_times = || {
+            Some(self.likely_times())
+                .filter(|times| times.first().is_some_and(|field| self.date_in(*field)))
+        };
+        let times = self.times().ok().or_else(likely_times)?;
+        let all: Vec<usize> = (0..self.names.len())
+            .filter(|field| !times.contains(field))
+            .collect();
+        let is_number = |field: &usize| {
+            let cell = self.first_row().get(*field);
+            cell.is_some_and(|cell| cell.replace(',', ".").parse::<f64>().is_ok())
+        };
+        let value = |one: &Wanted<'_>| {
+            let found = self.value(one).ok();
+            found.or_else(|| self.proposed(one.quantity, &all).filter(is_number))
+        };
+        let values = wanted.iter().map(value).collect::<Option<Vec<usize>>>()?;
+        Some((times, values))
     }
 
     /// The place of a wanted column; if there is not exactly one, the error lists the names.
     fn value(&self, wanted: &Wanted<'_>) -> Result<usize, DataError> {
         let (name, names) = (wanted.column, self.names);
-        let example = |of: &str| self.layout.wording.column(wanted.quantity, of);
+        let example = |among: &[usize]| {
+            let proposed = self.proposed(wanted.quantity, among);
+            let name = proposed.map_or("NAME", |field| &names[field]);
+            self.layout.wording.column(wanted.quantity, name)
+        };
         let beginning = |start: &str| {
             self.fields(|name| name.to_lowercase().starts_with(&start.to_lowercase()))
         };
@@ -501,7 +590,7 @@ impl Sought<'_> {
             ([field], _) => Ok(*field),
             ([], _) => {
                 let all: Vec<usize> = (0..names.len()).collect();
-                let example = example(self.proposal(wanted.quantity, &all));
+                let example = example(&all);
                 Err(self.none(name, &format!("name the right one, e.g. {example}")))
             }
             (all, _) => {
@@ -513,7 +602,7 @@ impl Sought<'_> {
                         all.iter().map(|field| names[*field].clone()).collect();
                     format!(
                         "name one, e.g. {}; the columns are {}",
-                        example(self.proposal(wanted.quantity, all)),
+                        example(all),
                         listed(&which)
                     )
                 } else {
@@ -527,10 +616,10 @@ impl Sought<'_> {
         }
     }
 
-    /// The name of the column that most likely holds a quantity: one with a fitting unit, in its
+    /// The column that most likely holds a quantity: one with a fitting unit, in its
     /// name or below, then one with a fitting name, then the first; columns of other cells than
     /// numbers, times, and other quantities of loggers and weather services are excluded.
-    fn proposal(&self, quantity: ColumnQuantity, among: &[usize]) -> &str {
+    fn proposed(&self, quantity: ColumnQuantity, among: &[usize]) -> Option<usize> {
         let likeness = |field: &&usize| {
             let name = &self.names[**field];
             let words: Vec<String> = name
@@ -575,8 +664,7 @@ impl Sought<'_> {
             })
         };
         let best = among.iter().filter(is_number).max_by_key(likeness);
-        let best = best.map(|field| self.names[*field].as_str());
-        best.filter(|name| !name.is_empty()).unwrap_or("NAME")
+        best.copied().filter(|field| !self.names[*field].is_empty())
     }
 
     /// The error if no column matches. The remedy is followed by the existing names.

@@ -10,6 +10,7 @@
 //! orders    the order of day, month and year, inferred from all dates together
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
 //! decimals  whether a comma is decimal
+//! labels    columns that distinguish several series in one file
 //! marks     which cells hold no value
 //! outliers  values that stand out from the others
 //! column    the samples of one column, checked, sorted and repaired
@@ -33,10 +34,13 @@ mod clock;
 mod column;
 mod decimals;
 #[cfg(test)]
+mod defect_tests;
+#[cfg(test)]
 mod dialect_tests;
 mod encoding;
 mod error;
 mod header;
+mod labels;
 #[cfg(test)]
 mod logger_tests;
 mod marks;
@@ -56,7 +60,7 @@ mod unit;
 
 pub use arrays::{Array, arrays};
 pub use clock::Start;
-pub use column::{DataColumn, absurd, is_constant};
+pub use column::{DataColumn, absurd, is_constant, remedy};
 pub use error::DataError;
 pub use outliers::{median, resolution, spread};
 pub use pair::{BearingData, ColumnSource, Origin};
@@ -176,7 +180,16 @@ pub fn parse(
     } else {
         text
     };
-    let (rows, header) = header::open(name, &text, layout, wanted)?;
+    let (rows, header) = header::open(name, &text, layout, wanted).map_err(|not_found| {
+        // What else must be given is reported at once.
+        let more = not_found
+            .likely
+            .and_then(|(rows, header)| table::problem(name, &header, rows, layout, wanted));
+        match more {
+            Some(more) => not_found.error.and(more),
+            None => not_found.error,
+        }
+    })?;
     let mut table = table::table(name, &header, rows, layout, wanted)?;
     table.repairs.encoding = encoding;
     Ok(table)

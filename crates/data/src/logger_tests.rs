@@ -146,6 +146,61 @@ fn dates_are_read_as_they_are_written() {
             noon,
         ),
         ("time", ["2025011912", "2025011913"], &utc, noon),
+        (
+            "time",
+            ["20250119T120000Z", "20250119T130000Z"],
+            &layout(""),
+            noon,
+        ),
+        ("time", ["20250119T1200", "20250119T1300"], &utc, noon),
+        (
+            "time",
+            ["2025-01-19 13:00 CET", "2025-01-19 14:00 MEZ"],
+            &layout(""),
+            noon,
+        ),
+        (
+            "time",
+            ["2025-07-19T14:00:00 MESZ", "2025-07-19T15:00:00 CEST"],
+            &layout(""),
+            "2025-07-19T12:00:00Z",
+        ),
+        (
+            "Date-Time (EST)",
+            ["2025-01-19 07:00", "2025-01-19 08:00"],
+            &layout(""),
+            noon,
+        ),
+        (
+            "Time (CET)",
+            ["2025-07-19 14:00", "2025-07-19 15:00"],
+            &layout("Europe/Berlin"),
+            "2025-07-19T12:00:00Z",
+        ),
+        (
+            "time",
+            ["19. Jan. 2025 12:00", "19. Jan. 2025 13:00"],
+            &utc,
+            noon,
+        ),
+        (
+            "time",
+            ["19. M\u{e4}rz 2025 12:00", "19. M\u{e4}rz 2025 13:00"],
+            &utc,
+            "2025-03-19T12:00:00Z",
+        ),
+        (
+            "time",
+            ["19-Dez-2025 12:00", "19-Dez-2025 13:00"],
+            &utc,
+            "2025-12-19T12:00:00Z",
+        ),
+        (
+            "time",
+            ["19 juillet 2025 12:00", "19 juil. 2025 13:00"],
+            &utc,
+            "2025-07-19T12:00:00Z",
+        ),
         ("time", ["202501191200", "202501191300"], &utc, noon),
         ("time", ["20250119120000", "20250119130000"], &utc, noon),
         (
@@ -484,10 +539,10 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
         ),
         (
             "time",
-            "2025-01-19 12:00 CET",
+            "2025-01-19 12:00 CST",
             &utc,
-            "not a known time format",
-            "2015-08-13 00:10",
+            "ends with `CST`, a time zone that is unknown or has several meanings",
+            "an offset such as +01:00",
         ),
     ] {
         let error = times(column, &[cell, cell], layout).expect_err(cell);
@@ -937,7 +992,31 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
             layout(""),
             Some(2),
             "decimals or thousands",
-            "--decimal ,",
+            "`--decimal .` if commas separate thousands, `--decimal ,`",
+        ),
+        (
+            "time_s,temperature_C\n0,\"285,150.0\"\n1,\"286,250.0\"\n",
+            layout(""),
+            Some(2),
+            "commas between thousands",
+            "--decimal .`",
+        ),
+        (
+            "time_s;temperature_C\n0;285.150,0\n1;286.250,0\n",
+            layout(""),
+            Some(2),
+            "points between thousands",
+            "--decimal ,`",
+        ),
+        (
+            "time_s;temperature_C\n0;285,150.0\n1;286,250.0\n",
+            Layout {
+                decimal: Some(','),
+                ..layout("")
+            },
+            Some(2),
+            "commas between thousands",
+            "--decimal .`",
         ),
     ] {
         let error = read_as(&layout, text.as_bytes()).expect_err(text);

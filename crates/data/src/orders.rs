@@ -2,7 +2,7 @@
 
 use super::query::DateOrder;
 use super::stamp::stamp;
-use jiff::civil::DateTime;
+use jiff::civil::{Date, DateTime};
 
 /// How the dates of a column look in one order.
 #[derive(Clone, Copy, Debug)]
@@ -112,4 +112,36 @@ impl Orders {
             _ => None,
         }
     }
+}
+
+/// How dates follow each other.
+#[derive(Clone, Copy, Default)]
+struct Path {
+    /// Number of dates that are earlier than the one before, and the days from each to the next.
+    down: u64,
+    days: i64,
+}
+
+impl Path {
+    fn of(dates: impl Iterator<Item = Date>) -> Path {
+        let mut path = Path::default();
+        let mut last = None;
+        for date in dates {
+            if let Some(last) = last.replace(date) {
+                let days = i64::from((date - last).get_days());
+                path.down += u64::from(days < 0);
+                path.days += days.abs();
+            }
+        }
+        path
+    }
+}
+
+/// Whether a spreadsheet has exchanged day and month where the day is at most 12, so that exchanging
+/// them back puts the dates in order.
+pub(super) fn are_exchanged(dates: &[Date]) -> bool {
+    let back = |date: &Date| Date::new(date.year(), date.day(), date.month()).unwrap_or(*date);
+    let found = Path::of(dates.iter().copied());
+    let exchanged = Path::of(dates.iter().map(back));
+    10 * exchanged.down <= found.down && exchanged.days < found.days && found.down > 0
 }

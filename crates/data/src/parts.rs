@@ -115,6 +115,11 @@ impl Parts {
         )
     }
 
+    /// Whether this is the name of a part of a time, in lower case.
+    pub fn is_part(name: &str) -> bool {
+        NAMES.iter().any(|(_, words)| words.contains(&name))
+    }
+
     /// Whether this is the name of a column of hours.
     pub fn is_hour(name: &str) -> bool {
         let lower = name.trim().to_lowercase();

@@ -59,8 +59,10 @@ impl Wording {
         match self {
             Wording::Key if name == "time" => format!("`time = {}`", text(value)),
             Wording::Key => format!("`{name} = {}`", literal(value)),
-            // Without a zone of its own, a file of temperatures has that of the other file.
-            Wording::TemperatureFlag if name == "zone" => flag(name, value),
+            // A file of temperatures has these options of the other file, or no own ones.
+            Wording::TemperatureFlag if ["zone", "outliers", "decimal"].contains(&name) => {
+                flag(name, value)
+            }
             Wording::Flag => flag(name, value),
             Wording::TemperatureFlag => flag(&format!("temperature-{name}"), value),
             Wording::Argument => format!("`{name}={}`", literal(value)),

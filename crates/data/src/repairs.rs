@@ -64,7 +64,7 @@ impl Repairs {
     pub fn of_file(&self, name: impl Display) -> Vec<String> {
         self.sentences()
             .iter()
-            .map(|sentence| format!("{name}: {sentence}"))
+            .map(|sentence| format!("{name}: {sentence}").replace(char::is_control, " "))
             .collect()
     }
 

@@ -7,6 +7,12 @@ use std::borrow::Cow;
 /// The end of the remedy for a bad line. The reader of tables replaces it.
 pub(super) const OR_SKIP: &str = "{or skip}";
 
+/// What is wrong with a cell of `########`, and the remedy.
+pub(super) const TOO_NARROW: (&str, &str) = (
+    "was too narrow for its content when a spreadsheet saved the file",
+    "widen the column in the spreadsheet, and export the file again",
+);
+
 /// Reads the rows of a CSV file one at a time, and holds the current row.
 pub(super) struct CsvRows<'a> {
     file: &'a str,
@@ -170,6 +176,20 @@ impl<'a> CsvRows<'a> {
         self.at = length.map_or(self.at, |length| self.at.min(start + length + 1));
         self.fields = self.named;
         self.reader.reset();
+    }
+
+    /// The line of the first row whose first cell a spreadsheet has filled with `#` because it was
+    /// too narrow. Such a row looks like a comment.
+    pub fn too_narrow(&self) -> Option<u64> {
+        let mut at = self.first;
+        for line in self.bytes[self.first..].split(|byte| *byte == b'\n') {
+            let hashes = line.iter().take_while(|byte| **byte == b'#').count();
+            if hashes >= 3 && line.get(hashes) == Some(&self.separator) {
+                return Some(line_at(self.bytes, at));
+            }
+            at += line.len() + 1;
+        }
+        None
     }
 
     /// Go back to before the first row.

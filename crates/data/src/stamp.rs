@@ -130,18 +130,23 @@ fn date(text: &str) -> Option<(Numbers, &str)> {
     }
     let separator = rest.chars().next().filter(|c| "-/. ".contains(*c))?;
     let (second, word, rest) = match digits(&rest[1..]) {
-        Some((second, rest)) => (second.parse().ok()?, false, rest),
+        Some((second, rest)) => (second.parse().ok()?, false, rest.strip_prefix(separator)?),
         None => {
-            let end = rest[1..]
-                .find(|c: char| !c.is_ascii_alphabetic())
-                .unwrap_or(rest.len() - 1);
-            (month(&rest[1..=end])?, true, &rest[end + 1..])
+            // As in `01. Jan. 2023`.
+            let rest = rest[1..].trim_start();
+            let end = rest.find(|c: char| !c.is_alphabetic())?;
+            let between = ['.', ' ', separator];
+            (
+                month(&rest[..end])?,
+                true,
+                rest[end..].trim_start_matches(between),
+            )
         }
     };
     if separator == ' ' && !word {
         return None;
     }
-    let (third, rest) = digits(rest.strip_prefix(separator)?)?;
+    let (third, rest) = digits(rest)?;
     let parts = [first.parse().ok()?, second, third.parse().ok()?];
     let order = match (first.len(), third.len(), word) {
         (4, 1 | 2, _) => Some(DateOrder::YearMonthDay),
@@ -159,13 +164,26 @@ fn date(text: &str) -> Option<(Numbers, &str)> {
     ))
 }
 
-/// The month that an English word stands for, from its first three letters.
+/// The month that a word stands for, in English, German, French, Spanish or Italian, from its first
+/// letters.
 fn month(word: &str) -> Option<i16> {
     const MONTHS: [&str; 12] = [
-        "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
+        "jan ene gen",
+        "feb fév fev",
+        "mar mär mrz",
+        "apr avr abr",
+        "may mai mag",
+        "jun juin giu",
+        "jul juil lug",
+        "aug aoû ago",
+        "sep set",
+        "oct okt ott",
+        "nov",
+        "dec dez déc dic",
     ];
     let lower = word.to_lowercase();
-    let place = MONTHS.iter().position(|month| lower.starts_with(month))?;
+    let is_month = |begins: &&str| begins.split(' ').any(|begin| lower.starts_with(begin));
+    let place = MONTHS.iter().position(|begins| is_month(&begins))?;
     Some(place as i16 + 1)
 }
 
@@ -190,6 +208,9 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     let (mut second, mut nanos) = (0, 0);
     if hours.len() == 4 {
         (hour, minute) = (hours[..2].parse().ok()?, hours[2..].parse().ok()?);
+    } else if hours.len() == 6 {
+        (hour, minute) = (hours[..2].parse().ok()?, hours[2..4].parse().ok()?);
+        second = hours[4..].parse().ok()?;
     } else if hours.len() <= 2 {
         hour = hours.parse().ok()?;
         rest = rest.strip_prefix([':', '.'])?;
@@ -232,9 +253,49 @@ fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
     Some((Time::new(hour, minute, second, nanos).ok()?, later, rest))
 }
 
-/// The offset from UTC that a text gives: `Z`, `UTC`, `GMT`, `+01:00`, `+0100`, `UTC+1`.
+/// Abbreviations of time zones that have one meaning, with their hours ahead of UTC. Others, such as
+/// CST, IST and BST, have several.
+const ZONES: [(&str, i8); 18] = [
+    ("WET", 0),
+    ("CET", 1),
+    ("MEZ", 1),
+    ("WEST", 1),
+    ("CEST", 2),
+    ("MESZ", 2),
+    ("EET", 2),
+    ("EEST", 3),
+    ("EST", -5),
+    ("EDT", -4),
+    ("CDT", -5),
+    ("MST", -7),
+    ("MDT", -6),
+    ("PST", -8),
+    ("PDT", -7),
+    ("JST", 9),
+    ("AEST", 10),
+    ("AEDT", 11),
+];
+
+/// The offset from UTC of the zone with this abbreviation, in capitals.
+pub(super) fn abbreviated(zone: &str) -> Option<Offset> {
+    let (_, hours) = ZONES.iter().find(|(name, _)| *name == zone)?;
+    Some(Offset::constant(*hours))
+}
+
+/// The unknown abbreviation of a zone after a date and a time of day.
+pub(super) fn unknown_zone(text: &str) -> Option<&str> {
+    let (before, word) = text.trim().rsplit_once(' ')?;
+    let is_word = word.len() >= 2 && word.chars().all(char::is_alphabetic);
+    let is_date = stamp(before, None).is_some() || needs_order(before);
+    Some(word).filter(|_| is_word && before.contains(':') && is_date)
+}
+
+/// The offset from UTC that a text gives: `Z`, `UTC`, `GMT`, `CET`, `+01:00`, `+0100`, `UTC+1`.
 pub(super) fn offset(text: &str) -> Option<Offset> {
     let upper = text.to_uppercase();
+    if let Some(offset) = abbreviated(&upper) {
+        return Some(offset);
+    }
     let rest = ["UTC", "GMT", "Z"]
         .iter()
         .find_map(|name| upper.strip_prefix(name));

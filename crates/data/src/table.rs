@@ -1,16 +1,17 @@
 //! The rows of a file in order of time, checked and repaired.
 
 use super::clock::{Clock, Start};
-use super::column::{Column, DataColumn, NOT_REPAIRED, SampleSource, sorted};
+use super::column::{Column, DataColumn, NOT_REPAIRED, SampleSource, other_header, sorted};
 use super::decimals::{Decimals, THOUSANDS};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
+use super::labels::Labels;
 use super::marks::Marks;
 use super::orders::Orders;
 use super::parts::{self, Parts};
 use super::query::{DateOrder, Layout, Wanted};
 use super::repairs::Repairs;
-use super::rows::{CsvRows, OR_SKIP};
+use super::rows::{CsvRows, OR_SKIP, TOO_NARROW};
 use super::stamp::{is_time_of_day, needs_order};
 use super::unit;
 use std::borrow::Cow;
@@ -52,6 +53,12 @@ pub(super) fn table(
 ) -> Result<Table, DataError> {
     let mut reading = TableReading::new(file, header, &mut rows, layout, wanted)?;
     rows.rewind();
+    if let Some(line) = rows.too_narrow() {
+        let (problem, remedy) = TOO_NARROW;
+        return Err(DataError::file(file, problem, remedy)
+            .line(line)
+            .cell(&reading.time_name, b"###"));
+    }
     loop {
         let taken = match rows.next() {
             Ok(false) => return reading.finished(&rows),
@@ -62,6 +69,24 @@ pub(super) fn table(
             reading.leave_out(error, &mut rows)?;
         }
     }
+}
+
+/// What is wrong with the first row of a file, or with its layout as far as that row needs it.
+pub(super) fn problem(
+    file: &str,
+    header: &Header,
+    mut rows: CsvRows<'_>,
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Option<DataError> {
+    let mut reading = TableReading::new(file, header, &mut rows, layout, wanted).ok()?;
+    rows.rewind();
+    while reading.rows == 0 && rows.next().ok()? {
+        if let Err(error) = reading.take(&rows) {
+            return Some(error.with_remedy(OR_SKIP, ""));
+        }
+    }
+    None
 }
 
 /// Longest cell that is proposed as a mark of a missing value.
@@ -90,11 +115,15 @@ struct TableReading<'a> {
     unit_below: Option<String>,
     /// Another column that has a time of day in the first row.
     time_elsewhere: Option<usize>,
+    /// The columns that may distinguish several series.
+    labels: Labels,
     rows: u64,
     unit_rows: u64,
     /// How many of the next rows may hold units.
     units_left: u64,
     repeated_headers: u64,
+    /// Whether the current row is a header or a row of units that cannot be taken.
+    is_bad_header: bool,
     /// Number of lines that were left out, with the error of the first.
     bad: Option<(u64, DataError)>,
 }
@@ -108,10 +137,16 @@ impl<'a> TableReading<'a> {
         wanted: &'a [Wanted<'a>],
     ) -> Result<Self, DataError> {
         let names = &header.names;
+        let column = |(wanted, field): (&'a Wanted<'a>, &usize)| {
+            let mut column = Column::of(&names[*field], wanted)?;
+            let above = header.units_above.get(*field);
+            above.map_or(Ok(()), |unit| column.take_unit(unit))?;
+            Ok(column)
+        };
         let columns = wanted
             .iter()
             .zip(&header.values)
-            .map(|(wanted, field)| Column::of(&names[*field], wanted))
+            .map(column)
             .collect::<Result<Vec<_>, _>>()
             .map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
         let (parts, told) = survey(rows, header, layout);
@@ -129,10 +164,12 @@ impl<'a> TableReading<'a> {
             clock: None,
             unit_below: None,
             time_elsewhere: None,
+            labels: Labels::of(header),
             rows: 0,
             unit_rows: 0,
             units_left: MOST_UNIT_ROWS,
             repeated_headers: 0,
+            is_bad_header: false,
             bad: None,
         })
     }
@@ -140,9 +177,7 @@ impl<'a> TableReading<'a> {
     /// Take the current row.
     fn take(&mut self, rows: &CsvRows<'_>) -> Result<(), DataError> {
         if self.header.is_repeated(rows) {
-            self.repeated_headers += 1;
-            self.units_left = MOST_UNIT_ROWS;
-            return Ok(());
+            return self.take_header(rows);
         }
         let cell = time_cell(rows, self.header, &self.parts);
         if self.units_left > 0 && is_row_of_units(rows, self.header, &cell) {
@@ -168,8 +203,30 @@ impl<'a> TableReading<'a> {
         }
         let when = self.time(rows, &cell)?;
         self.take_values(rows, when)?;
+        self.labels.take(rows);
         self.units_left = 0;
         self.rows += 1;
+        Ok(())
+    }
+
+    /// Take a header below the first. Without its units the rows below it would be misread, so it is
+    /// never left out as a bad line.
+    fn take_header(&mut self, rows: &CsvRows<'_>) -> Result<(), DataError> {
+        self.repeated_headers += 1;
+        self.units_left = MOST_UNIT_ROWS;
+        self.is_bad_header = true;
+        let wrong_at = |field, wrong| self.header.wrong(self.file, rows, field, wrong);
+        for field in &self.header.times {
+            if !self.header.is_named(rows, *field) {
+                return Err(wrong_at(*field, other_header()));
+            }
+        }
+        for (column, field) in self.columns.iter_mut().zip(&self.header.values) {
+            let name = String::from_utf8_lossy(rows.cell(*field));
+            let taken = column.take_name(&name);
+            taken.map_err(|wrong| self.header.wrong(self.file, rows, *field, wrong))?;
+        }
+        self.is_bad_header = false;
         Ok(())
     }
 
@@ -184,7 +241,7 @@ impl<'a> TableReading<'a> {
             ),
         };
         let error = error.with_remedy(OR_SKIP, &skip);
-        if is_strict || !self.layout.skip_bad {
+        if is_strict || !self.layout.skip_bad || self.is_bad_header {
             return Err(error);
         }
         let place = rows.place();
@@ -201,6 +258,7 @@ impl<'a> TableReading<'a> {
 
     fn take_units(&mut self, rows: &CsvRows<'_>, time: &str) -> Result<(), DataError> {
         self.unit_rows += 1;
+        self.is_bad_header = true;
         if self.unit_below.is_none() && unit::time(time).is_some() {
             self.unit_below = Some(time.to_string());
         }
@@ -209,6 +267,7 @@ impl<'a> TableReading<'a> {
                 .take_unit(&String::from_utf8_lossy(rows.cell(*field)))
                 .map_err(|wrong| self.header.wrong(self.file, rows, *field, wrong))?;
         }
+        self.is_bad_header = false;
         Ok(())
     }
 
@@ -271,13 +330,14 @@ impl<'a> TableReading<'a> {
             let is_strict = column.is_strict();
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = wording.option("missing", &quoted(cell));
-                let decimal = wording.option("decimal", ",");
+                let [comma, point] = [",", "."].map(|mark| wording.option("decimal", mark));
                 let remedy = match remedy.contains("MARK") {
                     true if is_strict => NOT_REPAIRED,
                     true if cell.len() > LONGEST_MARK => "correct the cell{or skip}",
                     _ => remedy,
                 };
-                let remedy = remedy.replace("MARK", &mark).replace("DECIMAL", &decimal);
+                let remedy = remedy.replace("MARK", &mark);
+                let remedy = remedy.replace("COMMA", &comma).replace("POINT", &point);
                 self.header
                     .wrong(self.file, rows, *field, (problem.into(), remedy))
             };
@@ -318,14 +378,7 @@ impl<'a> TableReading<'a> {
         if let Some(error) = self.undecided.take().filter(|_| !self.decimals.are_known()) {
             return Err(error);
         }
-        if clock.is_disordered() {
-            let problem = "two in five rows are out of order";
-            let remedy = format!(
-                "check whether its dates are {}, and sort its rows",
-                self.layout.wording.option("dates", "ymd, dmy or mdy")
-            );
-            return Err(DataError::file(file, problem, remedy));
-        }
+        self.check_order(&clock)?;
         let mut repairs = self.repairs(&clock);
         let source = SampleSource {
             file,
@@ -352,6 +405,38 @@ impl<'a> TableReading<'a> {
                 .collect(),
             repairs,
         })
+    }
+
+    /// Check that the rows belong to one series, and that their dates were not misread.
+    fn check_order(&self, clock: &Clock) -> Result<(), DataError> {
+        let wrong = |problem: &str, remedy: &str| Err(DataError::file(self.file, problem, remedy));
+        let samples = self
+            .columns
+            .first()
+            .map_or(&[][..], |column| &column.samples);
+        if let Some((field, cells)) = self.labels.separating(samples, clock.in_seconds()) {
+            let name = &self.header.names[field];
+            let problem = format!(
+                "its rows belong to several series, which column `{name}` distinguishes: {cells}"
+            );
+            return wrong(
+                &problem,
+                "write the rows of one of them to a file of its own",
+            );
+        }
+        if clock.is_exchanged(samples.iter().map(|sample| sample.0)) {
+            return wrong(
+                "its rows are in order only if day and month are exchanged in all dates whose day is at most 12; a \
+                    spreadsheet has probably exchanged them",
+                "export the file again without opening it in a spreadsheet, or exchange them back",
+            );
+        }
+        if clock.is_disordered() {
+            let orders = self.layout.wording.option("dates", "ymd, dmy or mdy");
+            let remedy = format!("check whether its dates are {orders}, and sort its rows");
+            return wrong("two in five rows are out of order", &remedy);
+        }
+        Ok(())
     }
 
     /// What was repaired in the rows, without their order and single columns.
@@ -404,12 +489,26 @@ impl Header {
         self.time_names().join(",")
     }
 
-    /// Whether the current row repeats the names of the columns.
+    /// Whether the current row has this name in this column, whatever its case.
+    fn is_named(&self, rows: &CsvRows<'_>, field: usize) -> bool {
+        rows.cell(field)
+            .eq_ignore_ascii_case(self.names[field].as_bytes())
+    }
+
+    /// Whether the current row names columns, as in joined files: one of its cells is the name of a
+    /// column of times, which is not a number.
     fn is_repeated(&self, rows: &CsvRows<'_>) -> bool {
-        let mut wanted = self.times.iter().chain(&self.values);
-        wanted.all(|field| {
-            let name = &self.names[*field];
-            rows.cell(*field) == name.as_bytes() && name.parse::<f64>().is_err()
+        if rows
+            .cell(self.times[0])
+            .first()
+            .is_some_and(u8::is_ascii_digit)
+        {
+            return false;
+        }
+        let mut times = self.times.iter().map(|field| &*self.names[*field]);
+        times.any(|name| {
+            let is_there = |field| rows.cell(field).eq_ignore_ascii_case(name.as_bytes());
+            name.parse::<f64>().is_err() && (0..self.names.len()).any(is_there)
         })
     }
 

@@ -87,6 +87,33 @@ impl InputUnit {
     pub fn of(&self, cell: f64) -> f64 {
         self.times * (cell - self.origin) / self.over
     }
+
+    /// The number that a cell in another unit would have in this one.
+    pub fn cell_of(&self, other: &InputUnit, cell: f64) -> f64 {
+        // Results of one unit may be in kelvin, and those of the other in degrees Celsius.
+        let shift = self.of(self.least) - other.of(other.least);
+        let value = other.of(cell) + if shift.is_finite() { shift } else { 0.0 };
+        value * self.over / self.times + self.origin
+    }
+}
+
+/// The scale at the beginning of a unit, as in `0.1degC`, `0,01 mm` and `1/10 K`, and the rest.
+fn scaled(name: &str) -> Option<(InputUnit, &str)> {
+    let end = name
+        .find(|c: char| !(c.is_ascii_digit() || ".,/".contains(c)))
+        .unwrap_or(name.len());
+    let (number, rest) = (name[..end].replace(',', "."), name[end..].trim_start());
+    if number.is_empty() {
+        return Some((InputUnit::AS_GIVEN, name));
+    }
+    let (times, over) = number.split_once('/').unwrap_or((&number, "1"));
+    let (times, over) = (times.parse::<f64>().ok()?, over.parse::<f64>().ok()?);
+    let scale = Some(times / over).filter(|scale| *scale > 0.0)?;
+    // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
+    Some(match scale < 1.0 {
+        true => (InputUnit::smaller((1.0 / scale).round()), rest),
+        false => (InputUnit::larger(scale), rest),
+    })
 }
 
 /// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
@@ -96,19 +123,9 @@ fn temperature(name: &str) -> Option<InputUnit> {
         .chars()
         .filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c))
         .collect();
-    let name = name.trim_end_matches('.');
-    let number = name
-        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
-        .unwrap_or(0);
-    let (scale, name) = match name[..number].parse::<f64>() {
-        // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
-        Ok(scale) if scale > 0.0 && scale < 1.0 => {
-            (InputUnit::smaller((1.0 / scale).round()), &name[number..])
-        }
-        Ok(scale) if scale > 0.0 => (InputUnit::larger(scale), &name[number..]),
-        _ if name == "mK" => (InputUnit::smaller(1e3), "K"),
-        _ if number > 0 => return None,
-        _ => (InputUnit::AS_GIVEN, name),
+    let (scale, name) = match name.trim_end_matches('.') {
+        "mK" => (InputUnit::smaller(1e3), "K"),
+        name => scaled(name)?,
     };
     let lower = name.to_lowercase();
     let bare = ["degrees", "degree", "degs", "deg"]
@@ -229,8 +246,68 @@ const POUND_FORCE: f64 = 4.448_221_615_260_5;
 /// The unit of unconverted values: in SI units, or in those of the scenario.
 const PLAIN: [UnitRow; 1] = [(&["none"], [1.0, 1.0])];
 
+/// A unit of displacement, which may have a scale, as in `1/100 mm`.
 fn displacement(name: &str) -> Option<InputUnit> {
-    in_table(&LENGTHS[..4], name).map(|(unit, _)| unit)
+    let (scale, name) = scaled(name)?;
+    let (unit, _) = in_table(&LENGTHS[..4], name)?;
+    Some(InputUnit {
+        times: unit.times * scale.times,
+        over: unit.over * scale.over,
+        ..unit
+    })
+}
+
+/// Whether a name or a unit contains a factor, as in `T x10` and `degC/10`. It may be the one that
+/// was applied, or the one that is to be applied.
+pub(super) fn has_factor(quantity: ColumnQuantity, text: &str) -> bool {
+    // `*C` is a degree sign.
+    let lower = text.to_lowercase().replace("*c", "c").replace("*f", "f");
+    let is_between = |c: char| c.is_whitespace() || "_,;[]()".contains(c);
+    let words: Vec<&str> = lower
+        .split(is_between)
+        .filter(|word| !word.is_empty())
+        .collect();
+    let power = |text: &str| text.parse::<f64>().map_or(0.0, f64::log10);
+    let is_ten =
+        |text: &str| power(text) != 0.0 && (power(text) - power(text).round()).abs() < 1e-9;
+    let is_factor = |word: &str| {
+        let mut sides = "x/*\u{d7}\u{b7}"
+            .chars()
+            .filter_map(|sign| Some((sign, word.rsplit_once(sign)?)));
+        sides.any(|(sign, (a, b))| {
+            let is_beside = |text: &str| {
+                text.is_empty() || !"x/".contains(sign) || quantity.unit(text).is_some()
+            };
+            is_ten(a) && is_beside(b) || is_ten(b) && is_beside(a)
+        })
+    };
+    let named = [
+        "tenth",
+        "hundredth",
+        "zehntel",
+        "hundertstel",
+        "10^",
+        "10e-",
+        "1e-",
+    ];
+    words
+        .iter()
+        .any(|word| is_factor(word) || named.iter().any(|name| word.starts_with(name)))
+        || words.windows(2).any(|pair| is_factor(&pair.concat()))
+}
+
+/// The error of a name or a unit with a factor.
+pub(super) fn factor(quantity: ColumnQuantity, of: &str) -> ProblemAndRemedy {
+    let example = match quantity {
+        ColumnQuantity::Displacement => "0.01mm",
+        _ => "0.1degC",
+    };
+    (
+        format!(
+            "{of} contains a factor, by which the numbers may have to be multiplied or divided"
+        ),
+        format!("give the unit of the numbers as `unit`, e.g. `{example}`"),
+    )
 }
 
 /// A unit of an input, and the SI unit to which it is converted; empty for `none`.
@@ -406,6 +483,9 @@ pub(super) fn of_name(
     quantity: ColumnQuantity,
     column: &str,
 ) -> Result<Option<InputUnit>, ProblemAndRemedy> {
+    if quantity != ColumnQuantity::Input && has_factor(quantity, column) {
+        return Err(factor(quantity, &format!("the name of column `{column}`")));
+    }
     let mut found: Option<InputUnit> = None;
     let mut unknown = None;
     for text in bracketed(column) {
@@ -444,9 +524,8 @@ pub(super) fn of_name(
 
 /// Whether a cell below the names of the columns is a unit of this quantity.
 pub(super) fn is_unit(quantity: ColumnQuantity, cell: &str) -> bool {
-    quantity
-        .unit(cell.trim_matches(['[', ']', '(', ')', ' ']))
-        .is_some()
+    let inside = cell.trim_matches(['[', ']', '(', ')', ' ']);
+    quantity.unit(inside).is_some() || has_factor(quantity, inside)
 }
 
 pub(super) fn unknown_unit(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {

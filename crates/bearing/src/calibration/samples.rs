@@ -22,6 +22,10 @@ pub struct MeasuredRecord {
     pub averaged: [f64; 2],
     /// The instant from which the times count, if it is known.
     pub start: Option<Start>,
+    /// What was repaired and assumed when the record was read, in sentences.
+    pub repairs: Vec<String>,
+    /// The option that leaves out an outlier that was kept, if there is one.
+    pub mark: Option<String>,
 }
 
 /// Seconds of an hour.
@@ -36,7 +40,7 @@ impl From<&BearingData> for MeasuredRecord {
             temperature,
             displacement,
             start,
-            ..
+            repairs,
         }: &BearingData,
     ) -> Self {
         let averaged = [temperature.averaged, displacement.averaged];
@@ -44,8 +48,11 @@ impl From<&BearingData> for MeasuredRecord {
             [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
         let most = 0.5 * averaged[0].max(averaged[1]);
         let start = start.and_then(|start| start.after(-most));
+        let mark = displacement.mark.clone();
         MeasuredRecord {
             start,
+            repairs: repairs.clone(),
+            mark: mark.or_else(|| temperature.mark.clone()),
             ..MeasuredRecord::of_means(air, sensor, averaged)
         }
     }

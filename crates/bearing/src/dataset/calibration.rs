@@ -158,20 +158,27 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     let mut mirrored: u64 = calibration.is_mirrored.into();
     walk.attribute("mirrored", &mut mirrored)?;
     calibration.is_mirrored = mirrored != 0;
-    let lines: Vec<String> = warnings
+    let mut named: Vec<String> = warnings
         .iter()
         .map(|(name, sentence)| format!("{name}: {sentence}"))
         .collect();
-    let mut lines = Some(lines.join("\n")).filter(|lines| !lines.is_empty());
-    walk.attribute("warnings", &mut lines)?;
-    let split = |line: &str| {
+    sentences(walk, "warnings", &mut named)?;
+    let split = |line: &String| {
         line.split_once(": ")
             .map(|(name, text)| (name.to_string(), text.to_string()))
     };
-    *warnings = lines
+    *warnings = named.iter().filter_map(split).collect();
+    sentences(walk, "repairs", &mut calibration.record.repairs)
+}
+
+/// Walk over sentences, one in each line of an attribute; without any, it is absent.
+fn sentences(walk: &mut Walk, name: &str, sentences: &mut Vec<String>) -> Walked {
+    let mut lines = Some(sentences.join("\n")).filter(|lines| !lines.is_empty());
+    walk.attribute(name, &mut lines)?;
+    *sentences = lines
         .unwrap_or_default()
         .lines()
-        .filter_map(split)
+        .map(String::from)
         .collect();
     Ok(())
 }

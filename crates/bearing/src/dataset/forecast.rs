@@ -1,7 +1,7 @@
 //! A forecast as a data set: expected values for a year, and every simulated year.
 
 use super::calibration::units;
-use crate::forecast::{Forecast, ForecastLevel, ReturnLevel};
+use crate::forecast::{BearingForecast, Forecast, ForecastLevel, ReturnLevel};
 use stickslip_files::dataset::layout::{Unit, Variable, coordinate, variable};
 use stickslip_files::dataset::{Dataset, Format, columns_of, counted, texts, write_origin};
 
@@ -10,7 +10,7 @@ const FORMAT: Format = ("stick-slip forecast", (1, 0));
 
 /// The data set of a forecast. `title` is one line, and `scenario_text` is the scenario as it
 /// was written.
-pub fn forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Dataset {
+pub fn forecast(title: &str, scenario_text: &str, found: &BearingForecast) -> Dataset {
     let Forecast {
         question,
         years,
@@ -20,7 +20,7 @@ pub fn forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Datase
         usual,
         redrawn,
         ..
-    } = forecast;
+    } = &found.forecast;
     let mut to = Dataset::new(&units());
     write_origin(&mut to, FORMAT, title);
     to.set_attribute("scenario", scenario_text);
@@ -28,6 +28,10 @@ pub fn forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Datase
     to.set_attribute("interval", question.level);
     to.set_attribute("share", question.share);
     to.set_attribute("draws_redrawn", *redrawn);
+    let repairs = &found.calibration.record.repairs;
+    if !repairs.is_empty() {
+        to.set_attribute("repairs", repairs.join("\n"));
+    }
     for (name, value) in [
         ("record_slips", showed.slips),
         ("record_sliding_path", showed.path),

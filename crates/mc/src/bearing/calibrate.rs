@@ -16,6 +16,7 @@ use stickslip_bearing::calibration::{
 };
 use stickslip_bearing::dataset::StoredCalibration;
 use stickslip_bearing::report;
+use stickslip_data::remedy;
 use stickslip_files::store;
 
 /// Arguments of `mc calibrate`.
@@ -77,7 +78,10 @@ impl Arguments {
         let calibration = during("calibrating the bearing", || {
             calibrate(&record, &question, threads, &stop)
         })
-        .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
+        .map_err(|error| {
+            let remedy = remedy(record.mark.as_deref(), error.remedy());
+            Failure::run_of(self.source.shown(), &error, remedy)
+        })?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
         for output in &self.output {
             match is_scenario(output) {

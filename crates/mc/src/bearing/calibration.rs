@@ -206,6 +206,7 @@ pub fn object(
             "clock": profile.and_then(|profile| profile.clock),
             "profile": profile.map_or(&[][..], |profile| &profile.profile[..]),
         },
+        "repairs": calibration.record.repairs,
         "roughness": calibration.roughness,
         "zero": { "drift_per_year": calibration.zero.drift_per_year(), "steps": calibration.zero.steps },
         "starts": starts.collect::<Vec<_>>(),

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use stickslip::config;
 use stickslip_bearing::report;
 use stickslip_bearing::weather::{WeatherFit, fit, usual};
-use stickslip_data::{ColumnQuantity, Origin, Wording};
+use stickslip_data::{ColumnQuantity, Origin, Wording, remedy};
 use stickslip_files::store;
 
 /// Arguments of `mc fit-temperature`.
@@ -78,17 +78,20 @@ impl Arguments {
                 column.averaged,
             )
         })
-        .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
+        .map_err(|error| {
+            let remedy = remedy(column.mark.as_deref(), error.remedy());
+            Failure::run_of(&self.data, error, remedy)
+        })?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
             let start = start.and_then(|start| start.after(-0.5 * column.averaged));
             let start =
                 start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
-            let part = part(&found, &self.data, &start);
+            let part = part(&found, &self.data, &start, &repairs);
             store::write_whole(output, part.as_bytes(), self.force)?;
         }
         print(&if self.json {
-            json(&found)
+            json(&found, &repairs)
         } else {
             text(&report::weather(&found))
         })?;
@@ -103,7 +106,7 @@ impl Arguments {
 }
 
 /// The temperature section of a scenario.
-fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
+fn part(found: &WeatherFit, data: &Path, start: &str, repairs: &[String]) -> String {
     let mut part = format!(
         "# Temperature fitted to {}, {} samples; t = 0 is {start}.\n# In the tables: noise of \
          intensity rho in kelvin, whose v has the standard deviation 1.\n",
@@ -113,11 +116,14 @@ fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
     for line in text(&report::weather(found)).lines() {
         part += &(format!("# {line}").trim_end().to_string() + "\n");
     }
+    for repair in repairs {
+        part += &format!("# {repair}\n");
+    }
     part + &config::temperature_part(&found.temperature())
 }
 
 /// The fit as JSON for programs, in seconds and kelvin.
-fn json(found: &WeatherFit) -> String {
+fn json(found: &WeatherFit, repairs: &[String]) -> String {
     let cycles = found.cycles().into_iter().map(|cycle| {
         json!({
             "period": cycle.period,
@@ -143,6 +149,7 @@ fn json(found: &WeatherFit) -> String {
         "smoothing": found.smoothing().map(|(tau, _)| tau),
         "sensor_sd": found.white,
         "warnings": found.warnings(),
+        "repairs": repairs,
         "log_likelihood": found.log_likelihood,
     });
     document("weather", fit)

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stickslip_bearing::forecast::{BearingForecast, Forecast, ForecastQuestion};
 use stickslip_bearing::report;
+use stickslip_data::remedy;
 use stickslip_files::store;
 
 /// Arguments of `mc forecast`.
@@ -82,7 +83,10 @@ impl Arguments {
                 &scene, &record, &question, processes, threads, &stop, begins,
             )
         })
-        .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
+        .map_err(|error| {
+            let remedy = remedy(record.mark.as_deref(), error.remedy());
+            Failure::run_of(self.source.shown(), &error, remedy)
+        })?
         .ok_or(Failure::Interrupted)?;
         let warnings = outcome.warnings();
         warnings.iter().for_each(|(_, text)| warn(text));

@@ -25,7 +25,7 @@ impl AnyResult for Years<'_> {
 
     fn json(&self, _: &Path) -> Result<String, Failure> {
         let BridgeScene { title, text, .. } = self.scene;
-        let dataset = forecast(title, text, &self.found.forecast);
+        let dataset = forecast(title, text, self.found);
         Ok(dataset::json_with(&dataset, &self.found.warnings()))
     }
 

@@ -305,6 +305,85 @@ fn what_cannot_be_used_is_refused_in_words() {
     }
 }
 
+/// The shipped measurements with these cells of displacements, and two rows exchanged.
+fn spoilt(folder: &std::path::Path, cell: impl Fn(usize) -> Option<&'static str>) {
+    let text = std::fs::read_to_string(DATA).expect("the twin");
+    let spoil = |(i, line): (usize, &str)| match cell(i) {
+        Some(cell) => format!("{},{cell}", line.rsplit_once(',').expect("cells").0),
+        None => line.to_string(),
+    };
+    let mut lines: Vec<String> = text.lines().enumerate().map(spoil).collect();
+    lines.swap(100, 101);
+    std::fs::write(folder.join("spoilt.csv"), lines.join("\n")).expect("written");
+}
+
+#[test]
+fn repairs_are_in_the_json_the_file_and_the_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    spoilt(path, |i| (i == 200).then_some(""));
+    let repairs = [
+        "spoilt.csv: sorted 1 row out of order",
+        "spoilt.csv: left out 1 cell without a value in `displacement_mm`",
+    ];
+    let calibrate = [
+        "calibrate",
+        SCENARIO,
+        "spoilt.csv",
+        "--json",
+        "-o",
+        "fit.h5",
+    ];
+    let reported = json(&done(path, &calibrate));
+    assert_eq!(reported["repairs"], serde_json::json!(repairs));
+    let shown = json(&done(path, &["show", "fit.h5", "--json"]));
+    assert_eq!(shown["repairs"], reported["repairs"]);
+    done(path, &["verify", "fit.h5"]);
+    done(path, &["report", "fit.h5", "-o", "fit.html"]);
+    let page = std::fs::read_to_string(path.join("fit.html")).expect("the page");
+    let weather = ["fit-temperature", "spoilt.csv", "--json", "-o", "t.toml"];
+    let weather = json(&done(path, &weather));
+    assert_eq!(weather["repairs"], serde_json::json!(repairs[..1]));
+    let part = std::fs::read_to_string(path.join("t.toml")).expect("the part");
+    assert!(part.contains(repairs[0]), "{part}");
+    for repair in repairs {
+        assert!(page.contains(repair), "{repair}");
+    }
+    let forecast = [
+        "forecast",
+        SCENARIO,
+        "spoilt.csv",
+        "--draws",
+        "2",
+        "--years",
+        "2",
+        "--json",
+    ];
+    let forecast = json(&done(path, &forecast));
+    assert_eq!(forecast["attrs"]["repairs"], repairs.join("\n"));
+}
+
+/// A mark that hides the slips is what the remedy is about, not the length of the record.
+#[test]
+fn a_record_with_marks_is_refused_with_the_option_for_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    spoilt(path, |i| (i > 0 && i.is_multiple_of(977)).then_some("9999"));
+    for command in ["calibrate", "forecast"] {
+        let arguments = [command, SCENARIO, "spoilt.csv"];
+        refused(
+            path,
+            &arguments,
+            1,
+            &["leave out its outliers with `--missing 9999`"],
+        );
+    }
+    done(
+        path,
+        &["calibrate", SCENARIO, "spoilt.csv", "--missing", "9999"],
+    );
+}
+
 /// Jumps that are not slips of a bearing are refused in one sentence, by a calibration and by a
 /// forecast: a joint opens every morning, where a bearing would slip upwards.
 #[test]
