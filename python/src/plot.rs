@@ -4,7 +4,9 @@ use crate::dataset::{Handed, from_python};
 use crate::errors;
 use crate::scenario::Scenario;
 use crate::studies;
+use crate::watched::{Watch, abandoned_on_interrupt};
 use pyo3::prelude::*;
+use stickslip::scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::Sweep;
 use stickslip_bearing::dataset::CALIBRATION_FORMAT;
@@ -57,8 +59,12 @@ type Drawn = (
     Vec<(String, String)>,
 );
 
+/// Why there is no picture: the argument and its value, or none if it is not an argument; the problem
+/// and the remedy.
+type Refused = (Option<(&'static str, String)>, String, String);
+
 /// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
-/// calibration, or sweeps over the same key.
+/// calibration, or sweeps over the same key. Ctrl-C ends it.
 #[pyfunction]
 pub fn plot(
     py: Python<'_>,
@@ -76,94 +82,92 @@ pub fn plot(
         .into_iter()
         .map(read)
         .collect::<PyResult<Vec<(String, Dataset)>>>()?;
-    match (scenario.map(|scenario| &scenario.checked), data.as_slice()) {
-        (Some(scenario), data) => {
-            let path = DrawnPath {
-                scenario,
-                number: path,
-                from: 0.0,
-            };
-            let run = data.first().map(|(_, run)| run);
-            draw_path(py, path, run, drawn)
-        }
-        (None, data) => draw_study(py, data, of, drawn),
-    }
+    let scenario = scenario.map(|scenario| scenario.checked.clone());
+    let work = move |_: &Watch| match &scenario {
+        Some(scenario) => draw_path(scenario, path, data.first(), drawn),
+        None => draw_study(&data, of, drawn),
+    };
+    let refused = |(argument, problem, remedy): Refused| match argument {
+        Some((name, value)) => errors::of_argument(py, name, value, problem, &remedy),
+        None => errors::of_run(py, problem, &remedy),
+    };
+    abandoned_on_interrupt(py, &None, work)?
+        .map(Picture)
+        .map_err(refused)
 }
 
 /// Draws a path of a scenario, or a run with this path.
 fn draw_path(
-    py: Python<'_>,
-    path: DrawnPath<'_>,
-    run: Option<&Dataset>,
+    scenario: &scenario::Scenario,
+    number: u64,
+    run: Option<&(String, Dataset)>,
     drawn: Drawn,
-) -> PyResult<Picture> {
-    let Some(run) = run else {
-        return draw(py, &Subject::Path(path), drawn);
+) -> Result<Drawing, Refused> {
+    let path = DrawnPath {
+        scenario,
+        number,
+        from: 0.0,
     };
-    let scenario = path.scenario;
-    let summary = run
-        .summary(scenario.scheme.step())
-        .map_err(|problem| damaged(py, &problem))?;
+    let Some((_, run)) = run else {
+        return draw(&Subject::Path(path), drawn);
+    };
+    let summary = run.summary(scenario.scheme.step()).map_err(damaged)?;
     let subject = Subject::Run {
         scenario,
         summary: &summary,
         path,
     };
-    draw(py, &subject, drawn)
+    draw(&subject, drawn)
 }
 
 /// Draws a trade, a calibration or sweeps.
 fn draw_study(
-    py: Python<'_>,
     data: &[(String, Dataset)],
     of: Option<Statistic>,
     drawn: Drawn,
-) -> PyResult<Picture> {
-    let wrong = |problem: String| damaged(py, &problem);
+) -> Result<Drawing, Refused> {
     let format = data
         .first()
         .and_then(|(_, first)| first.attribute("format_name"));
     match (data, format) {
         ([(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
-            let costs = trade.trade().map_err(wrong)?.cost_curves(of);
-            let costs = costs.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
-            draw(py, &Subject::Trade(&costs), drawn)
+            let costs = trade.trade().map_err(damaged)?.cost_curves(of);
+            let costs = costs.ok_or_else(|| damaged("it has no costs for any statistic".into()))?;
+            draw(&Subject::Trade(&costs), drawn)
         }
         ([(_, fit)], Some(Attribute::Text(kind))) if kind == CALIBRATION_FORMAT.0 => {
-            draw(py, &Subject::Dataset(fit), drawn)
+            draw(&Subject::Dataset(fit), drawn)
         }
         (sweeps, _) => {
             let read = |(name, sweep): &(String, Dataset)| {
-                Ok((name.clone(), sweep.sweep().map_err(wrong)?.sweep))
+                Ok((name.clone(), sweep.sweep().map_err(damaged)?.sweep))
             };
-            let sweeps: Vec<(String, Sweep)> = sweeps.iter().map(read).collect::<PyResult<_>>()?;
+            let sweeps = sweeps.iter().map(read);
+            let sweeps = sweeps.collect::<Result<Vec<(String, Sweep)>, Refused>>()?;
             let subject = Subject::Sweep {
                 sweeps: &sweeps,
                 statistics: of.as_slice(),
             };
-            draw(py, &subject, drawn)
+            draw(&subject, drawn)
         }
     }
 }
 
-fn damaged(py: Python<'_>, problem: &str) -> PyErr {
+fn damaged(problem: String) -> Refused {
     let remedy = "give what run(), trade(), sweep() or calibrate() returned, or load() of its file";
-    errors::of_argument(py, "subject", "a data set", problem, remedy)
+    let subject = ("subject", "a data set".to_string());
+    (Some(subject), problem, remedy.into())
 }
 
 fn draw(
-    py: Python<'_>,
     subject: &Subject,
     (only, dark, width, log, title, labels): Drawn,
-) -> PyResult<Picture> {
+) -> Result<Drawing, Refused> {
+    let argument = |name, value: &dyn ToString| Some((name, value.to_string()));
     if !(60.0..=400.0).contains(&width) {
-        return Err(errors::of_argument(
-            py,
-            "width",
-            width,
-            "too narrow or too wide for the text",
-            "must be between 60 and 400 mm",
-        ));
+        let problem = "too narrow or too wide for the text".to_string();
+        let remedy = "must be between 60 and 400 mm".to_string();
+        return Err((argument("width", &width), problem, remedy));
     }
     let theme = if dark { Theme::Dark } else { Theme::Light };
     let style = Style {
@@ -173,32 +177,36 @@ fn draw(
         title: title.as_deref(),
         labels: &labels,
     };
-    let refused = |name: &str, absent: Absent| {
-        let remedy = match absent {
-            Absent::Panel(..) => "choose one of them, or omit the letter to draw all",
-            _ => "choose another figure or another path",
+    let only = only.map(|name| {
+        let unknown = |problem| {
+            (
+                argument("only", &name),
+                problem,
+                "as `mc plot --help` says".into(),
+            )
         };
-        errors::of_argument(py, "only", name, &absent, remedy)
-    };
-    let unknown = |name: &str, problem: String| {
-        errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says")
-    };
-    let only = only
-        .map(|name| Only::named(&name, figures()).map_err(|problem| unknown(&name, problem)))
-        .transpose()?;
-    let drawn = || {
-        stickslip_figure::draw(only, figures(), subject, &style).map_err(|no| match no {
-            NoPage::Without(figure, absent) => refused(figure.name, absent),
-            NoPage::Empty => errors::of_run(
-                py,
-                "nothing to draw: every path was lost",
-                "draw another run",
-            ),
-            NoPage::Label(name, known) => {
-                let remedy = format!("use a statistic, or one of {known}");
-                errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)
-            }
-        })
-    };
-    Ok(Picture(errors::guarded(py, drawn)?))
+        Only::named(&name, figures()).map_err(unknown)
+    });
+    stickslip_figure::draw(only.transpose()?, figures(), subject, &style).map_err(|no| match no {
+        NoPage::Without(figure, absent) => {
+            let remedy = match absent {
+                Absent::Panel(..) => "choose one of them, or omit the letter to draw all",
+                _ => "choose another figure or another path",
+            };
+            (
+                argument("only", &figure.name),
+                absent.to_string(),
+                remedy.into(),
+            )
+        }
+        NoPage::Empty => {
+            let problem = "nothing to draw: every path was lost".into();
+            (None, problem, "draw another run".into())
+        }
+        NoPage::Label(name, known) => {
+            let remedy = format!("use a statistic, or one of {known}");
+            let problem = "the sweep has no such key".into();
+            (argument("labels", &name), problem, remedy)
+        }
+    })
 }

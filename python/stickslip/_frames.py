@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+import math
+import re
 from typing import TYPE_CHECKING, Any
 
 from ._public import public
@@ -83,7 +86,8 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
 
     Returns:
         The names of the statistics are the index; for a sweep its axes, or its points, come before
-        them in the index. The columns are `estimate`, `standard_error`, the 95 % confidence
+        them in the index. `.to_latex()` writes the estimates, their 95 % intervals and their units as a
+        table, with the digits that the standard errors support. The columns are `estimate`, `standard_error`, the 95 % confidence
         interval from `interval_low` to `interval_high`, `bias` with `bias_uncertainty`,
         `estimate_corrected` with its 95 % interval from `estimate_corrected_low` to
         `estimate_corrected_high`, `unit` and `long_name`. Unknown
@@ -115,7 +119,88 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
         mine = type(ds)(own).reset_coords(drop=True).to_dataframe(dim_order=[*axes[:-1], "own"])
         mine = mine.rename_axis(index={"own": "statistic"}).assign(unit="", long_name="")
         frame = pandas.concat([frame, mine])
-    return frame.reindex(columns=[*_NUMBERS, *units])
+    return _summary_frame()(frame.reindex(columns=[*_NUMBERS, *units]))
+
+
+@functools.cache
+def _summary_frame() -> Any:
+    """The class of a summary: a frame that knows how its numbers are printed."""
+    pandas = _pandas()
+
+    class SummaryFrame(pandas.DataFrame):  # type: ignore[misc,name-defined]
+        @property
+        def _constructor(self) -> Any:
+            return SummaryFrame
+
+        def to_latex(self, *args: Any, **options: Any) -> Any:
+            """The table in LaTeX, for the package booktabs; with arguments, as pandas writes it."""
+            if args or options or not {*_NUMBERS[:4], "unit", "long_name"} <= {*self.columns}:
+                return super().to_latex(*args, **options)
+            return _latex(self)
+
+    SummaryFrame.__qualname__ = "SummaryFrame"
+    return SummaryFrame
+
+
+def __getattr__(name: str) -> Any:
+    """The class of a summary, for pickle."""
+    if name == "SummaryFrame":
+        return _summary_frame()
+    raise AttributeError(name)
+
+
+def _latex(frame: pd.DataFrame) -> str:
+    """A `tabular` with a row for each statistic."""
+    axes = [_escaped(str(name)) for name in frame.index.names[:-1]]
+    lines = [" & ".join([*axes, "statistic", "estimate", r"95 \% interval", "unit"])]
+    for label, row in zip(frame.index, frame.itertuples()):
+        *places, name = label if isinstance(label, tuple) else (label,)
+        shown = _digits(row.estimate, row.standard_error)
+        interval = " to ".join(map(shown, (row.interval_low, row.interval_high)))
+        is_known = math.isfinite(row.interval_low) and math.isfinite(row.interval_high)
+        cells = [*map(str, places), row.long_name or str(name)]
+        numbers = [shown(row.estimate), interval if is_known else ""]
+        lines.append(" & ".join([*map(_escaped, cells), *numbers, _latex_unit(row.unit)]))
+    head, *body = [line + r" \\" for line in lines]
+    rows = "\n".join(body)
+    columns = "l" * (len(axes) + 1) + "rrl"
+    return (
+        "% needs \\usepackage{booktabs}\n"
+        f"\\begin{{tabular}}{{{columns}}}\n\\toprule\n{head}\n\\midrule\n{rows}\n"
+        "\\bottomrule\n\\end{tabular}\n"
+    )
+
+
+def _digits(estimate: float, error: float) -> Any:
+    """Writes numbers with two digits of the error of an estimate, or seven digits without one."""
+
+    def power(x: float) -> int:
+        return math.floor(math.log10(x)) if x > 0 and math.isfinite(x) else 0
+
+    is_sure = math.isfinite(error) and error > 0
+    largest = power(max(abs(estimate), error if is_sure else 0))
+    last = power(error) - 1 if is_sure else largest - 6
+    exponent = 0 if -3 <= largest <= 6 else largest
+
+    def shown(x: float) -> str:
+        if not math.isfinite(x):
+            return "none"
+        scaled = f"{x / 10.0**exponent:.{max(exponent - last, 0)}f}"
+        return f"${scaled}$" if exponent == 0 else rf"${scaled}\times10^{{{exponent}}}$"
+
+    return shown
+
+
+def _escaped(text: str) -> str:
+    return re.sub(r"([_%&#${}])", r"\\\1", text)
+
+
+def _latex_unit(unit: str) -> str:
+    """A unit in the notation of UDUNITS, such as `m2 s-1`."""
+    if unit in ("", "1"):
+        return ""
+    factors = [re.sub(r"^(.*?[^\d-])(-?\d+)$", r"\1^{\2}", factor) for factor in unit.split()]
+    return r"$\mathrm{" + r"\,".join(factors) + "}$"
 
 
 def _pandas() -> Any:

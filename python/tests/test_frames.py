@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import pickle
+import re
 import sys
 
 import numpy as np
@@ -94,3 +97,22 @@ def test_without_pandas_the_message_says_so(monkeypatch):
     for frame in (ss.events, ss.summary):
         with pytest.raises(ModuleNotFoundError, match="pip install pandas"):
             frame(ds)
+
+
+def test_a_summary_writes_latex_with_digits_and_units():
+    ds = ss.run("rho025", paths=512, bias=False, set={"units.time": "s", "units.length": "m"})
+    frame = ss.summary(ds)
+    lines = frame.to_latex().splitlines()
+    assert lines[3].startswith("statistic & estimate & 95") and len(lines) == len(frame) + 7
+    row = frame.loc["stick_duration_mean"]
+    shown = next(line for line in lines if line.startswith("mean stick duration &"))
+    numbers = [float(x) for x in re.findall(r"\$([-\d.]+)\$", shown)]
+    assert shown.endswith(r"& $\mathrm{s}$ \\")
+    assert numbers == pytest.approx([row.estimate, row.interval_low, row.interval_high], rel=1e-3)
+    # Two digits of the standard error.
+    decimals = 1 - math.floor(math.log10(row.standard_error))
+    assert all(len(x.split(".")[1]) == decimals for x in re.findall(r"\$([-\d.]+)\$", shown))
+    assert r"\mathrm{m^{2}\,s^{-1}}" in frame.loc[["diffusion_coefficient"]].to_latex()
+    assert pickle.loads(pickle.dumps(frame)).to_latex() == frame.to_latex()
+    swept = ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, paths=256, bias=False)
+    assert ss.summary(swept).to_latex().count("& mean stick duration &") == 2

@@ -121,3 +121,24 @@ def test_the_version_is_that_of_the_command(mc):
     from importlib.metadata import version
 
     assert version("stickslip") == ss.__version__
+
+
+DRAWN = """
+import os, signal, threading
+import stickslip as ss
+
+# The path has 10^10 steps and no event, so that it takes longer than the test may.
+stuck = {"friction.static": 1e6, "time.end": 1e8, "time.output_step": 1e6}
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    ss.plot("rho025", set=stuck)
+except KeyboardInterrupt:
+    print("interrupted")
+    os._exit(0)
+"""
+
+
+def test_ctrl_c_ends_a_drawing():
+    command = [sys.executable, "-c", DRAWN]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout == "interrupted\n"

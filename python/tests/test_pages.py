@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import builtins
+import glob
+import json
 import os
 import re
 import signal
@@ -39,6 +43,29 @@ def test_a_notebook_runs_from_end_to_end_in_any_folder(name, pictures, tmp_path)
     ]
     assert sum("image/svg+xml" in data for data in shown) == pictures
     assert not list(tmp_path.iterdir())
+
+
+def test_the_sections_of_the_short_lesson_stand_alone():
+    """They take 45 minutes, and use no name that only another section defines."""
+    cells = json.loads((ROOT / "examples/lesson.ipynb").read_text())["cells"]
+    sources = ["".join(cell["source"]) for cell in cells]
+    (chosen,) = re.findall(r"In 45 minutes, take sections ([\d, and]+);", sources[0])
+    chosen = re.findall(r"\d", chosen)
+    minutes = dict(re.findall(r"^\| (\d) \|.*\| (\d+) \|$", sources[0], re.MULTILINE))
+    assert sum(int(minutes[section]) for section in chosen) == 45
+    section, defined, used = None, {*dir(builtins)}, set()
+    for cell, source in zip(cells, sources):
+        if heading := re.match(r"## (\d)\. |# Solutions", source):
+            section = heading[1] or "solutions"
+        if cell["cell_type"] == "code" and section in (None, *chosen):
+            for node in ast.walk(ast.parse(source)):
+                if isinstance(node, ast.Name):
+                    (used if isinstance(node.ctx, ast.Load) else defined).add(node.id)
+                elif isinstance(node, (ast.FunctionDef, ast.alias)):
+                    defined.add((getattr(node, "asname", None) or node.name).split(".")[0])
+                elif isinstance(node, ast.arg):
+                    defined.add(node.arg)
+    assert used <= defined, used - defined
 
 
 def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
@@ -93,6 +120,36 @@ def test_the_snippet_on_a_measured_motion_finds_its_parameters():
     names = {}
     exec(*snippets("docs/motion.md"), names)
     assert np.allclose(np.exp(names["fit"].x), [100, 0.3, 1], rtol=0.05)
+
+
+def test_records_of_a_folder_give_a_fragility_and_are_replayed(monkeypatch, tmp_path):
+    """Rectangular pulses of 0.3 g and 0.5 g move a block that slides at 0.2 g by 0.1177 m and
+    0.5884 m (docs/sweep.md), so the fractions beyond 0.01, 0.1 and 0.5 m are 1, 1 and 1/2."""
+    monkeypatch.chdir(tmp_path)
+    for size in (0.3, 0.5):
+        values = "\n".join([f"{size:.7E}"] * 401 + ["0.0"] * 2600)
+        head = "PEER\nsite\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS=   3001, DT=   .0010 SEC,\n"
+        (tmp_path / f"pulse-{size}.AT2").write_text(head + values + "\n")
+    block = """
+        oscillator = { mass = 1000, stiffness = 0, dilatation = 0 }
+        friction = { static = 1961.33, dynamic = 1961.33 }
+        force.expression = "-m*s*ag"
+        parameters = { m = 1000, s = 1 }
+        input.ag = { file = "pulse-0.3.AT2" }
+        initial.displacement = 0
+        scheme.kind = "event-driven"
+        ensemble.paths = 1
+    """
+    (tmp_path / "block.toml").write_text(block)
+    names = {"ss": ss, "glob": glob}
+    exec(*snippets("docs/records.md"), names)
+    assert names["fragility"] == [1.0, 1.0, 0.5]
+    # Both polarities move it by as much, in opposite directions.
+    ds = ss.sweep("block.toml", {"parameters.s": [1, -1]})
+    moved = ds.estimate.sel(statistic="displacement_end_mean").to_numpy()
+    assert moved[0] == -moved[1] != 0
+    again = ss.replay(ss.run("block.toml"), path=0)
+    assert abs(again.trajectory_displacement).max() == pytest.approx(0.1177, abs=1e-3)
 
 
 def test_random_parameters_are_pooled_with_their_interval():

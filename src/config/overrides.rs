@@ -103,7 +103,9 @@ impl Override {
     /// is long.
     pub(super) fn change_of_physics(&self) -> Option<String> {
         let table = self.key.split('.').next().unwrap_or_default();
-        let is_physics = !NOT_PHYSICS.contains(&table);
+        // The layout of a measurement is that of its file.
+        let is_layout = self.key.contains(".series.") && !self.key.ends_with(".file");
+        let is_physics = !NOT_PHYSICS.contains(&table) && !is_layout;
         is_physics.then(|| match self.value.len() <= LONGEST_SHOWN {
             true => format!("{} = {}", self.key, self.value),
             false => self.key.clone(),

@@ -256,6 +256,9 @@ fn the_title_lists_what_overrides_change() {
         title(text, &["friction.static=1.3", "title=mine"]).title,
         "mine"
     );
+    let of_file = ["temperature.series.value=Air", "friction.static=1.3"];
+    let changes = of_file.map(|set| Override::set(set).expect("well formed").change_of_physics());
+    assert_eq!(changes, [None, Some("friction.static = 1.3".into())]);
 }
 
 #[test]

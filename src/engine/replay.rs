@@ -55,8 +55,17 @@ impl Replay {
     /// than the output grid of the run, or less if there would be more than 10 000 rows. At the
     /// times of that grid it has the states of the run.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
+        Replay::enlarged(scenario, path, 0.0)
+    }
+
+    /// The same path with as many rows from the time `from` on as [`Replay::of`] has in all, or up to
+    /// 200 000 rows in all.
+    pub fn enlarged(scenario: &Scenario, path: u64, from: f64) -> Self {
         let mut scenario = scenario.clone();
-        let (output_step, rows) = finest_grid(&scenario);
+        let shown = scenario.time.end - from;
+        // Of a path without any length, the quotient is not a number.
+        let enlargement = (scenario.time.end / shown).max(1.0).min(MOST_ENLARGED);
+        let (output_step, rows) = finest_grid(&scenario, enlargement as usize);
         scenario.time.output_step = output_step;
         let record = Record {
             paths: true,
@@ -120,10 +129,13 @@ const MOST_ROWS: usize = 10_000;
 /// of the run.
 const REFINEMENT: usize = 10;
 
-/// The output step of the finest trajectory of the same path that has at most [`MOST_ROWS`] rows,
-/// and the times of its rows.
-fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
-    let most = MOST_ROWS as u64 - 1;
+/// The largest factor by which the rows of a part of the path are more than those of the whole.
+const MOST_ENLARGED: f64 = 20.0;
+
+/// The output step of the finest trajectory of the same path that has at most [`MOST_ROWS`] rows
+/// times an enlargement, and the times of its rows.
+fn finest_grid(scenario: &Scenario, enlargement: usize) -> (f64, ReplayRows) {
+    let most = (MOST_ROWS * enlargement) as u64 - 1;
     let output_step = scenario.time.output_step;
     if let (Some(step), Some(of)) = (scenario.scheme.step(), scenario.steps()) {
         let stride = stride(of, most);
@@ -133,7 +145,7 @@ fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
     let refinement = (most as usize)
         .checked_div(rows)
         .unwrap_or(1)
-        .clamp(1, REFINEMENT);
+        .clamp(1, REFINEMENT * enlargement);
     (
         output_step / refinement as f64,
         ReplayRows::Finer(refinement),
@@ -191,7 +203,7 @@ mod tests {
             ("viaduct", &[], 3600.0),
         ] {
             let mut scenario = scenario(name, set);
-            let (output_step, _) = finest_grid(&scenario);
+            let (output_step, _) = finest_grid(&scenario, 1);
             assert!(
                 (output_step / spacing - 1.0).abs() < 1e-12,
                 "{name} {set:?}: {output_step}"

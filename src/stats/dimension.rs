@@ -97,7 +97,7 @@ impl Dimension {
         .map(|(label, power)| (label.as_str(), power))
     }
 
-    /// The unit as people write it: `m^2/s`, `N m`, `1/s`; empty where nothing has a label.
+    /// The unit as people write it: `m²/s`, `N m`, `1/s`; empty where nothing has a label.
     pub fn label(self, units: &Units) -> String {
         let product = |of: &[(&str, i32)]| {
             let factors = of
@@ -105,6 +105,7 @@ impl Dimension {
                 .filter(|(label, power)| !label.is_empty() && *power > 0);
             let written = factors.map(|(label, power)| match power {
                 1 => label.to_string(),
+                2 => format!("{label}\u{b2}"),
                 _ => format!("{label}^{power}"),
             });
             written.collect::<Vec<_>>().join(" ")
@@ -182,7 +183,7 @@ mod tests {
         let si = units(["s", "m", "N", "K"]);
         assert_eq!(
             EVERY.map(|d| d.label(&si)),
-            ["", "s", "m", "N", "K", "m/s", "m^2", "m^2/s", "N m"]
+            ["", "s", "m", "N", "K", "m/s", "m²", "m²/s", "N m"]
         );
         let no_length = units(["s", "", "N", "K"]);
         assert_eq!(
@@ -192,7 +193,7 @@ mod tests {
         let no_time = units(["", "m", "", "K"]);
         assert_eq!(
             EVERY.map(|d| d.label(&no_time)),
-            ["", "", "m", "", "K", "m", "m^2", "m^2", "m"]
+            ["", "", "m", "", "K", "m", "m²", "m²", "m"]
         );
         assert!(EVERY.iter().all(|d| d.label(&Units::default()).is_empty()));
     }

@@ -250,7 +250,7 @@ fn starts(calibration: &Calibration) -> Table {
     }
     let below = "The scatter of the starts shows how well the search finds the minimum, but not how far the \
                  minimum is from the truth.";
-    let heading = "Least-squares starts (err in m2):".into();
+    let heading = "Least-squares starts (err in m²):".into();
     Table {
         heading,
         columns,
@@ -449,7 +449,7 @@ pub fn forecast(title: &str, found: &Forecast, is_page: bool) -> Report {
     );
     let years: usize = found.years.iter().map(Vec::len).sum();
     let years = format!(
-        "{}, with {} draws of the parameters",
+        "{}, with {} draws of the parameters, scaled to the mean of years with the estimated ones",
         grouped(years as u64),
         found.years.len()
     );

@@ -11,6 +11,8 @@ pub struct Axis {
     is_log: bool,
     low: f64,
     high: f64,
+    /// What one of the numbers at the axis is in the unit of the positions.
+    scale: f64,
     title: Label,
     unit: String,
     whole: bool,
@@ -18,6 +20,8 @@ pub struct Axis {
     open: bool,
     /// Names that are written at some positions instead of numbers.
     names: Vec<(f64, Label)>,
+    /// Whether names are written upwards.
+    is_upright: bool,
 }
 
 /// A mark on an axis, with or without a number.
@@ -36,21 +40,41 @@ const LARGE: f64 = 1e5;
 const LITTLE: f64 = 1e-3;
 /// Numbers whose relative difference is at most this are equal: their difference is a rounding error.
 const ROUNDING: f64 = 1e-9;
+/// Larger numbers are drawn as this one, and numbers closer than its inverse are equal: no difference
+/// of ends overflows or vanishes.
+const LARGEST: f64 = 1e300;
+/// A day in seconds.
+const DAY: f64 = 86_400.0;
+/// An axis in seconds that reaches this many days is in days.
+const LONG: f64 = 3.0;
+/// A logarithmic one must begin at this many seconds, too.
+const NOT_SHORT: f64 = 60.0;
 
 impl Axis {
-    /// A linear axis over exactly this range.
+    /// A linear axis over exactly this range. The finite ones of reversed, infinite or equal ends are
+    /// kept apart.
     pub fn linear(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
-        let [low, high] = widened(range);
-        let (title, unit) = (title.into(), unit.to_string());
+        Axis::over(false, widened(range), title.into(), unit)
+    }
+
+    /// An axis between these ends. Seconds become days if there are many of them.
+    fn over(is_log: bool, [low, high]: [f64; 2], title: Label, unit: &str) -> Self {
+        let is_long = high - low >= LONG * DAY && (!is_log || low >= NOT_SHORT);
+        let (scale, unit) = match unit {
+            "s" if is_long => (DAY, "d"),
+            unit => (1.0, unit),
+        };
         Axis {
-            is_log: false,
-            low,
-            high,
+            is_log,
+            low: low / scale,
+            high: high / scale,
+            scale,
             title,
-            unit,
+            unit: unit.to_string(),
             whole: false,
             open: false,
             names: Vec::new(),
+            is_upright: false,
         }
     }
 
@@ -75,6 +99,10 @@ impl Axis {
 
     /// A linear axis from zero to the first mark that is not below this number.
     pub fn from_zero(high: f64, title: impl Into<Label>, unit: &str) -> Self {
+        let high = match high > 1.0 / LARGEST && high.is_finite() {
+            true => high,
+            false => 1.0,
+        };
         Axis {
             open: true,
             ..Axis::linear([0.0, high], title, unit)
@@ -91,22 +119,17 @@ impl Axis {
 
     /// A logarithmic axis over this range of positive numbers.
     pub fn log(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
-        let high = if range[1] > 0.0 && range[1].is_finite() {
-            range[1]
-        } else {
-            1.0
-        };
-        let low = if range[0] > 0.0 && range[0] < high * (1.0 - ROUNDING) {
-            range[0]
+        let [low, high] = range.map(|end| match end > 0.0 && end.is_finite() {
+            true => end.clamp(1.0 / LARGEST, LARGEST),
+            false => f64::NAN,
+        });
+        let high = if high.is_nan() { 1.0 } else { high };
+        let low = if low < high * (1.0 - ROUNDING) {
+            low
         } else {
             high / 10.0
         };
-        Axis {
-            is_log: true,
-            low,
-            high,
-            ..Axis::linear(range, title, unit)
-        }
+        Axis::over(true, [low, high], title.into(), unit)
     }
 
     /// An axis for densities or shares: logarithmic, or from zero. The number is not above its lower
@@ -118,11 +141,13 @@ impl Axis {
         is_log: bool,
     ) -> (Self, f64) {
         let [least, most] = range_of(shares.filter(|share| *share > 0.0));
-        match is_log {
-            // The axis ends at a mark, which may be as far below as a power of ten.
-            true => (Axis::log_around([least, most], title, unit), least / 10.0),
-            false => (Axis::from_zero(most, title, unit), 0.0),
-        }
+        let axis = match is_log {
+            true => Axis::log_around([least, most], title, unit),
+            false => Axis::from_zero(most, title, unit),
+        };
+        // The axis ends at a mark, which may be as far below as a power of ten.
+        let floor = 0.1 * axis.low;
+        (axis, floor)
     }
 
     /// An axis with names at given positions instead of numbers.
@@ -131,6 +156,21 @@ impl Axis {
             names,
             ..Axis::linear(range, "", "")
         }
+    }
+
+    /// The same axis with its names written upwards, and a title.
+    pub fn upright(self, title: Label) -> Self {
+        Axis {
+            title,
+            is_upright: true,
+            ..self
+        }
+    }
+
+    /// The length of the longest name that is written upwards, in heights of its letters.
+    pub fn upright_length(&self) -> Option<f64> {
+        let lengths = self.names.iter().map(|(_, name)| name.width());
+        self.is_upright.then(|| lengths.fold(0.0, f64::max))
     }
 
     /// The same axis with marks at whole numbers only.
@@ -150,9 +190,10 @@ impl Axis {
     /// The position of a number: 0 at the lower end of the axis, 1 at the upper end. On a
     /// logarithmic axis, a number without a logarithm is far below the lower end.
     pub fn place(&self, x: f64) -> f64 {
+        let x = x / self.scale;
         let place = match self.is_log {
             false => (x - self.low) / (self.high - self.low),
-            true if x > 0.0 => (x / self.low).ln() / (self.high / self.low).ln(),
+            true if x > 0.0 => (x.ln() - self.low.ln()) / (self.high.ln() - self.low.ln()),
             true => -FAR,
         };
         place.clamp(-FAR, FAR)
@@ -290,7 +331,7 @@ impl Axis {
         let tick = |n: i64| {
             let x = n as f64 * step;
             Tick {
-                at: self.place(x),
+                at: self.place(x * self.scale),
                 label: Some(Label::verbatim(&fixed(x / factor, decimals))),
             }
         };
@@ -300,7 +341,7 @@ impl Axis {
     fn log_ticks(&self, most: f64) -> Vec<Tick> {
         let (first, last) = (self.low.log10() - SLACK, self.high.log10() + SLACK);
         let tick = |x: f64, label: Option<Label>| Tick {
-            at: self.place(x),
+            at: self.place(x * self.scale),
             label,
         };
         let inside = |digits: &[f64]| {
@@ -361,10 +402,15 @@ fn multiples(digits: &[f64], powers: RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// The range, made wider if it is empty.
-fn widened([low, high]: [f64; 2]) -> [f64; 2] {
-    match (low.is_finite() && high.is_finite(), high > low) {
-        (true, true) if (high - low) > ROUNDING * low.abs().max(high.abs()) => [low, high],
-        (true, _) if low != 0.0 => {
+fn widened(range: [f64; 2]) -> [f64; 2] {
+    if range.iter().any(|end| !end.is_finite()) {
+        return [-1.0, 1.0];
+    }
+    let [one, other] = range.map(|end| end.clamp(-LARGEST, LARGEST));
+    let (low, high) = (one.min(other), one.max(other));
+    match low.abs().max(high.abs()) {
+        size if high - low > (ROUNDING * size).max(1.0 / LARGEST) => [low, high],
+        size if size > 1.0 / LARGEST => {
             let half = 0.5 * low.abs();
             [low - half, high + half]
         }
@@ -502,8 +548,9 @@ mod tests {
 
     #[test]
     fn large_and_small_numbers_share_a_power_of_ten() {
-        assert_eq!(labels(&axis(0.0, 3.1e7), 100.0), ["0", "1", "2", "3"]);
-        assert_eq!(axis(0.0, 3.1e7).title().words(), "t (107\u{a0}s)");
+        let metres = Axis::linear([0.0, 3.1e7], "x", "m");
+        assert_eq!(labels(&metres, 100.0), ["0", "1", "2", "3"]);
+        assert_eq!(metres.title().words(), "x (107\u{a0}m)");
         assert_eq!(axis(0.0, 2e-6).title().words(), "t (10−6\u{a0}s)");
         assert_eq!(axis(0.0, 20.0).title().words(), "t (s)");
     }
@@ -552,6 +599,121 @@ mod tests {
         assert_eq!(equal.range(), [1.0, 3.0 + 1e-12]);
         assert_eq!(equal.title().words(), "x, all\u{a0}equal (mm)");
         assert_eq!(Axis::around([2.0], "x", "").title().words(), "x");
+    }
+
+    /// Whatever the numbers, an axis has two finite ends, a few distinct marks between them, and every
+    /// finite number at a place; an open axis ends at marks and contains what it is made around.
+    #[test]
+    fn every_axis_has_ends_and_marks_for_any_numbers() {
+        let next = |x: f64| f64::from_bits(x.to_bits() + 1);
+        let sizes = [
+            0.0,
+            5e-324,
+            f64::MIN_POSITIVE,
+            1e-300,
+            1e-9,
+            1.0,
+            3.0,
+            86_400.0,
+            4e7,
+            1e9,
+        ];
+        let sizes = sizes.into_iter().chain([1e300, f64::MAX, f64::INFINITY]);
+        let mut numbers: Vec<f64> = sizes
+            .flat_map(|x| [x, -x, next(x), 7.3 * x])
+            .chain([f64::NAN])
+            .collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup_by(|a, b| a.to_bits() == b.to_bits());
+        for &one in &numbers {
+            check(&Axis::around([one], "", "s"), &[one]);
+            // These are for numbers that are not negative.
+            let least = one.min(0.0);
+            check(&Axis::from_zero(one, "", "s"), &[one - least]);
+            let shares = |is_log| Axis::of_shares([one].into_iter(), "", "s", is_log).0;
+            [true, false]
+                .iter()
+                .for_each(|is_log| check(&shares(*is_log), &[one - least]));
+            for &other in &numbers {
+                let ends = [one, other];
+                let whole = Axis::linear(ends, "", "s").whole();
+                let two = [
+                    Axis::linear(ends, "", "s"),
+                    Axis::around(ends, "", "s"),
+                    Axis::log(ends, "", "s"),
+                    Axis::log_around(ends, "", "s"),
+                    Axis::named(ends, vec![(one, "a".into()), (other, "b".into())]),
+                ];
+                two.iter().for_each(|axis| check(axis, &ends));
+                check_ends(&whole, &ends);
+            }
+        }
+        check(&Axis::around([], "", ""), &[]);
+        let (axis, floor) = Axis::of_shares([].into_iter(), "", "", true);
+        assert!(floor < axis.low && floor > 0.0);
+    }
+
+    /// The ends and the places of an axis that is made of these numbers.
+    fn check_ends(axis: &Axis, of: &[f64]) {
+        let [low, high] = axis.range();
+        let is_sound = low.is_finite() && high.is_finite() && low < high;
+        assert!(is_sound && (high - low).is_finite(), "{of:?}: {axis:?}");
+        for x in of.iter().copied().chain([0.0, 1.0]) {
+            assert!(
+                x.is_nan() || axis.place(x).is_finite(),
+                "{of:?}: {axis:?} {x}"
+            );
+        }
+    }
+
+    fn check(axis: &Axis, of: &[f64]) {
+        check_ends(axis, of);
+        for length in [60.0, 200.0, 400.0] {
+            let ended = axis.clone().ending_at_marks(length, 17.0);
+            check_ends(&ended, of);
+            let ticks = ended.ticks(length, 17.0);
+            let marks = ticks.iter().filter_map(|tick| tick.label.clone());
+            let marks: Vec<String> = marks.map(|label| label.words()).collect();
+            assert!(
+                marks.len() as f64 <= length / 17.0 + 1.0,
+                "{of:?}: {marks:?}"
+            );
+            if !ended.names.is_empty() {
+                continue;
+            }
+            assert!(
+                marks.len() >= 2 || !ended.open,
+                "{of:?}: {ended:?} {marks:?}"
+            );
+            let are_distinct = (1..marks.len()).all(|i| !marks[..i].contains(&marks[i]));
+            assert!(are_distinct, "{of:?}: {ended:?} {marks:?}");
+            let is_inside = |place: f64| (-1e-6..=1.0 + 1e-6).contains(&place);
+            assert!(
+                ticks.iter().all(|tick| is_inside(tick.at)),
+                "{of:?}: {ended:?}"
+            );
+            let is_drawn = |x: &f64| x.abs() < LARGEST && (!ended.is_log || *x > 1.0 / LARGEST);
+            let has_all = of
+                .iter()
+                .all(|x| !is_drawn(x) || is_inside(ended.place(*x)));
+            let is_whole = !of.iter().any(|x| x.is_infinite() || x.is_nan());
+            let is_ordered = of.windows(2).all(|pair| pair[0] <= pair[1]);
+            if ended.open && is_whole && is_ordered {
+                assert!(has_all, "{of:?}: {ended:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn many_seconds_are_days() {
+        let month = Axis::linear([0.0, 30.0 * DAY], "t", "s");
+        assert_eq!(month.title().words(), "t (d)");
+        assert_eq!(labels(&month, 100.0), ["0", "10", "20", "30"]);
+        assert_eq!(month.place(15.0 * DAY), 0.5);
+        let log = |low| Axis::log([low, 1e6], "D", "s");
+        assert_eq!((log(60.0).unit, log(1e-3).unit), ("d".into(), "s".into()));
+        assert_eq!(axis(0.0, 60.0).title().words(), "t (s)");
+        assert_eq!(axis(0.0, 3.1e7).unit, "d");
     }
 
     /// The ends of an axis over data are marks, and the data are between them.

@@ -4,15 +4,16 @@
 use super::axis::written;
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
-use super::words::caveats;
-use super::{
-    Absent, Axis, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid,
-};
+use super::words::{caveats, intervals};
+use super::{Absent, Axis, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
 use ndarray::Array2;
 use stickslip::stats::{Densities, DensityCurve, Dimension};
 
 /// The fractions of the time in motion in the areas of highest density.
 const HELD: [f64; 2] = [0.94, 0.5];
+
+/// Ends of intervals below this share of the smallest density are not drawn.
+const LOWEST: f64 = 0.1;
 
 /// The fraction of it within the axes.
 const SEEN: f64 = 0.99;
@@ -60,9 +61,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
                 .and(moving)
                 .and(" % of the time"),
         ),
-        LegendEntry::line(solid(palette.first), "density"),
-        LegendEntry::area(palette.narrow, "95 % interval"),
+        steps::entry("density", palette),
     ];
+    legend.extend(intervals(&densities.velocity.ends, palette));
     legend.extend(caveats(scenario, false));
     let panels = [
         velocity(false).above_another(),
@@ -90,7 +91,17 @@ fn marginal(
 ) -> Panel {
     let ends = [curve.edges[0], curve.edges[curve.edges.len() - 1]];
     let horizontal = Axis::linear(ends, *variable, variable_unit);
-    let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, &unit, is_log);
+    // A log axis holds the densities and their intervals, except for those that reach down to zero.
+    let [least, _] = range_of(
+        curve
+            .density
+            .iter()
+            .copied()
+            .filter(|density| *density > 0.0),
+    );
+    let lows = curve.ends.low.iter().filter(|low| **low > LOWEST * least);
+    let shares = curve.density.iter().chain(&curve.ends.high).chain(lows);
+    let (vertical, floor) = Axis::of_shares(shares.copied(), title, &unit, is_log);
     let mut panel = Panel::new(horizontal, vertical, 66.0);
     let bin = |(i, density): (usize, &f64)| {
         let ends = if *density > 0.0 {

@@ -1,7 +1,7 @@
 //! Whether the motion has settled: mean and variance of x at whole periods, with the slopes
 //! that the statistics report.
 
-use super::axis::{between, unit};
+use super::axis::{between, plain, unit};
 use super::theme::{DASHES, LINE};
 use super::words::caveats;
 use super::{Absent, Axis, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
@@ -26,11 +26,13 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
 
     let panel = |values: &[f64], ends: &Ends, slope: f64, axis: (&str, Dimension)| {
+        let line = sloped(&periods.time, values, slope, after);
         let seen = values
             .iter()
             .chain(&ends.low)
             .chain(&ends.high)
             .copied()
+            .chain(line.iter().flatten().map(|point| point[1]))
             .chain([0.0]);
         let (title, dimension) = axis;
         let mut panel = Panel::new(time(), Axis::around(seen, title, &unit(dimension)), 80.0);
@@ -38,7 +40,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             panel.before(after, palette.grid);
         }
         panel.level(0.0, Stroke::solid(palette.faint, 0.4));
-        if let Some([from, to]) = sloped(&periods.time, values, slope, after) {
+        if let Some([from, to]) = line {
             panel.line(vec![from, to], dashes.clone());
         }
         for (i, (&t, &value)) in periods.time.iter().zip(values).enumerate() {
@@ -109,7 +111,7 @@ fn reported(summary: &Summary, units: &Units) -> Vec<Label> {
             if is_known {
                 between([e.low, e.high])
             } else {
-                "without interval".into()
+                plain(e.estimate)
             }
         };
         let unit_of = format!(" {}", statistic.dimension().label(units));

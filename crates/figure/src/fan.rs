@@ -1,12 +1,11 @@
-//! Quantile bands of x over time, and the probability of being static on the same axis of time.
+//! Quantile bands of x over time, and the probability of a stick on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::words::caveats;
+use super::words::{caveats, intervals};
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
 use stickslip::stats::{Bands, Dimension, QUANTILE_LEVELS};
-use stickslip::sums::Ends;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
@@ -31,31 +30,50 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     );
     quantiles(bands, palette, &mut fan);
     let mean = Stroke::dashed(palette.second, LINE, &DASHES);
-    fan.line(along(time, &x.mean), mean.clone());
+    let key = match summary.completed_paths {
+        // The quantiles of one path are itself.
+        1 => vec![LegendEntry::line(
+            solid(palette.first),
+            "the one path, at the rows of the output grid",
+        )],
+        _ => {
+            fan.line(along(time, &x.mean), mean.clone());
+            vec![
+                LegendEntry::line(solid(palette.first), "median"),
+                LegendEntry::line(mean, "mean"),
+                LegendEntry::area(palette.narrow, "25–75 %"),
+                LegendEntry::area(palette.wide, "5–95 % of the paths"),
+            ]
+        }
+    };
 
-    let Ends { low, high } = &bands.static_probability_ends;
-    let [_, top] = range_of(high.iter().chain(&bands.static_probability).copied());
+    let ends = &bands.static_probability_ends;
+    let [_, top] = range_of(ends.high.iter().chain(&bands.static_probability).copied());
     let top = if top > 0.0 { top } else { 1.0 };
-    let mut share = Panel::new(time_axis(), Axis::from_zero(top, "*P*(static)", ""), 62.0);
-    share.band(between(time, low, high), palette.narrow);
-    share.line(along(time, &bands.static_probability), solid(palette.first));
-
-    let legend = [
-        LegendEntry::line(solid(palette.first), "median"),
-        LegendEntry::line(mean, "mean"),
-        LegendEntry::area(palette.narrow, "25–75 %"),
-        LegendEntry::area(palette.wide, "5–95 % of the paths"),
-    ];
-    let share = share.keyed([
-        LegendEntry::line(solid(palette.first), "fraction of paths sticking"),
-        LegendEntry::area(palette.narrow, "95 % interval"),
-    ]);
-    let panels = [fan.above_another().keyed(legend), share];
+    let mut share = Panel::new(time_axis(), Axis::from_zero(top, "*P*(stick)", ""), 62.0);
+    share.band(held(between(time, &ends.low, &ends.high)), palette.narrow);
+    share.line(
+        held(along(time, &bands.static_probability)),
+        solid(palette.first),
+    );
+    let curve = LegendEntry::line(solid(palette.first), "fraction of paths in a stick");
+    let share = share.keyed(std::iter::once(curve).chain(intervals(ends, palette)));
     Ok(sheet(
         &format!("Displacement of the paths: {}", scenario.title),
         caveats(scenario, false),
-        panels,
+        [fan.above_another().keyed(key), share],
     ))
+}
+
+/// The points of a curve that keeps each value until the next.
+fn held<const N: usize>(points: Vec<[f64; N]>) -> Vec<[f64; N]> {
+    let corner = |pair: &[[f64; N]]| {
+        let mut corner = pair[0];
+        corner[0] = pair[1][0];
+        [pair[0], corner]
+    };
+    let last = points.last().copied();
+    points.windows(2).flat_map(corner).chain(last).collect()
 }
 
 /// The lowest and the highest quantile of x at each time.

@@ -49,7 +49,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         panel.note([end, 0.85], values, &[[-1, 0]]);
         panels.push(panel);
         if !std::mem::replace(&mut drawn[usize::from(is_narrow)], true) {
-            legend.extend(entries(is_narrow, style.palette()));
+            legend.extend(entries(of, style.palette()));
         }
     }
     if panels.is_empty() {

@@ -124,6 +124,7 @@ pub const SWEEP: &[Figure] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stickslip::config::Override;
     use stickslip::engine::Run;
     use stickslip::scenario::Scenario;
 
@@ -194,10 +195,83 @@ mod tests {
     }
 
     #[test]
-    fn the_drift_of_one_path_has_no_variance_and_no_interval() {
+    fn pictures_of_one_path_show_no_intervals() {
         let shaw = Scenario::shipped("shaw").expect("shipped");
-        let (panels, words) = figure(&shaw, "drift");
-        assert!(panels == 1 && !words.contains("95 %"), "{words}");
+        let drawn = figures(&shaw);
+        assert!(drawn.len() > 3);
+        for (name, _, words) in &drawn {
+            assert!(
+                !words.contains("95 %") || name == &"overview",
+                "{name}: {words}"
+            );
+            assert!(!words.contains("static"), "{name}: {words}");
+        }
+        let of = |name: &str| drawn.iter().find(|one| one.0 == name).expect("drawn");
+        assert_eq!(of("drift").1, 1);
+        assert!(of("fan").2.contains("the one path") && !of("fan").2.contains("median"));
+    }
+
+    /// The picture of a path of a scenario that is read from this text, and its words.
+    fn path(text: &str) -> (Sheet, String) {
+        let scenario = Scenario::parse("text", text, &[]).expect("sound");
+        let path = DrawnPath {
+            scenario: &scenario,
+            number: 0,
+            from: 0.0,
+        };
+        let sheet = (RUN[0].draws)(&Subject::Path(path), &Style::default()).expect("drawn");
+        let mut words = String::new();
+        gather(&sheet.alone(&Style::default()).items, &mut words);
+        (sheet, words)
+    }
+
+    const REST: &str = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\n\
+        friction = { static = 1.2, dynamic = 1.0 }\ninitial.displacement = 0\n\
+        scheme.kind = \"event-driven\"\nensemble.paths = 1\ntime.end = 60\n";
+
+    /// A body that stays at x = 0, with and without labels of units, and for many days.
+    #[test]
+    fn a_body_at_rest_is_drawn() {
+        let days = REST.replace("time.end = 60", "time.end = 1e7\nunits.time = \"s\"");
+        for (text, unit) in [(REST, "time t\n"), (&days, "time t (d)\n")] {
+            let (sheet, words) = path(text);
+            assert!(sheet.panel_count() >= 2 && words.contains(unit), "{words}");
+            assert!(
+                words.contains("stick\n") && !words.contains("slip"),
+                "{words}"
+            );
+        }
+    }
+
+    /// The force of white noise would fill the phase plane, which is left out; that of the paper's
+    /// noise is drawn.
+    #[test]
+    fn white_noise_does_not_fill_the_phase_plane() {
+        let belt = include_str!("../../../scenarios/belt.toml");
+        let set = [
+            "oscillator.stiffness=0",
+            "temperature.trend=0",
+            "temperature.noise.intensity=1",
+            "friction.static=1",
+            "friction.dynamic=1",
+            "temperature.noise.relaxation_rate=100",
+            "temperature.noise.diffusion=100",
+            "time.end=40",
+        ];
+        let set = set.map(|set| Override::set(set).expect("well formed"));
+        let free = Scenario::parse("belt", belt, &set).expect("sound");
+        let white = path(&free.to_toml()).1;
+        assert!(!white.contains("longest completed slip"), "{white}");
+        assert!(
+            white.contains("too close for velocity and forces"),
+            "{white}"
+        );
+    }
+
+    #[test]
+    fn the_caption_of_the_phase_plane_names_completed_slips() {
+        let rho025 = include_str!("../../../scenarios/rho025.toml");
+        assert!(path(rho025).1.contains("longest completed slip bold"));
     }
 
     #[test]

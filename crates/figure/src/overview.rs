@@ -58,7 +58,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         ]),
         all,
         outlasting.keyed(
-            sticks::entries(sticks::is_narrow(sticks), palette)
+            sticks::entries(sticks, palette)
                 .into_iter()
                 .chain(caveats(scenario, true)),
         ),

@@ -67,6 +67,8 @@ pub struct Panel {
     /// Whether the horizontal axis has numbers and a title. If not, it shares those of the panel
     /// below.
     pub is_labelled: bool,
+    /// Whether it explains the colours of the other panels, and has no letter.
+    pub is_scale: bool,
     /// What its curves and areas are, where panels differ in it.
     pub key: Vec<LegendEntry>,
     layers: Vec<Layer>,
@@ -97,6 +99,7 @@ impl Panel {
             y,
             height,
             is_labelled: true,
+            is_scale: false,
             key: Vec::new(),
             layers: Vec::new(),
             notes: Vec::new(),
@@ -220,7 +223,8 @@ impl Panel {
     /// The space that numbers and title need below the frame.
     pub fn footing(&self) -> f64 {
         if self.is_labelled {
-            TICK + GAP + SMALL + GAP + LETTERS * 1.3
+            let names = self.x.upright_length().unwrap_or(1.0);
+            TICK + GAP + SMALL * names + GAP + LETTERS * 1.3
         } else {
             TICK
         }
@@ -236,10 +240,10 @@ impl Panel {
                 frame.bottom() - frame.height * self.y.place(y),
             ]
         };
-        // A curve along the edge of the frame has its whole width.
-        for (is_curve, edge) in [(false, 0.0), (true, LINE / 2.0)] {
+        // A curve and the bars of an interval along the edge of the frame have their whole widths.
+        for edge in [0.0, LINE / 2.0, CAP] {
             let layers = self.layers.iter();
-            let drawn = layers.filter(|layer| matches!(layer, Layer::Line { .. }) == is_curve);
+            let drawn = layers.filter(|layer| layer.edge() == edge);
             items.push(Item::Clipped {
                 inside: frame.grown(edge),
                 items: drawn.flat_map(|layer| layer.draw(&place, frame)).collect(),
@@ -272,13 +276,21 @@ impl Panel {
                 Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]),
                 pen(),
             ));
-            let half = |label: &Label| 0.5 * SMALL * label.width();
+            let upright = across.upright_length();
+            let half = |label: &Label| 0.5 * SMALL * upright.map_or(label.width(), |_| 0.7);
             if let Some(label) = tick
                 .label
                 .filter(|label| self.is_labelled && x - half(label) > written_to)
             {
+                let below = frame.bottom() + TICK + GAP;
+                if upright.is_some() {
+                    written_to = x + half(&label);
+                    let at = [x + 0.36 * SMALL, below + 0.5 * SMALL * label.width()];
+                    items.push(Item::words_upwards(label, at, SMALL, palette.ink));
+                    continue;
+                }
                 written_to = x + half(&label) + GAP;
-                let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
+                let at = [x, below + 0.75 * SMALL];
                 items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
             }
         }
@@ -346,7 +358,7 @@ impl Panel {
             let point = [x.clamp(frame.x, frame.right()), y];
             let free = note.places.iter().find_map(|beside| {
                 let (at, needed) = placed(*beside, point, &note.label);
-                let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
+                let across = needed.x >= frame.x + 1.0 && needed.right() <= frame.right() + ASIDE;
                 let within =
                     across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
                 // Words diagonally beside their mark must not extend over another mark.
@@ -420,6 +432,15 @@ fn placed([right, down]: Beside, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], 
 }
 
 impl Layer {
+    /// How far it may extend beyond the frame.
+    fn edge(&self) -> f64 {
+        match self {
+            Layer::Line { .. } => LINE / 2.0,
+            Layer::Interval { .. } => CAP,
+            _ => 0.0,
+        }
+    }
+
     fn draw(&self, place: &impl Fn([f64; 2]) -> [f64; 2], frame: Rect) -> Vec<Item> {
         match self {
             Layer::Line { points, stroke } => pieces(points)

@@ -3,7 +3,7 @@
 
 use super::fan::{along, between};
 use super::sweep::numbered;
-use super::words::caveats;
+use super::words::{caveats, intervals};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet};
 use stickslip::stats::Dimension;
 use stickslip::sums::Ends;
@@ -37,7 +37,8 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let label = format!("closer than {distance} {length_unit}");
         legend.push(LegendEntry::line(stroke, label.trim_end()));
     }
-    legend.push(LegendEntry::area(palette.wide, "95 % interval"));
+    let interval = intervals(&passages[0].survival_ends, palette);
+    legend.extend(interval.map(|_| LegendEntry::area(palette.wide, "95 % interval")));
     Ok(sheet(
         &format!("First passages: {}", scenario.title),
         legend,

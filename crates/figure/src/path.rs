@@ -7,15 +7,17 @@
 use super::panel::Beside;
 use super::subject::DrawnPath;
 use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
-use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
-use super::words::grouped;
+use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt, sampled};
+use super::words::{grouped, letter};
 use super::{
     Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of,
     sheet, solid,
 };
 use std::ops::Range;
 use stickslip::model::{Drive, Model, Sign};
+use stickslip::scenario::Measured;
 use stickslip::stats::Dimension;
+use stickslip_data::input_unit;
 
 /// With more events than this, the phase plane shows the longest complete slip in full and the rest
 /// faintly.
@@ -29,6 +31,8 @@ const MOST_MARKED: usize = 150;
 /// With more events than this, velocity and forces are not drawn over time, because they would fill
 /// their panels.
 const MOST_DRAWN: usize = 400;
+/// A force whose way is more than this number of times its range would fill the phase plane.
+const MOST_SWINGS: f64 = 20.0;
 /// The space at both ends of the axis of time, as a share of it.
 const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
@@ -81,11 +85,12 @@ impl<'a> PathLayout<'a> {
 
     fn panels(&self) -> Vec<Panel> {
         let displacement = over_time(&self.trace, self.palette, self.time(), &self.length_unit);
-        let mut panels = vec![if self.is_crowded {
+        let mut panels = self.inputs();
+        panels.push(if self.is_crowded {
             displacement
         } else {
             displacement.above_another()
-        }];
+        });
         if self.is_shared() {
             panels.push(self.shared());
         } else if !self.is_crowded {
@@ -98,8 +103,29 @@ impl<'a> PathLayout<'a> {
             &self.time_unit,
             &self.velocity_unit,
         ));
-        panels.push(self.plane());
+        if !fills_plane(&self.trace) {
+            panels.push(self.plane());
+        }
         panels
+    }
+
+    /// The inputs over time, in a panel each.
+    fn inputs(&self) -> Vec<Panel> {
+        let scenario = self.path.scenario;
+        let inputs = scenario.measured.iter();
+        let inputs = inputs.filter_map(|measured| Some((measured.input()?, measured)));
+        let panel = |(name, measured): (&str, &Measured)| {
+            let points = sampled(&measured.series, [self.path.from, scenario.time.end]);
+            let unit = measured.unit.as_deref().and_then(input_unit);
+            let unit = unit.map_or(String::new(), |(si, _)| si.replace('2', "\u{b2}"));
+            let values = points.iter().map(|point| point[1]);
+            let axis = Axis::around(values, letter(name), &unit);
+            let mut panel = Panel::new(self.time(), axis, 60.0);
+            panel.level(0.0, Stroke::solid(self.palette.faint, 0.4));
+            panel.line(points, Stroke::solid(self.palette.fourth, THIN));
+            panel.above_another()
+        };
+        inputs.map(panel).collect()
     }
 
     fn duration(&self) -> f64 {
@@ -189,7 +215,9 @@ impl<'a> PathLayout<'a> {
             (format!("force {}", self.force_name()), &self.force_unit),
         );
         match in_full(&self.trace).len() < self.trace.pieces.len() {
-            true => plane.keyed([LegendEntry::words("longest slip bold, others thin")]),
+            true => plane.keyed([LegendEntry::words(
+                "longest completed slip bold, others thin",
+            )]),
             false => plane,
         }
     }
@@ -206,10 +234,11 @@ impl<'a> PathLayout<'a> {
 
     fn legend(&self) -> Vec<LegendEntry> {
         let (trace, palette) = (&self.trace, self.palette);
-        let mut legend = vec![LegendEntry::line(
-            Stroke::dashed(palette.ink, LINE, &DASH_DOT),
-            "static",
-        )];
+        let mut sticks = trace.sticks();
+        let stick = sticks
+            .any(|[begin, end]| begin < end)
+            .then(|| LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "stick"));
+        let mut legend: Vec<LegendEntry> = stick.into_iter().collect();
         let names = (1..)
             .zip(["slip", "2nd sub-phase", "3rd and later"])
             .take(trace.most_sub_phases());
@@ -261,7 +290,7 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
     } else {
         0.0
     };
-    let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
+    let room = 0.1 * (high - low);
     let axis = Axis::around(
         [low - room, high + room, base],
         "displacement *x*(*t*)",
@@ -335,6 +364,22 @@ fn in_full(trace: &PathTrace) -> Range<usize> {
         .longest_slip()
         .filter(|_| trace.moments.len() > FEW)
         .unwrap_or(0..trace.pieces.len())
+}
+
+/// Whether the force swings from end to end so often, as under white noise, that its curve would fill
+/// the phase plane.
+fn fills_plane(trace: &PathTrace) -> bool {
+    let full = trace.pieces[in_full(trace)].iter();
+    let forces: Vec<f64> = full
+        .flat_map(|piece| &piece.samples)
+        .map(|s| s.spring)
+        .collect();
+    let [low, high] = range_of(forces.iter().copied());
+    let way: f64 = forces
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).abs())
+        .sum();
+    way > MOST_SWINGS * (high - low)
 }
 
 /// The velocity in the longest slip over the time since it began, if slips are so short.

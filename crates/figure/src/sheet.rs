@@ -56,9 +56,9 @@ impl Sheet {
         }
     }
 
-    /// The number of panels.
+    /// The number of panels, without scales of colours, which are the last ones.
     pub fn panel_count(&self) -> usize {
-        self.panels.len()
+        self.panels.iter().filter(|panel| !panel.is_scale).count()
     }
 
     /// The sheet with one of its panels alone, without a letter. If it has no such panel, the
@@ -75,7 +75,8 @@ impl Sheet {
         };
         let mut panel = self.panels.swap_remove(number);
         panel.is_labelled = true;
-        self.panels = vec![panel];
+        self.panels.retain(|panel| panel.is_scale);
+        self.panels.insert(0, panel);
         Ok(self)
     }
 
@@ -131,6 +132,7 @@ impl Sheet {
             } else {
                 y - FOOT
             };
+            let letters = letters.filter(|_| !panel.is_scale);
             if let Some(letter) = letters.and_then(|first| letter(first + number)) {
                 let label = Label::bold(&letter.to_string());
                 items.push(Item::words(

@@ -1,7 +1,7 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
 use super::theme::Palette;
-use super::words::caveats;
+use super::words::{caveats, intervals};
 use super::{
     Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
@@ -38,13 +38,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         power(spectrum, &unit(-1, 0), vertical, palette),
         covariance(spectrum, [unit(1, 0), unit(-2, 2)], palette),
     ];
-    let mut legend = vec![
-        LegendEntry::line(
-            solid(palette.first),
-            "velocity *x*\u{2032} less its mean over paths",
-        ),
-        LegendEntry::area(palette.narrow, "95 % interval"),
-    ];
+    let mut legend = vec![LegendEntry::line(
+        solid(palette.first),
+        "velocity *x*\u{2032} less its mean over paths",
+    )];
+    legend.extend(intervals(ends, palette));
     legend.extend(caveats(scenario, false));
     Ok(sheet(
         &format!("Spectrum: {}", scenario.title),

@@ -2,10 +2,18 @@
 //! hairlines between them.
 
 use super::theme::Palette;
-use super::{Panel, solid};
+use super::{LegendEntry, Panel, solid};
 
 /// A bin: its edges, its density, and the interval of the density.
 pub type DensityBin = ([f64; 2], f64, [f64; 2]);
+
+/// What [`draw`] draws, without the intervals.
+pub fn entry(words: &str, palette: &Palette) -> LegendEntry {
+    LegendEntry {
+        fill: Some(palette.wide),
+        ..LegendEntry::line(solid(palette.first), words)
+    }
+}
 
 /// Draws the bins above the lower edge of the panel, which is at `floor`.
 pub fn draw(bins: &[DensityBin], floor: f64, palette: &Palette, panel: &mut Panel) {

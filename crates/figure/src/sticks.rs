@@ -3,9 +3,10 @@
 
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
-use super::words::{caveats, grouped};
+use super::words::{caveats, grouped, intervals};
 use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
 use stickslip::stats::{Dimension, Distribution, QUANTILE_LEVELS};
+use stickslip::sums::Ends;
 
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 5e-3;
@@ -58,10 +59,10 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend.push(LegendEntry::words(words));
     }
     legend.extend(caveats(scenario, true));
-    let key = entries(is_narrow(sticks), palette);
+    let key = entries(sticks, palette);
     let mut panels = vec![beyond(sticks, range, titles, 84.0, style).keyed(key)];
     if !is_narrow(sticks) {
-        let key = [LegendEntry::line(solid(palette.first), "density")];
+        let key = [steps::entry("density", palette)];
         panels.insert(0, density.above_another().keyed(key));
     }
     Ok(sheet(
@@ -161,7 +162,9 @@ pub(super) fn beyond(
     let shares = of.survival.iter().copied().chain([1.0]);
     let (vertical, _) = Axis::of_shares(shares, upwards, "", style.log);
     if is_narrow(of) {
-        let axis = Axis::around(of.quantiles.iter().copied(), across, unit);
+        let Ends { low, high } = &of.quantile_ends;
+        let seen = of.quantiles.iter().chain(low).chain(high);
+        let axis = Axis::around(seen.copied(), across, unit);
         let mut panel = Panel::new(axis, vertical, height);
         for (i, (level, value)) in QUANTILE_LEVELS.iter().zip(&of.quantiles).enumerate() {
             panel.interval_across(1.0 - level, of.quantile_ends.at(i), palette.first);
@@ -176,18 +179,19 @@ pub(super) fn beyond(
     panel
 }
 
-/// What the panels of [`beyond`] show.
-pub(super) fn entries(is_narrow: bool, palette: &Palette) -> Vec<LegendEntry> {
-    match is_narrow {
-        true => vec![LegendEntry::mark(
-            Mark::Disc,
-            palette.first,
-            "quantile, with 95 % interval",
-        )],
-        false => vec![
-            LegendEntry::line(solid(palette.first), "Kaplan–Meier, at bin edges"),
-            LegendEntry::area(palette.narrow, "95 % interval"),
-        ],
+/// What the panel of [`beyond`] shows.
+pub(super) fn entries(of: &Distribution, palette: &Palette) -> Vec<LegendEntry> {
+    let interval = |ends: &Ends| intervals(ends, palette);
+    let quantile = |words: &str| vec![LegendEntry::mark(Mark::Disc, palette.first, words)];
+    match (is_narrow(of), interval(&of.quantile_ends)) {
+        (true, Some(_)) => quantile("quantile, with 95 % interval"),
+        (true, None) => quantile("quantile"),
+        _ => std::iter::once(LegendEntry::line(
+            solid(palette.first),
+            "Kaplan–Meier, at bin edges",
+        ))
+        .chain(interval(&of.survival_ends))
+        .collect(),
     }
 }
 

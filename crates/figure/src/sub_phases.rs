@@ -1,6 +1,6 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
-use super::words::{caveats, grouped};
+use super::words::{caveats, grouped, intervals};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
 
 /// Half the width of a bar.
@@ -56,10 +56,11 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     );
     let mut legend = vec![LegendEntry::words(words)];
     legend.extend(caveats(scenario, true));
-    legend.push(LegendEntry::area(
-        palette.narrow,
-        "fraction, with 95 % interval",
-    ));
+    let words = match intervals(&counts.share_ends, palette) {
+        Some(_) => "fraction, with 95 % interval",
+        None => "fraction",
+    };
+    legend.push(LegendEntry::area(palette.narrow, words));
     Ok(sheet(
         &format!("Sub-phases of slips: {}", scenario.title),
         legend,

@@ -2,13 +2,14 @@
 //! sweep, or for each value of a second key.
 
 use super::axis::minus;
-use super::theme::{DASHES, DOTS, LINE, Palette};
+use super::theme::{DASHES, DOTS, LINE, Palette, THIN};
 use super::trade::{MARKS, look};
 use super::words::{letter, of_axis, of_statistic};
 use super::{
     Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of,
     sheet,
 };
+use std::path::Path;
 use stickslip::stats::{Estimate, Statistic};
 use stickslip::study::sweep::{self, AxisValue, AxisValues, Design, Sweep};
 use stickslip_text::numbers::significant;
@@ -19,11 +20,69 @@ const HEIGHT: f64 = 118.0;
 /// A curve of more points than this has no marks.
 const MOST_MARKS: usize = 30;
 
-/// The most curves of a sweep; more could not be distinguished.
+/// More curves of a sweep could not be distinguished by dashes and colours, and have the colours of a
+/// scale.
 const MOST_CURVES: usize = 6;
 
-/// Names of files that are longer than this in all have no room at an axis.
+/// Names of files that are longer than this in all stand upright at an axis.
 const MOST_LETTERS: usize = 60;
+
+/// The height of a scale of colours.
+const SCALE: f64 = 7.0;
+
+/// What the colours of many curves are: numbers along an axis, one for each curve of a sweep.
+struct ColourScale {
+    axis: Axis,
+    at: Vec<f64>,
+}
+
+impl ColourScale {
+    /// The scale of these sweeps, if they have many curves and vary the same keys. The colours stand
+    /// for the second key or, where more keys vary, for the number of the setting.
+    fn of(sweeps: &[(String, Sweep)], style: &Style) -> Option<ColourScale> {
+        let design = |of: &Sweep| match &of.question.design {
+            Design::Grid(axes) => axes[1..].to_vec(),
+            _ => Vec::new(),
+        };
+        let others = design(&sweeps.first()?.1);
+        let count: usize = others.iter().map(|axis| axis.values.len()).product();
+        let are_alike = sweeps.iter().all(|(_, other)| design(other) == others);
+        let is_scale = count > MOST_CURVES && are_alike;
+        is_scale.then(|| match &others[..] {
+            [axis] => ColourScale {
+                axis: horizontal(axis, style),
+                at: axis.values.positions(),
+            },
+            _ => ColourScale {
+                axis: Axis::linear([-0.5, count as f64 - 0.5], "number of the setting", "").whole(),
+                at: (0..count).map(|i| i as f64).collect(),
+            },
+        })
+    }
+
+    fn colour(&self, at: f64, palette: &Palette) -> Colour {
+        match 2.0 * self.axis.place(at).clamp(0.0, 1.0) {
+            low if low < 1.0 => palette.first.mixed(palette.third, low),
+            high => palette.third.mixed(palette.second, high - 1.0),
+        }
+    }
+
+    /// A bar with the colour of each number.
+    fn panel(self, palette: &Palette) -> Panel {
+        let mut at = self.at.clone();
+        at.sort_by(f64::total_cmp);
+        let middles = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let left = std::iter::once(f64::NEG_INFINITY).chain(middles);
+        let upright = Axis::named([0.0, 1.0], vec![(0.0, Label::default())]);
+        let mut panel = Panel::new(self.axis.clone(), upright, SCALE);
+        // Each bar covers the end of the one before it, so that no hairline separates them.
+        for (at, left) in at.iter().zip(left) {
+            panel.bar([left, 0.0], [f64::INFINITY, 1.0], self.colour(*at, palette));
+        }
+        panel.is_scale = true;
+        panel
+    }
+}
 
 /// The points of one sweep along its first axis, at one value of each other axis.
 struct Curve<'a> {
@@ -88,7 +147,8 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Nothing("the sweeps must vary the same key first"));
     }
     let palette = style.palette();
-    let curves = curves(sweeps, palette);
+    let scale = ColourScale::of(sweeps, style);
+    let curves = curves(sweeps, scale.as_ref(), palette);
     let mut panels = Vec::new();
     let mut has_corrected = false;
     for (n, &statistic) in statistics.iter().enumerate() {
@@ -100,12 +160,20 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             panel
         });
     }
-    let mut legend: Vec<LegendEntry> = (curves.iter())
-        .map(|curve| LegendEntry {
-            mark: Some((curve.mark, curve.stroke.colour)),
-            ..LegendEntry::line(curve.stroke.clone(), curve.label.clone())
-        })
-        .collect();
+    let entry = |curve: &Curve| LegendEntry {
+        mark: Some((curve.mark, curve.stroke.colour)),
+        ..LegendEntry::line(curve.stroke.clone(), curve.label.clone())
+    };
+    let each = match &scale {
+        Some(_) if sweeps.len() == 1 => 0,
+        Some(scale) => scale.at.len(),
+        None => 1,
+    };
+    let mut legend: Vec<LegendEntry> = match each {
+        0 => Vec::new(),
+        each => curves.iter().step_by(each).map(entry).collect(),
+    };
+    panels.extend(scale.map(|scale| scale.panel(palette)));
     if has_corrected {
         legend.push(LegendEntry::mark(
             Mark::Circle,
@@ -190,6 +258,17 @@ fn vertical(
     })
 }
 
+/// The name of a file without its folder and its extension, if that distinguishes it from the others.
+fn stem<'a>(file: &'a str, files: &[String]) -> &'a str {
+    let of = |file: &'a str| Path::new(file).file_stem().and_then(|stem| stem.to_str());
+    let stem = |file: &str| Path::new(file).file_stem().map(|stem| stem.to_os_string());
+    let alike = files
+        .iter()
+        .filter(|other| stem(other) == stem(file))
+        .count();
+    of(file).filter(|_| alike == 1).unwrap_or(file)
+}
+
 /// The space at both ends of the horizontal axis, as a share of it, for the bars of the outermost
 /// points.
 const MARGIN: f64 = 0.02;
@@ -199,14 +278,13 @@ pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     let title = of_axis(axis, style);
     let values = match &axis.values {
         AxisValues::Numbers(numbers) => numbers,
-        AxisValues::Files(files) if files.iter().map(String::len).sum::<usize>() > MOST_LETTERS => {
-            let title = Label::verbatim("number of the file");
-            return Axis::linear([-0.5, files.len() as f64 - 0.5], title, "").whole();
-        }
         AxisValues::Files(files) => {
-            let names = files.iter().enumerate();
-            let names = names.map(|(i, file)| (i as f64, Label::verbatim(file)));
-            return Axis::named([-0.5, files.len() as f64 - 0.5], names.collect());
+            let names: Vec<&str> = files.iter().map(|file| stem(file, files)).collect();
+            let is_long = names.iter().map(|name| name.len()).sum::<usize>() > MOST_LETTERS;
+            let names = names.into_iter().enumerate();
+            let names = names.map(|(i, name)| (i as f64, Label::verbatim(name)));
+            let axis = Axis::named([-0.5, files.len() as f64 - 0.5], names.collect());
+            return if is_long { axis.upright(title) } else { axis };
         }
     };
     let [low, high] = range_of(values.iter().copied());
@@ -237,7 +315,11 @@ pub(super) fn numbered(i: usize, palette: &Palette) -> Stroke {
     Stroke::dashed(colours[i % 4], LINE, dashes[i % 3])
 }
 
-fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
+fn curves<'a>(
+    sweeps: &'a [(String, Sweep)],
+    scale: Option<&ColourScale>,
+    palette: &Palette,
+) -> Vec<Curve<'a>> {
     let kinds: Vec<_> = sweeps
         .iter()
         .map(|(_, sweep)| sweep.question.scenario.scheme.kind())
@@ -264,22 +346,26 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
         } else {
             1
         };
-        let shown = others.min(MOST_CURVES);
-        for k in 0..shown {
-            // The curves that are drawn are spread over the values of the other axes.
-            let other = if shown > 1 {
-                k * (others - 1) / (shown - 1)
-            } else {
-                0
-            };
-            let points: Vec<usize> = (0..length).map(|i| i * others + other).collect();
-            let (stroke, mark) = if others == 1 && are_distinct {
-                look(kinds[i])
-            } else {
-                (numbered(curves.len(), palette), MARKS[curves.len() % 4])
+        for k in 0..others {
+            let points: Vec<usize> = (0..length).map(|i| i * others + k).collect();
+            let (stroke, mark) = match scale {
+                Some(scale) => {
+                    let colour = scale.colour(scale.at[k], palette);
+                    (
+                        Stroke {
+                            colour,
+                            width: THIN,
+                            ..numbered(i, palette)
+                        },
+                        MARKS[i % 4],
+                    )
+                }
+                None if others == 1 && are_distinct => look(kinds[i]),
+                None => (numbered(curves.len(), palette), MARKS[curves.len() % 4]),
             };
             let at = design.settings(points[0]);
-            let axes = design.axes().iter().zip(&at).skip(1).filter(|_| others > 1);
+            let has_values = others > 1 && scale.is_none();
+            let axes = design.axes().iter().zip(&at).skip(1).filter(|_| has_values);
             let mut label = if others == 1 || sweeps.len() > 1 {
                 Label::verbatim(&name)
             } else {
@@ -303,4 +389,114 @@ fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>
         }
     }
     curves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+    use std::sync::atomic::AtomicBool;
+    use stickslip::config::Override;
+    use stickslip::scenario::Scenario;
+    use stickslip::study::sweep::{Seeds, SweepAxis, SweepQuestion, SweepSimulation};
+
+    /// A sweep of a body without noise over these axes.
+    fn swept(axes: &[&str]) -> Sweep {
+        let axes = axes.iter().map(|axis| SweepAxis::parse(axis, |_| None));
+        let design = Design::of(axes.collect::<Result<_, _>>().expect("axes"), false);
+        let design = design.expect("a design");
+        let of = |set: &[String]| {
+            let set = set
+                .iter()
+                .map(|set| Override::set(set).expect("well formed"));
+            let shaw = include_str!("../../../scenarios/shaw.toml");
+            let set: Vec<Override> = set.collect();
+            Scenario::parse("shaw", shaw, &set).expect("sound")
+        };
+        let base = [
+            "scheme.kind=event-driven".to_string(),
+            "time.end=30".to_string(),
+        ];
+        let point = |i: usize| {
+            let own = design.settings(i).into_iter();
+            let own = own.map(|setting| format!("{}={}", setting.key, setting.value));
+            of(&base.iter().cloned().chain(own).collect::<Vec<_>>())
+        };
+        let points = (0..design.points()).map(point).collect();
+        let question = SweepQuestion::new(of(&base), design, points, Seeds::Common, false);
+        let mut sweep = Sweep::new(question);
+        let simulation = SweepSimulation {
+            threads: 1,
+            stop: &AtomicBool::new(false),
+            progress: &mut (),
+            blocks: None,
+        };
+        let ended = simulation.run(&mut sweep, |_| Ok::<_, Infallible>(()));
+        ended.expect("nobody fails");
+        sweep
+    }
+
+    /// Of nine values of a second key, and of nine settings of two more keys, there are nine curves
+    /// in nine colours and a scale, which a panel by itself has, too. Few curves have a legend.
+    #[test]
+    fn every_value_of_further_keys_is_drawn() {
+        let first = "friction.dynamic=0.9,1.0";
+        let second = "friction.static=1.1:1.9:9";
+        let third = "oscillator.mass=0.8,1.0,1.2";
+        let fourth = "friction.static=1.1:1.5:3";
+        for (axes, count, is_scale) in [
+            (vec![first, second], 9, true),
+            (vec![first, third, fourth], 9, true),
+            (vec![first, third], 3, false),
+        ] {
+            let sweeps = [(String::new(), swept(&axes))];
+            let style = Style::default();
+            let scale = ColourScale::of(&sweeps, &style);
+            assert_eq!(scale.is_some(), is_scale, "{axes:?}");
+            let drawn = curves(&sweeps, scale.as_ref(), style.palette());
+            let mut points: Vec<usize> = drawn.iter().flat_map(|of| of.points.clone()).collect();
+            points.sort_unstable();
+            assert_eq!(points, (0..2 * count).collect::<Vec<_>>(), "{axes:?}");
+            let colours: std::collections::HashSet<_> =
+                drawn.iter().map(|of| of.stroke.colour.0).collect();
+            assert_eq!(colours.len(), count, "{axes:?}");
+            let subject = Subject::Sweep {
+                sweeps: &sweeps,
+                statistics: &[Statistic::DisplacementEndMean],
+            };
+            let sheet = draw(&subject, &style).expect("drawn");
+            assert_eq!(sheet.panel_count(), 1);
+            assert_eq!(sheet.frames() > HEIGHT, is_scale);
+            let alone = sheet.only('A').expect("there is one");
+            assert_eq!(alone.frames() > HEIGHT, is_scale);
+        }
+    }
+
+    #[test]
+    fn names_of_files_stand_upright_where_they_are_long() {
+        let files = |folder: &str| -> Vec<String> {
+            (0..12)
+                .map(|i| format!("{folder}/RSN90{i}_NORTHR.AT2"))
+                .collect()
+        };
+        let axis = |files: Vec<String>| SweepAxis {
+            name: "record".into(),
+            key: "input.ag.file".into(),
+            values: AxisValues::Files(files),
+        };
+        let style = Style::default();
+        let ticks = |files| horizontal(&axis(files), &style).ticks(200.0, 26.0);
+        let names = |files| ticks(files).into_iter().filter_map(|tick| tick.label);
+        let drawn: Vec<String> = names(files("a")).map(|name| name.words()).collect();
+        assert_eq!((drawn.len(), drawn[3].as_str()), (12, "RSN903_NORTHR"));
+        let long = horizontal(&axis(files("a")), &style);
+        assert!(long.upright_length().is_some_and(|length| length > 4.0));
+        assert_eq!(
+            horizontal(&axis(files("a")[..3].to_vec()), &style).upright_length(),
+            None
+        );
+        // The same name in two folders keeps its folder.
+        let both = [files("a"), files("b")].concat();
+        assert!(names(both).all(|name| name.words().contains('/')));
+    }
 }

@@ -4,7 +4,7 @@ use super::Absent;
 use super::subject::DrawnPath;
 use std::ops::Range;
 use stickslip::engine::Replay;
-use stickslip::model::{Model, Sign};
+use stickslip::model::{Model, Series, Sign};
 use stickslip::scheme::{Along, Segment};
 
 /// The state of a path at one instant.
@@ -33,10 +33,111 @@ impl DrawnPhase {
     pub fn end(&self) -> f64 {
         self.samples.last().map_or(f64::NAN, |sample| sample.time)
     }
+
+    /// Whether it is a sub-phase of few samples.
+    fn is_coarse(&self) -> bool {
+        self.slip.is_some() && self.samples.len() < FEW_ROWS
+    }
+
+    /// The times at which a parabola through three samples of a force or a velocity turns.
+    fn turns(&self) -> Vec<f64> {
+        let turn = |[a, b, c]: [[f64; 2]; 3]| {
+            let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+            let (before, after) = (slope(a, b), slope(b, c));
+            let at = 0.5 * (a[0] + b[0]) - 0.5 * before * (c[0] - a[0]) / (after - before);
+            (before * after < 0.0 && a[0] < at && at < c[0]).then_some(at)
+        };
+        let points = |of: fn(&StateAt) -> f64| {
+            let all = self.samples.windows(3);
+            all.filter_map(move |some| turn([0, 1, 2].map(|i| [some[i].time, of(&some[i])])))
+        };
+        points(|s| s.spring).chain(points(|s| s.velocity)).collect()
+    }
+
+    /// Adds the states at these times, where they are known.
+    fn insert(&mut self, times: &[f64], between: &Between) {
+        let (begin, end) = (self.begin(), self.end());
+        let is_inside = |time: &&f64| begin < **time && **time < end;
+        let inside = times.iter().filter(is_inside);
+        let states: Vec<StateAt> = inside
+            .filter_map(|time| between.state(self, *time))
+            .collect();
+        self.samples.extend(states);
+        self.samples.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
 }
 
 /// A sub-phase of fewer samples than this is drawn by the motion that the scheme knows.
 const FEW_ROWS: usize = 16;
+
+/// More samples of an input are grouped, and of each group the smallest and the largest are drawn.
+const MOST_SAMPLES: usize = 20_000;
+
+/// Measured values between two times, as points of a curve.
+pub fn sampled(series: &Series, [from, end]: [f64; 2]) -> Vec<[f64; 2]> {
+    let (times, values) = (series.times(), series.values());
+    let inside = times.partition_point(|t| *t <= from)..times.partition_point(|t| *t < end);
+    let each = inside.len().div_ceil(MOST_SAMPLES / 2).max(2);
+    let mut points = vec![[from, series.at(from)]];
+    for first in inside.clone().step_by(each) {
+        let group = first..inside.end.min(first + each);
+        let by_value = |i: &usize, j: &usize| values[*i].total_cmp(&values[*j]);
+        let extremes = [group.clone().min_by(by_value), group.max_by(by_value)];
+        let mut extremes: Vec<usize> = extremes.into_iter().flatten().collect();
+        extremes.sort_unstable();
+        points.extend(extremes.into_iter().map(|i| [times[i], values[i]]));
+    }
+    points.push([end, series.at(end)]);
+    points
+}
+
+/// What is known of a path between its rows.
+struct Between<'a> {
+    model: &'a Model,
+    /// The motion in its slips.
+    motion: Vec<Segment>,
+    /// The times of the rows, and the temperature there.
+    rows: [&'a [f64]; 2],
+}
+
+impl Between<'_> {
+    /// The state in a phase at a time; none if the motion is not known.
+    fn state(&self, phase: &DrawnPhase, time: f64) -> Option<StateAt> {
+        let Some((_, sign)) = phase.slip else {
+            let displacement = phase.samples[0].displacement;
+            let temperature = self.temperature(time);
+            return Some(StateAt {
+                time,
+                displacement,
+                velocity: 0.0,
+                spring: shown(self.model, time, temperature, [displacement, 0.0]),
+            });
+        };
+        let next = self.motion.partition_point(|segment| segment.start <= time);
+        let segment = self.motion.get(next.checked_sub(1)?)?;
+        let part = ((time - segment.start) / segment.length).min(1.0);
+        let at = state(segment, part, sign, self.model);
+        let known = !self.model.temperature.is_random();
+        let at_time = || {
+            let moving = [at.displacement, at.velocity];
+            shown(self.model, time, self.temperature(time), moving)
+        };
+        let spring = if known { at_time() } else { at.spring };
+        Some(StateAt { time, spring, ..at })
+    }
+
+    /// The temperature, with a noise that is linear between rows.
+    fn temperature(&self, time: f64) -> f64 {
+        let (of, [times, temperatures]) = (&self.model.temperature, self.rows);
+        let noise = |i: usize| temperatures[i] - of.mean(times[i]);
+        let next = times.partition_point(|t| *t < time);
+        if !of.is_random() || next == 0 || next >= times.len() {
+            return of.mean(time);
+        }
+        let part = (time - times[next - 1]) / (times[next] - times[next - 1]);
+        of.mean(time) + (1.0 - part) * noise(next - 1) + part * noise(next)
+    }
+}
 
 impl DrawnPhase {
     /// Puts what the scheme knows of the motion between the first instant and the last one.
@@ -152,11 +253,11 @@ impl PathTrace {
     ///
     /// The path was lost.
     pub fn of(path: &DrawnPath) -> Result<PathTrace, Absent> {
-        let replay = Replay::of(path.scenario, path.number);
+        let replay = Replay::enlarged(path.scenario, path.number, path.from);
         let trace = PathTrace::cut(&replay)
             .filter(|_| !replay.is_lost())
             .ok_or(Absent::Lost(path.number))?;
-        Ok(trace.refined(&replay).beginning_at(path.from))
+        Ok(trace.beginning_at(path.from).refined(&replay, path.from))
     }
 
     /// The rows of its trajectory, with its events inserted between them. None if events or
@@ -243,19 +344,42 @@ impl PathTrace {
         }
     }
 
-    /// The same path with the motion that the scheme knows in sub-phases of few rows.
-    fn refined(mut self, replay: &Replay) -> PathTrace {
-        let is_coarse =
-            |piece: &&mut DrawnPhase| piece.slip.is_some() && piece.samples.len() < FEW_ROWS;
-        let coarse: Vec<&mut DrawnPhase> = self.pieces.iter_mut().filter(is_coarse).collect();
-        let motion = if coarse.is_empty() {
-            Vec::new()
-        } else {
-            replay.motion()
+    /// The same path with the motion that the scheme knows in sub-phases of few rows, and with all
+    /// samples of inputs. Without noise, it contains the extremes between its rows, too.
+    fn refined(mut self, replay: &Replay, from: f64) -> PathTrace {
+        let scenario = &replay.scenario;
+        let is_random = scenario.model.temperature.is_random();
+        let has_step = scenario.scheme.step().is_some();
+        let follows = |phase: &DrawnPhase| phase.is_coarse() || phase.slip.is_some() && !has_step;
+        let times = scenario.timeline().output_times();
+        let rows = replay.block.rows.trajectories.as_ref();
+        let between = Between {
+            model: &scenario.model,
+            motion: match self.pieces.iter().any(follows) {
+                true => replay.motion(),
+                false => Vec::new(),
+            },
+            rows: [&times, rows.map_or(&[], |rows| &rows.temperature[..])],
         };
-        coarse
-            .into_iter()
-            .for_each(|piece| piece.follow(&motion, &replay.scenario.model));
+        let window = [from, scenario.time.end];
+        let samples = scenario
+            .measured
+            .iter()
+            .flat_map(|of| sampled(&of.series, window));
+        let samples: Vec<f64> = samples.map(|[time, _]| time).collect();
+        if let Some(first) = self.pieces.first_mut().filter(|first| first.begin() > from) {
+            let begin = between.state(first, from);
+            first.samples.splice(0..0, begin);
+        }
+        for piece in &mut self.pieces {
+            if piece.is_coarse() {
+                piece.follow(&between.motion, &scenario.model);
+            }
+            piece.insert(&samples, &between);
+            if !is_random {
+                piece.insert(&piece.turns(), &between);
+            }
+        }
         self
     }
 
@@ -313,5 +437,98 @@ impl PathTrace {
         let length =
             |slip: &Range<usize>| self.pieces[slip.end - 1].begin() - self.pieces[slip.start].end();
         slips.max_by(|one, other| length(one).total_cmp(&length(other)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::scenario::Scenario;
+
+    fn traced(scenario: &Scenario, from: f64) -> PathTrace {
+        let path = DrawnPath {
+            scenario,
+            number: 0,
+            from,
+        };
+        PathTrace::of(&path).expect("not lost")
+    }
+
+    fn largest(trace: &PathTrace) -> f64 {
+        trace.samples().map(|s| s.spring.abs()).fold(0.0, f64::max)
+    }
+
+    /// A block under a record of spikes of 3, 4, 5, ... between samples of zero, which lie between the
+    /// rows of the drawing: at any window, the force is the largest of its spikes, and every sample of
+    /// the record is drawn.
+    #[test]
+    fn every_sample_of_a_record_in_the_window_is_drawn() {
+        let folder = std::env::temp_dir().join(format!("spikes-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let spike = |i: u32| {
+            if i % 10 == 7 {
+                f64::from(3 + i / 10)
+            } else {
+                0.0
+            }
+        };
+        let rows = (0..=2000).map(|i| format!("{},{}\n", 0.01 * f64::from(i), spike(i)));
+        let text = format!("time_s,ag\n{}", rows.collect::<String>());
+        std::fs::write(folder.join("spikes.csv"), text).expect("written");
+        let scenario = |end: f64| {
+            let text = format!(
+                "oscillator = {{ mass = 1, stiffness = 0, dilatation = 0 }}\n\
+                 friction = {{ static = 150, dynamic = 100 }}\nforce.expression = \"-ag\"\n\
+                 input.ag = {{ file = \"spikes.csv\", unit = \"none\" }}\n\
+                 initial.displacement = 0\ntime.end = {end}\ntime.output_step = 1.0\n\
+                 scheme.kind = \"event-driven\"\nensemble.paths = 1\n"
+            );
+            let file = folder.join("block.toml");
+            std::fs::write(&file, text).expect("written");
+            Scenario::read(&file, &[]).expect("sound")
+        };
+        for [from, end] in [[0.0, 20.0], [6.0, 6.4], [19.85, 19.95]] {
+            let trace = traced(&scenario(end), from);
+            let inside = |i: &u32| (from..=end).contains(&(0.01 * f64::from(*i)));
+            let most = (0..=2000).filter(inside).map(spike).fold(0.0, f64::max);
+            let drawn = trace
+                .samples()
+                .filter(|s| (s.spring.abs() - most).abs() < 1e-9);
+            assert!(
+                drawn.count() > 0 && largest(&trace) < most + 1e-9,
+                "{from} to {end}"
+            );
+            let times: Vec<f64> = trace.samples().map(|s| s.time).collect();
+            let is_near = |t: f64| times.iter().any(|other| (other - t).abs() < 1e-9);
+            let samples = (0..=2000).filter(inside).map(|i| 0.01 * f64::from(i));
+            assert!(samples.into_iter().all(is_near), "{from} to {end}");
+            assert!((times[0] - from).abs() < 1e-9, "{from}: {}", times[0]);
+        }
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    /// The force on a stuck body under 8 cos(w t + 0.3) reaches 8 between rows that are a tenth of a
+    /// period apart.
+    #[test]
+    fn an_extremum_between_rows_is_drawn() {
+        let text = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\n\
+            friction = { static = 20, dynamic = 10 }\ninitial.displacement = 0\n\
+            temperature.harmonics = [{ amplitude = 8.0, angular_frequency = 0.25, phase = 0.3 }]\n\
+            time = { end = 60, output_step = 25 }\nscheme.kind = \"event-driven\"\n\
+            ensemble.paths = 1\n";
+        let scenario = Scenario::parse("stuck", text, &[]).expect("sound");
+        assert!((largest(&traced(&scenario, 10.0)) / 8.0 - 1.0).abs() < 1e-3);
+    }
+
+    /// Of more samples than can be drawn, the extremes are.
+    #[test]
+    fn long_records_keep_their_extremes() {
+        let n = 10 * MOST_SAMPLES;
+        let values = (0..n).map(|i| if i == 77_777 { 9.0 } else { (i % 7) as f64 });
+        let series = Series::new((0..n).map(|i| i as f64).collect(), values.collect());
+        let points = sampled(&series.expect("a series"), [10.0, (n - 10) as f64]);
+        assert!(points.len() <= MOST_SAMPLES + 4, "{}", points.len());
+        assert!(points.contains(&[77_777.0, 9.0]));
+        assert!(points.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
     }
 }

@@ -78,7 +78,10 @@ fn biases(costs: &CostCurves, style: &Style) -> Option<Panel> {
     };
     let seen = all()
         .filter(|(_, bias)| ends(bias)[0] > 0.0)
-        .flat_map(|(_, bias)| [bias.value.abs(), ends(bias)[1]]);
+        .flat_map(|(_, bias)| {
+            let [low, high] = ends(bias);
+            [low.max(LEAST * bias.value.abs()), high]
+        });
     let sizes = range_of(seen);
     if !sizes[0].is_finite() {
         return None;
@@ -111,6 +114,9 @@ fn biases(costs: &CostCurves, style: &Style) -> Option<Panel> {
     }
     Some(panel.keyed(key))
 }
+
+/// The part of a bias down to which its interval is shown in full.
+const LEAST: f64 = 0.1;
 
 /// The 97.5 % quantile of the standard normal distribution.
 const TWO_SIDED: f64 = 1.96;

@@ -1,10 +1,11 @@
 //! The names of keys and numbers at an axis.
 
 use super::kit::Label;
-use super::{LegendEntry, Style};
+use super::{LegendEntry, Palette, Style};
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{SweepAxis, table_of_file};
+use stickslip::sums::Ends;
 use stickslip_text::numbers;
 
 /// The names of Greek letters that people give to quantities, each before its letter.
@@ -90,6 +91,12 @@ pub fn caveats(scenario: &Scenario, are_counts: bool) -> Vec<LegendEntry> {
         .chain(limit)
         .map(LegendEntry::words)
         .collect()
+}
+
+/// The entry of the area between the ends of intervals, if any of them is known.
+pub fn intervals(of: &Ends, palette: &Palette) -> Option<LegendEntry> {
+    let is_known = of.low.iter().zip(&of.high).any(|(low, high)| low < high);
+    is_known.then(|| LegendEntry::area(palette.narrow, "95 % interval"))
 }
 
 /// A whole number in groups of three digits, which a line break does not separate.

@@ -79,7 +79,7 @@ pub fn forecast(title: &str, scenario_text: &str, found: &BearingForecast) -> Da
             level.quantity.name(),
             &["draw", "year"],
             Unit::None,
-            "value in one simulated year",
+            "value in one simulated year, scaled to the mean with the most likely parameters",
         )
         .with(&unit);
         let values = years
@@ -103,10 +103,7 @@ const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
 }
 
 const PER_LEVEL: [Variable; 5] = [
-    of_quantity(
-        "expected",
-        "mean over years with the most likely parameters",
-    ),
+    of_quantity("expected", "mean over all years"),
     of_quantity("expected_low", "lower end of the interval of that mean"),
     of_quantity("expected_high", "upper end of the interval of that mean"),
     of_quantity("year_low", "lower end of the interval for a single year"),

@@ -7,9 +7,8 @@
 //!       -> Forecast each quantity with intervals for its mean and for a single year (summary)
 //! ```
 //!
-//! The expected value is the mean over years with the most likely parameters. The mean over all
-//! draws would be too high by a few percent, because the number of slips grows faster than the
-//! variance of the weather.
+//! The expected value is the mean over all years, which are scaled to the mean of years with the most
+//! likely parameters.
 //!
 //! Crossings of the thresholds are those of the model in continuous time. A sampled temperature,
 //! with a sample every ten minutes for example, misses slips between its samples.

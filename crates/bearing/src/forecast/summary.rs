@@ -12,12 +12,12 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 pub struct ForecastLevel {
     /// The quantity.
     pub quantity: ForecastQuantity,
-    /// The mean over years with the most likely parameters.
+    /// The mean over all years.
     pub expected: f64,
     /// The interval of that mean, which allows for the errors of the parameters.
     pub expected_interval: [f64; 2],
     /// The interval for a single year, which allows for the weather and the errors of the
-    /// parameters.
+    /// parameters. It contains that of the mean.
     pub year_interval: [f64; 2],
 }
 
@@ -37,9 +37,8 @@ pub struct ReturnLevel {
 pub struct Forecast {
     /// The question.
     pub question: ForecastQuestion,
-    /// The years with the most likely parameters.
-    pub likeliest: Vec<Year>,
-    /// All other years, one list for each draw of the parameters.
+    /// The years, one list for each draw of the parameters. Each quantity is scaled so that its mean
+    /// is that of other years, with the most likely parameters.
     pub years: Vec<Vec<Year>>,
     /// One for each quantity that can be known; forces need K_BP.
     pub levels: Vec<ForecastLevel>,
@@ -124,8 +123,8 @@ impl Forecast {
         }
         let of =
             |years: &Vec<YearAndRecord>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
-        let (likeliest, years): (_, Vec<Vec<Year>>) =
-            (of(likeliest), whole.iter().copied().map(of).collect());
+        let years = whole.iter().copied().map(of).collect();
+        let years = centred(&of(likeliest), years);
         let mut within: Vec<f64> = whole
             .iter()
             .copied()
@@ -152,7 +151,7 @@ impl Forecast {
         let levels = ForecastQuantity::ALL
             .into_iter()
             .filter(known)
-            .map(|quantity| level(&likeliest, &years, quantity, question))
+            .map(|quantity| level(&years, quantity, question))
             .collect();
         let return_levels = RETURN_PERIODS
             .map(|period| return_level(&years, period, question))
@@ -160,7 +159,6 @@ impl Forecast {
         let question = *question;
         Ok(Some(Forecast {
             question,
-            likeliest,
             years,
             levels,
             return_levels,
@@ -205,8 +203,35 @@ impl Forecast {
     }
 }
 
+/// The years of all draws, with each quantity scaled to the mean that it has with the most likely
+/// parameters. The mean over the draws themselves would be too high by some percent, because the
+/// number of slips grows faster than the variance of the weather.
+fn centred(likeliest: &[Year], mut years: Vec<Vec<Year>>) -> Vec<Vec<Year>> {
+    for quantity in ForecastQuantity::ALL {
+        let mean_of = |years: &mut dyn Iterator<Item = &Year>| {
+            mean(
+                &years
+                    .map(|year| year[quantity as usize])
+                    .collect::<Vec<_>>(),
+            )
+        };
+        let factor = mean_of(&mut likeliest.iter()) / mean_of(&mut years.iter().flatten());
+        if factor > 0.0 && factor.is_finite() {
+            let most = if quantity.is_unbounded() {
+                f64::INFINITY
+            } else {
+                1.0
+            };
+            for year in years.iter_mut().flatten() {
+                let scaled = factor * year[quantity as usize];
+                year[quantity as usize] = scaled.min(most);
+            }
+        }
+    }
+    years
+}
+
 fn level(
-    likeliest: &[Year],
     years: &[Vec<Year>],
     quantity: ForecastQuantity,
     question: &ForecastQuestion,
@@ -222,7 +247,7 @@ fn level(
     let within = draws
         .iter()
         .map(|years| variance(years) / years.len() as f64);
-    let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
+    let expected = mean(&all);
     let expected_interval =
         if expected > 0.0 && means.iter().all(|mean| *mean > 0.0) && quantity.is_unbounded() {
             // A count or a length is a product of uncertain factors, so its logarithm is closer to
@@ -248,13 +273,15 @@ fn level(
             };
             [(expected - half).max(0.0), (expected + half).min(most)]
         };
+    // A year scatters at least as much as the mean, which few draws may not show.
+    let [low, high] = expected_interval;
     ForecastLevel {
         quantity,
         expected,
         expected_interval,
         year_interval: [
-            quantile(&all, 0.5 - 0.5 * question.level),
-            quantile(&all, 0.5 + 0.5 * question.level),
+            quantile(&all, 0.5 - 0.5 * question.level).min(low),
+            quantile(&all, 0.5 + 0.5 * question.level).max(high),
         ],
     }
 }
@@ -455,6 +482,37 @@ mod tests {
                     (half / expected - 1.0).abs() < 0.05,
                     "{half}, expected {expected}"
                 );
+            }
+        }
+    }
+
+    /// Whatever the years, the mean is that of the years and, with the most likely parameters, that of
+    /// theirs; and it lies in its interval, which lies in that of a single year. The draws of the force
+    /// differ by more than the years of a draw, as where friction limits it.
+    #[test]
+    fn one_mean_lies_in_its_range_and_that_in_a_years() {
+        let mut random = Stream::new(7, 0);
+        let likeliest = vec![[41.0, 73.0, 8.0, 10.0, 0.02, 5e5]; 20];
+        for (of_draw, of_year) in [(0.2, 0.1), (0.03, 1e-4), (0.0, 0.3), (1e-9, 1e-12)] {
+            let draws = (0..QUESTION.draws).map(|_| {
+                let shift = of_draw * random.normal();
+                let year = |random: &mut Stream| {
+                    let factor = libm::exp(0.1 + shift + of_year * random.normal());
+                    likeliest[0].map(|x| factor * x)
+                };
+                (0..QUESTION.years).map(|_| year(&mut random)).collect()
+            });
+            let draws: Vec<Vec<Year>> = std::iter::once(likeliest.clone()).chain(draws).collect();
+            let found = of(draws, &QUESTION, 80.0).expect("usual").expect("whole");
+            for level in &found.levels {
+                let years = found.years.iter().flatten();
+                let values: Vec<f64> = years.map(|year| year[level.quantity as usize]).collect();
+                let is_mean = |x: f64| (x / mean(&values) - 1.0).abs() < 1e-12;
+                assert!(is_mean(level.expected), "{level:?}");
+                assert!(is_mean(likeliest[0][level.quantity as usize]), "{level:?}");
+                let ([low, high], [least, most]) = (level.expected_interval, level.year_interval);
+                assert!(least <= low && low <= level.expected, "{level:?}");
+                assert!(level.expected <= high && high <= most, "{level:?}");
             }
         }
     }

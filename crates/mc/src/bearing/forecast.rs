@@ -39,6 +39,9 @@ pub struct Arguments {
     /// Write every year to FILE.csv, or a page for a browser to FILE.html; repeatable
     #[arg(short, long, value_name = "FILE.csv|FILE.html")]
     output: Vec<PathBuf>,
+    /// Heading of the table and of the page [default: the title of the scenario]
+    #[arg(long, value_name = "WORDS")]
+    title: Option<String>,
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
@@ -49,7 +52,8 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let scene = self.source.scene()?;
+        let mut scene = self.source.scene()?;
+        scene.title = self.title.clone().unwrap_or(scene.title);
         for (i, output) in self.output.iter().enumerate() {
             let is_same = |other: &PathBuf| {
                 std::path::absolute(other).ok() == std::path::absolute(output).ok()

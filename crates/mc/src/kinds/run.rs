@@ -181,6 +181,7 @@ pub fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInf
             .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
             .map(|reason| reason.to_string()),
         period: scenario.and_then(Scenario::period),
+        is_free: scenario.is_some_and(|scenario| scenario.model.oscillator.stiffness == 0.0),
         steps_per_path: None,
         file: file.display().to_string(),
         status: *status,

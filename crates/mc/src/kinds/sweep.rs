@@ -48,7 +48,9 @@ impl AnyResult for StoredSweep {
             sweeps: &sweeps,
             statistics: &[],
         };
-        page.pictures = pictures(SWEEP.figures, &subject, "");
+        let mut pictures = pictures(SWEEP.figures, &subject, "").into_iter();
+        page.leading_picture = pictures.next();
+        page.pictures = pictures.collect();
         page.report = report::sweep(sweep, Chosen::First, file);
         page.warnings = report::warnings(sweep);
         Ok(page.html())

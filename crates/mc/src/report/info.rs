@@ -23,6 +23,8 @@ pub struct RunInfo {
     pub no_bias: Option<String>,
     /// The period at whose ends x is compared, if the scenario is known.
     pub period: Option<Period>,
+    /// Whether no spring pulls the body back, so that its displacement is what people ask for.
+    pub is_free: bool,
     /// The number of steps of one path, if this process simulated the run with a time-stepping scheme.
     pub steps_per_path: Option<u64>,
     /// The file that holds the results.

@@ -9,7 +9,7 @@ use crate::output::numbers::{Digits, counted, significant};
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::{Period, PeriodSource};
 use stickslip::scheme::Timeline;
-use stickslip::stats::{Bias, Estimate, Statistic, Summary};
+use stickslip::stats::{Bias, Dimension, Estimate, Statistic, Summary};
 
 /// The statistics that a table has.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub enum Chosen<'a> {
     These(&'a [Statistic]),
 }
 
-/// What the paper asks.
+/// What the paper asks. Of a body without a spring, the displacements come first.
 pub(super) const FIRST: [Statistic; 9] = [
     Statistic::StickDurationMean,
     Statistic::SticksPerPath,
@@ -73,7 +73,9 @@ pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -
     } else {
         ""
     };
-    let rows = chosen.of(&FIRST, &summary.asked).iter().map(|statistic| {
+    let mut first = FIRST;
+    first.sort_by_key(|of| info.is_free && of.dimension() != Dimension::LENGTH);
+    let rows = chosen.of(&first, &summary.asked).iter().map(|statistic| {
         let e = summary.estimate(*statistic);
         let cells = cells(e, summary.has_bias())
             .into_iter()
@@ -145,6 +147,10 @@ pub(super) fn estimate_cells(e: &Estimate) -> [Cell; 4] {
     if !(e.low.is_finite() && e.high.is_finite()) {
         cells[2].text = "none".into();
         cells[3].text.clear();
+    }
+    // Without an error there is nothing to say about an interval; the reason stands beside it.
+    if !e.standard_error.is_finite() {
+        cells[1..].iter_mut().for_each(|cell| cell.text.clear());
     }
     cells
 }
@@ -321,7 +327,7 @@ mod tests {
         let unit = |name| row(&table, name).rsplit("  ").next().unwrap_or_default();
         assert_eq!(unit("stick_duration_mean"), "s");
         assert_eq!(unit("drift_velocity"), "m/s");
-        assert_eq!(unit("diffusion_coefficient"), "m^2/s");
+        assert_eq!(unit("diffusion_coefficient"), "m²/s");
         assert_eq!(unit("friction_work_mean"), "N m");
         // A label of a unit may contain brackets, which are not the brackets of a reason.
         let units = Units {
@@ -384,6 +390,19 @@ mod tests {
             (names(Chosen::First).len(), names(Chosen::All).len()),
             (9, summary().asked.len())
         );
+    }
+
+    /// The table of a body without a spring begins with its displacement.
+    #[test]
+    fn a_sliding_block_is_reported_by_its_displacement() {
+        let info = RunInfo {
+            is_free: true,
+            ..info()
+        };
+        let rows = &super::run(&summary(), &info, Chosen::First, false).tables[0].rows;
+        let names: Vec<&str> = rows.iter().map(|row| row.cells[0].text.as_str()).collect();
+        assert_eq!(names[..2], ["displacement_end_mean", "displacement_end_sd"]);
+        assert_eq!((names[2], names.len()), ("stick_duration_mean", 9));
     }
 
     /// A drift says of how few periods it is, or that nothing but the length of the run sets P.

@@ -111,6 +111,7 @@ pub fn info() -> RunInfo {
         bias_seconds: Some(0.0),
         no_bias: None,
         period: None,
+        is_free: false,
         steps_per_path: Some(6_000),
         file: "rho025.h5".into(),
         status: Status::Complete,

@@ -145,8 +145,13 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Table {
         }
     };
     let rows = sweep.points.iter().enumerate().map(row).collect();
+    let unit = statistic.dimension().label(&sweep.question.scenario.units);
+    let unit = match unit.as_str() {
+        "" => unit,
+        _ => format!(" ({unit})"),
+    };
     Table {
-        heading: statistic.name().into(),
+        heading: format!("{}{unit}", statistic.name()),
         columns: point_columns(&keys),
         rows,
         ..Table::default()

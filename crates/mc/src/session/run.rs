@@ -261,6 +261,7 @@ impl<'a> Session<'a> {
                 .as_ref()
                 .map(|reason| reason.to_string()),
             period: scenario.period(),
+            is_free: scenario.model.oscillator.stiffness == 0.0,
             steps_per_path: scenario.steps(),
             // A folder or file may have been deleted in the meantime.
             file: if file.exists() {

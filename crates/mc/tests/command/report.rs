@@ -1,6 +1,7 @@
 //! `mc report`: a page is either refused or complete. tests/browser.sh tests it in a browser.
 
 use crate::command::{done, mc};
+use stickslip_data::numbers::significant;
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/rho025.toml");
 
@@ -107,6 +108,8 @@ fn every_file_has_a_page() {
         "4",
         "--years",
         "3",
+        "--title",
+        "Pier 7",
         "-o",
         "year.html",
         "-o",
@@ -119,6 +122,22 @@ fn every_file_has_a_page() {
         "friction force at which the bearing slips",
         "Traffic",
     ];
+    let years = std::fs::read_to_string(path.join("years.csv")).expect("UTF-8");
+    let paths: Vec<f64> = (years.lines().skip(1))
+        .map(|line| {
+            line.split(',')
+                .nth(2)
+                .expect("a path")
+                .parse()
+                .expect("a number")
+        })
+        .collect();
+    let mean_path = paths.iter().sum::<f64>() / paths.len() as f64;
+    let sweep = std::fs::read_to_string(path.join("sweep.html")).expect("UTF-8");
+    assert!(
+        sweep.find("<img") < sweep.find("<table"),
+        "the picture is first"
+    );
     for (page, says) in [
         (
             "sweep.html",
@@ -139,7 +158,9 @@ fn every_file_has_a_page() {
                     "data-heading=\"mean\"",
                     "z is the reading of the displacement sensor",
                     "largest force |F| on the pier (kN)",
-                    "alt=\"Years to come",
+                    "alt=\"Years to come: Pier 7",
+                    "<title>Pier 7",
+                    &format!("slides {} mm", significant(1e3 * mean_path, 3)),
                 ],
             ]
             .concat(),
