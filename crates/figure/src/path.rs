@@ -112,7 +112,7 @@ impl<'a> PathLayout<'a> {
     /// The inputs over time, in a panel each.
     fn inputs(&self) -> Vec<Panel> {
         let scenario = self.path.scenario;
-        let inputs = scenario.measured.iter();
+        let inputs = scenario.written.measured.iter();
         let inputs = inputs.filter_map(|measured| Some((measured.input()?, measured)));
         let panel = |(name, measured): (&str, &Measured)| {
             let points = sampled(&measured.series, [self.path.from, scenario.time.end]);

@@ -1,6 +1,8 @@
 //! The estimates from slips, and their errors.
 
 use super::bearing::Response;
+use super::course::{Course, CourseShape};
+use super::fit::SlipFit;
 use super::friction::SlipStatistics;
 use super::hold::conditioned;
 use super::quantity::{Quantity, Values, response_of, values};
@@ -12,22 +14,21 @@ use super::zero::Zero;
 
 /// The estimates from the slips of a record.
 pub struct BySlips {
+    /// The response at mean friction.
     pub response: Response,
     /// How the zero of the sensor moves.
     pub zero: Zero,
+    /// How friction varies over time.
+    pub course: Course,
     pub replicates: Replicates,
     /// The standard deviation of each quantity.
     pub deviations: Values,
     pub slips: DetectedSlips,
     /// Further statistics of the slips.
     pub statistics: SlipStatistics,
-    /// Whether the thermometer is slower than the steel.
-    pub is_thermometer_slow: bool,
+    /// If the thermometer is slower than the steel: A relative to that with a fast thermometer.
+    pub slow_share: Option<f64>,
 }
-
-/// Threshold of twice the log-likelihood ratio for a change of friction over time. Neighbouring
-/// values have correlated errors, so random gains are larger than for independent ones.
-const CONVINCING: f64 = 25.0;
 
 /// A relative change of A below this is harmless.
 const HARMLESS: f64 = 0.05;
@@ -44,7 +45,7 @@ impl BySlips {
         question: &CalibrationQuestion,
         workers: Workers,
     ) -> Result<Option<Self>, CalibrationError> {
-        let Some(slips) = steel.slips.take() else {
+        let Some(slips) = steel.slips.take().map(without_harmless_course) else {
             return Ok(None);
         };
         let Some(mut found) = BySlips::fitted(steel, slips, question, workers)? else {
@@ -76,27 +77,29 @@ impl BySlips {
         question: &CalibrationQuestion,
         workers: Workers,
     ) -> Result<Option<Self>, CalibrationError> {
-        let Some((response, zero)) = slips.fit() else {
+        let Some(fit) = slips.fit() else {
             return Ok(None);
         };
         let mut found = BySlips {
-            response,
-            statistics: slips.statistics(&response, &zero),
-            is_thermometer_slow: steel.is_thermometer_slow,
-            zero,
+            response: fit.response,
+            course: fit.course,
+            statistics: slips.statistics(&fit),
+            slow_share: steel.slow_share,
+            zero: fit.zero.clone(),
             replicates: Replicates::default(),
             deviations: [f64::NAN; Quantity::ALL.len()],
             slips,
         };
         found.check(question.shear_stiffness)?;
         let shear = question.shear_stiffness;
-        let corrected = Replicates::corrected(steel, &found, shear, workers);
-        let (response, replicates) = corrected.ok_or(found.undetermined([1, 1]))?;
+        let corrected = Replicates::corrected(steel, (&found.slips, &fit), shear, workers);
+        let (response, course, replicates) = corrected.ok_or(found.undetermined([1, 1]))?;
         let [impossible, all] = replicates.impossible();
         if 2 * impossible > all {
             return Err(found.undetermined([impossible, all]));
         }
         found.response = response;
+        found.course = course;
         found.replicates = replicates.with_shear(shear.unwrap_or(1.0));
         found.check(shear)?;
         Ok(Some(found))
@@ -121,11 +124,15 @@ impl BySlips {
             all,
         }
     }
+}
 
-    /// The smallest and the largest A over the record, relative to its mean, if it changes.
-    pub fn friction_range(&self) -> Option<[f64; 2]> {
-        let SlipStatistics { gain, range, .. } = self.statistics;
-        let is_convincing = gain > CONVINCING && range[1] - range[0] > HARMLESS;
-        (is_convincing && range[0] > 0.0 && range[1].is_finite()).then_some(range)
+/// The same slips with constant friction, if it changes by little.
+fn without_harmless_course(slips: DetectedSlips) -> DetectedSlips {
+    let range = slips
+        .fit()
+        .map(|fit: SlipFit| fit.course.range(&fit.response.motion));
+    match range.is_some_and(|[low, high]| high - low > HARMLESS) {
+        true => slips,
+        false => slips.with_shape(CourseShape::Constant),
     }
 }

@@ -1,11 +1,12 @@
 //! The steps from a record to a calibration.
 
 use super::by_slips::BySlips;
+use super::detect::freely;
 use super::objective::FitObjective;
 use super::prepared::{check, upright};
 use super::quantity::Quantity;
 use super::question::{CalibrationError, CalibrationMethod, CalibrationQuestion};
-use super::report::Calibration;
+use super::report::{Calibration, ParameterEstimate};
 use super::samples::MeasuredRecord;
 use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
@@ -28,7 +29,12 @@ pub fn calibrate(
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     check(record)?;
-    fit(upright(record.clone()), question, threads, stop)
+    let (record, is_mirrored) = upright(record.clone());
+    let (record, repeats) = match record.without_repeated() {
+        Some((record, every)) => (record, Some(every)),
+        None => (record, None),
+    };
+    fit(record, (is_mirrored, repeats), question, threads, stop)
 }
 
 /// Repeat a calibration with its record. The result is identical, bit for bit.
@@ -45,16 +51,25 @@ pub fn calibrate_again(
         question,
         record,
         is_mirrored,
+        repeats,
         ..
     } = calibration;
     check(record)?;
-    fit((record.clone(), *is_mirrored), question, threads, stop)
+    fit(
+        record.clone(),
+        (*is_mirrored, *repeats),
+        question,
+        threads,
+        stop,
+    )
 }
 
 /// Estimate from the slips and by least squares, as requested, from a record whose displacements
-/// grow with temperature, given whether their sign was changed.
+/// grow with temperature, given whether their sign was changed, and how often the thermometer measured
+/// if it repeated its values.
 fn fit(
-    (record, is_mirrored): (MeasuredRecord, bool),
+    record: MeasuredRecord,
+    (is_mirrored, repeats): (bool, Option<f64>),
     question: &CalibrationQuestion,
     threads: usize,
     stop: &AtomicBool,
@@ -66,7 +81,8 @@ fn fit(
     let by_slips = BySlips::new(&mut steel, question, Workers { threads, stop })?;
     let slips = by_slips.as_ref().map(|by_slips| &by_slips.slips);
     if slips.is_none() && question.method == CalibrationMethod::Slips {
-        return Err(CalibrationError::NoSlips);
+        let follows = freely(&record.samples());
+        return Err(follows.map_or(CalibrationError::NoSlips, CalibrationError::MovesFreely));
     }
     let zero = by_slips
         .as_ref()
@@ -94,10 +110,26 @@ fn fit(
         return Err(CalibrationError::NoBearing { quantity, value });
     }
     calibration.is_mirrored = is_mirrored;
-    let slips = by_slips.as_ref();
-    calibration.friction_range = slips.and_then(BySlips::friction_range);
-    calibration.warnings = warnings(&calibration, slips);
+    calibration.repeats = repeats;
+    check_friction(&calibration)?;
+    calibration.warnings = warnings(&calibration, by_slips.as_ref());
     Ok(calibration)
+}
+
+/// Check that the intervals of friction do not include zero, which no bearing has.
+fn check_friction(calibration: &Calibration) -> Result<(), CalibrationError> {
+    let quantity = match calibration.question.shear_stiffness {
+        Some(_) => Quantity::Static,
+        None => Quantity::StaticWay,
+    };
+    let ParameterEstimate { low, high, .. } = calibration.estimate(quantity);
+    match low <= 0.0 {
+        true => Err(CalibrationError::NoFriction {
+            quantity,
+            interval: [low, high],
+        }),
+        false => Ok(()),
+    }
 }
 
 /// The box of the least-squares search: around the response by slips, or around a guess if there is

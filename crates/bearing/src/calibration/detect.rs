@@ -2,6 +2,7 @@
 //! parameters of the bearing.
 
 use super::samples::{HOUR, Samples, median, spread};
+use crate::moments::{correlation, variance};
 
 /// A jump between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +141,20 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
         window,
         contrast: usual / noise,
     }
+}
+
+/// The correlation of increments over an hour above which z follows T.
+const FOLLOWS: f64 = 0.9;
+
+/// The slope of z against T, if z follows T from hour to hour.
+pub fn freely(samples: &Samples) -> Option<f64> {
+    let rise = |values: &[f64]| -> Vec<f64> {
+        let pairs = samples.pairs(samples.intervals(HOUR).max(1));
+        pairs.map(|[i, j]| values[j] - values[i]).collect()
+    };
+    let [t, z] = [rise(&samples.temperatures), rise(&samples.readings)];
+    let correlation = correlation(&t, &z);
+    (correlation > FOLLOWS).then(|| correlation * (variance(&z) / variance(&t)).sqrt())
 }
 
 /// An estimate of `still` before any slip is known, from increments over one hour. Large residuals

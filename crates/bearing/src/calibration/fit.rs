@@ -1,10 +1,12 @@
 //! The response of a bearing, computed from its slips.
 
 use super::bearing::{Response, Sensor};
+use super::course::Course;
 use super::motion::Motion;
-use super::samples::{median, spread};
-use super::slips::{DetectedSlips, Slip};
+use super::samples::spread;
+use super::slips::{DetectedSlips, Reversal, Slip};
 use super::zero::{MiddleLine, Zero};
+use crate::linear::Normal;
 use crate::moments::mean;
 
 /// The errors of a displacement sensor.
@@ -16,6 +18,17 @@ pub struct SensorNoise {
     pub red: f64,
     /// Correlation time of the red noise, in seconds.
     pub memory: f64,
+}
+
+/// A response, and how the zero of the sensor and friction change around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlipFit {
+    /// The response at mean friction.
+    pub response: Response,
+    /// How the zero moves.
+    pub zero: Zero,
+    /// How friction varies.
+    pub course: Course,
 }
 
 impl DetectedSlips {
@@ -34,40 +47,76 @@ impl DetectedSlips {
     /// - The temperature of the first slip differs from xi(0) by A. If that slip fell into a gap,
     ///   xi(0) follows from the level before it.
     ///
-    /// f_s may vary from slip to slip; the results then apply to its mean.
-    pub fn fit(&self) -> Option<(Response, Zero)> {
+    /// f_s may vary from slip to slip; the results then apply to its mean. If it varies over time, they
+    /// apply to its mean over a year or over the record (`course.rs`).
+    pub fn fit(&self) -> Option<SlipFit> {
         let still = self.still();
         let MiddleLine {
             offset,
             slope: moving,
             zero,
+            course: kinetic,
             ..
         } = self.zero.line(&self.middles())?;
         let sizes: Vec<f64> = self.usual().map(|slip| slip.size(still)).collect();
-        let jump = mean(&sizes) / moving;
-        let reach = self.kinetic_reach() + 0.5 * jump;
+        let mut course = Course {
+            shape: self.shape,
+            kinetic,
+            ..Course::default()
+        };
+        let mut jump = mean(&sizes) / moving;
+        if course.varies() {
+            let columns = self.shape.columns();
+            let mut normal = Normal::of(1 + columns);
+            for (slip, size) in self.usual().zip(&sizes) {
+                normal.add(
+                    &self.shape.row(&[slip.time])[..=columns],
+                    size / moving,
+                    1.0,
+                );
+            }
+            let found = normal.solve()?;
+            jump = found[0];
+            course.jump[..columns].copy_from_slice(&found[1..]);
+        }
+        let [_, a, b] = self.mean_row();
+        let kinetic = self.kinetic_reach() - kinetic[0] * a - kinetic[1] * b;
+        let mut motion = Motion {
+            reach: kinetic + 0.5 * jump,
+            jump,
+            start: 0.0,
+        };
         let first = self.slips.first()?;
-        let start = match &self.beginning {
-            None => first.temperature - first.sign * reach,
+        motion.start = match &self.beginning {
+            None => first.temperature - first.sign * course.motion(&motion, first.time).reach,
             Some(level) => (level.minus_slope(still) - offset) / moving,
         };
-        let fit = Response {
-            motion: Motion { reach, jump, start },
+        let response = Response {
+            motion,
             sensor: Sensor {
                 offset,
                 moving,
                 still,
             },
         };
-        (reach.is_finite() && jump.is_finite()).then_some((fit, zero))
+        let is_known = motion.reach.is_finite() && jump.is_finite();
+        is_known.then_some(SlipFit {
+            response,
+            zero,
+            course,
+        })
     }
 
     /// The noise of the sensor: white from differences of readings, and red from its growth during
     /// sticks and from the distances of the middles of jumps from their line.
-    pub fn noise(&self, response: &Response, zero: &Zero) -> SensorNoise {
-        let Response { motion, sensor } = response;
-        let kinetic = motion.kinetic_reach();
+    pub fn noise(&self, fit: &SlipFit) -> SensorNoise {
+        let SlipFit {
+            response: Response { motion, sensor },
+            zero,
+            course,
+        } = fit;
         let off = |slip: &Slip| {
+            let kinetic = course.motion(motion, slip.time).kinetic_reach();
             let line = sensor.offset
                 + zero.at(slip.time)
                 + sensor.moving * (slip.temperature - slip.sign * kinetic);
@@ -76,10 +125,12 @@ impl DetectedSlips {
         let all = spread(&self.usual().map(off).collect::<Vec<_>>());
         // Part of these distances is due to errors of the temperatures of slips, two for each
         // reversal.
+        let expected = |time: &f64| course.motion(motion, *time).kinetic_reach();
+        let of_course = |reversal: &Reversal| reversal.times.iter().map(expected).sum::<f64>();
         let changes: Vec<f64> = self
             .reversals
             .iter()
-            .map(|reversal| reversal.change)
+            .map(|reversal| reversal.change - of_course(reversal))
             .collect();
         let of_temperature = sensor.moving * spread(&changes) / std::f64::consts::SQRT_2;
         let variance = (all * all - of_temperature * of_temperature).max(0.0);
@@ -94,14 +145,11 @@ impl DetectedSlips {
     /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
     /// their mean.
     pub fn excess_scatter(&self) -> f64 {
-        let mut sizes = self.sizes();
-        let middle = median(&mut sizes.clone());
+        let mut sizes = self.relative_sizes();
         // Two slips between two samples look like one of twice the size; they are left out.
-        sizes.retain(|size| *size < 1.5 * middle);
+        sizes.retain(|size| *size < 1.5);
         let noise = self.contrast.recip();
-        ((spread(&sizes) / middle).powi(2) - noise * noise)
-            .max(0.0)
-            .sqrt()
+        (spread(&sizes).powi(2) - noise * noise).max(0.0).sqrt()
     }
 
     /// The share of the motion explained by visible slips while the body continues in one

@@ -99,15 +99,17 @@ pub fn lag_profile(record: &MeasuredRecord, slips: &DetectedSlips, found: f64) -
 }
 
 /// The time constants of a thermometer that is slower than the steel, in minutes.
-const SLOW: [f64; 9] = [2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0];
+const SLOW: [f64; 11] = [
+    2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0,
+];
 
 /// Why the temperature at another time explains the displacement better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
     /// The clock of the sensor is behind that of the thermometer by this many seconds.
     Clock(f64),
-    /// The thermometer is slower than the steel.
-    SlowThermometer,
+    /// The thermometer is slower than the steel, with this time constant in seconds.
+    SlowThermometer(f64),
 }
 
 /// The offset that is more likely than this lag and than none. A lag smooths the temperature from
@@ -130,12 +132,10 @@ pub fn offset(record: &MeasuredRecord, slips: &DetectedSlips, lag: f64) -> Optio
         return None;
     }
     // The temperature at later times resembles that of a thermometer that lags behind the steel.
-    let is_slow = seconds < 0.0
-        && best_of(&SLOW, MeasuredRecord::sharpened).is_some_and(|(_, slow)| slow < lowest);
-    Some(match is_slow {
-        true => Offset::SlowThermometer,
-        false => Offset::Clock(seconds),
-    })
+    let slow = best_of(&SLOW, MeasuredRecord::sharpened);
+    let slow = slow.filter(|(_, deviance)| seconds < 0.0 && *deviance < lowest);
+    let clock = Offset::Clock(seconds);
+    Some(slow.map_or(clock, |(seconds, _)| Offset::SlowThermometer(seconds)))
 }
 
 /// Whether a difference of this many seconds may be drift of the clocks; otherwise one of them was

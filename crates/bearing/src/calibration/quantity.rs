@@ -58,6 +58,10 @@ impl Quantity {
     pub const FITTED: [Quantity; 6] =
         [Stiffness, Dilatation, Static, Dynamic, Offset, Displacement];
 
+    /// The quantities that determine motion and reading. K, f_s and f_d follow from them, and a year
+    /// forgets x(0).
+    pub(crate) const DRAWN: [Quantity; 5] = [Dilatation, Shear, Offset, Reach, Jump];
+
     /// The quantity of [`Quantity::FITTED`] with this key.
     pub fn fitted(key: &str) -> Option<Quantity> {
         Quantity::FITTED

@@ -153,6 +153,13 @@ pub enum CalibrationError {
     /// No slips are visible, and no other method was requested.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
+    /// No slips are visible, because the displacement follows the temperature.
+    #[error(
+        "no slips are visible: the displacement follows the temperature by {:.3} mm/K without jumps, and no \
+         stick longer than an hour was found: the bearing moves freely, or never slips if its joint would \
+         move by much more", 1e3 * .0
+    )]
+    MovesFreely(f64),
     /// The detected jumps are not slips of this model.
     #[error("the {jumps} jumps that were found are not the slips of a bearing: they give {}, but a bearing has {CONDITION}",
             stated(.quantity, .value))]
@@ -176,6 +183,17 @@ pub enum CalibrationError {
         impossible: usize,
         /// Number of synthetic records.
         all: usize,
+    },
+    /// The interval of a friction includes zero.
+    #[error(
+        "the jumps that were found do not determine friction: {} is between {:.3e} and {:.3e} {}",
+        quantity.symbol(), interval[0], interval[1], quantity.unit()
+    )]
+    NoFriction {
+        /// The friction.
+        quantity: Quantity,
+        /// Its interval.
+        interval: [f64; 2],
     },
     /// The resolution steps of the sensor may be as large as the jumps.
     #[error(
@@ -215,6 +233,14 @@ impl CalibrationError {
             CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
                 "measure for longer, until the record has tens of slips; the method `criterion` needs none, but is less accurate"
+            }
+            CalibrationError::NoFriction { .. } => {
+                "check the sensor for play, and the value of bearing.stiffness, without which f_s/K can be \
+                 estimated; or measure for longer"
+            }
+            CalibrationError::MovesFreely(_) => {
+                "compare this number with the free movement of the joint, beta; a bearing that moves freely \
+                 has no friction that can be estimated"
             }
             CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
                 "measure for longer, until the record has tens of slips"

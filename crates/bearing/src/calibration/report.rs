@@ -2,6 +2,7 @@
 
 use super::bearing::Response;
 use super::by_slips::BySlips;
+use super::course::Course;
 use super::lag::LagProfile;
 use super::objective::FitObjective;
 use super::quantity::{Quantity, Values, values};
@@ -11,6 +12,7 @@ use super::slips::Slip;
 use super::starts::SearchStart;
 use super::steel::Steel;
 use super::zero::Zero;
+use crate::linear::Matrix;
 use crate::moments::mean;
 use crate::warning::CalibrationWarning;
 use statrs::distribution::{ContinuousCDF as _, Normal};
@@ -97,6 +99,9 @@ pub struct Calibration {
     pub resolution: f64,
     /// Whether displacements fell as the temperature rose, so that their sign was changed.
     pub is_mirrored: bool,
+    /// How often the thermometer measured, in seconds, if it repeated its values, of which the record
+    /// has the first ones.
+    pub repeats: Option<f64>,
     /// The response from which the estimates are computed.
     pub response: Response,
     /// One estimate for each of [`Quantity::ALL`].
@@ -118,8 +123,15 @@ pub struct Calibration {
     pub modelled: Vec<f64>,
     /// The difference between measurement and model.
     pub residuals: Residuals,
-    /// The smallest and the largest A over the record, as shares of its mean, if friction changes.
-    pub friction_range: Option<[f64; 2]>,
+    /// The smallest and the largest A over a year or over the record, as shares of its mean, if
+    /// friction changes.
+    pub friction_range: Option<[ParameterEstimate; 2]>,
+    /// How it changes; this and what follows, which a forecast needs, is not stored in files.
+    pub(crate) course: Course,
+    /// The covariance of the errors of [`Quantity::DRAWN`] and of the coefficients of that course.
+    pub(crate) covariance: Matrix,
+    /// The relative standard deviation of f_s from slip to slip, if it is clear.
+    pub(crate) scatter: f64,
     /// Reasons to be careful with the result.
     pub warnings: Vec<CalibrationWarning>,
 }
@@ -151,7 +163,10 @@ impl Calibration {
         }
         let temperatures = &steel.record.temperatures;
         let Response { motion, sensor } = calibration.response;
-        let positions = motion.at_samples(steel.overlooked()).follow(temperatures);
+        let samples = [&steel.record.times[..], &temperatures[..]];
+        let positions = calibration
+            .course
+            .follow(&motion, steel.overlooked(), samples);
         let reading = |i: usize| {
             let moved = calibration.zero.at(steel.record.times[i]);
             sensor.reading(positions[i], temperatures[i]) + moved
@@ -208,6 +223,21 @@ impl Calibration {
             is_usual: slip.is_usual,
         };
         self.slips = slips.slips.iter().map(seen).collect();
+        let motion = &self.response.motion;
+        if by_slips.course.varies() {
+            let at = by_slips.course.range(motion);
+            let sides = normal_quantile(self.question.level);
+            self.friction_range = Some(std::array::from_fn(|i| {
+                let deviation = replicates.deviation_of(|shown| shown.range[i]);
+                ParameterEstimate::around(at[i], sides * deviation)
+            }));
+        }
+        self.course = by_slips.course;
+        self.covariance = replicates.covariance(&Quantity::DRAWN);
+        let scatter = slips.excess_scatter();
+        if scatter > SCATTER {
+            self.scatter = 0.5 * scatter * motion.jump / motion.reach;
+        }
         if is_lag_estimated {
             let half = normal_quantile(self.question.level) * replicates.lag_deviation();
             self.lag = ParameterEstimate::around(self.lag.estimate, half);
@@ -245,6 +275,9 @@ impl Calibration {
 fn normal_quantile(level: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * level)
 }
+
+/// Excess scatter of the sizes of slips above which f_s varies from slip to slip.
+pub(super) const SCATTER: f64 = 0.2;
 
 /// Delays of the autocorrelation, in hours.
 const DELAYS: [f64; 14] = [

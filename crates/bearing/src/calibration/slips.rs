@@ -1,12 +1,13 @@
 //! The slips that are visible in a record: their times, temperatures and sizes.
 
+use super::course::{CourseRow, CourseShape, Typical};
 use super::detect::{self, Jump, Jumps, trimmed_slope};
 use super::level::{Level, LevelSums};
 use super::question::CalibrationError;
-use super::samples::{MeasuredRecord, median, spread};
+use super::samples::{MeasuredRecord, Samples, median, spread};
 use super::stick_analysis::StickAnalysis;
 use super::sticks::bin_length;
-use super::zero::{Middle, ZeroColumns};
+use super::zero::{Middle, Middles, Turn, ZeroColumns};
 use crate::moments::mean;
 
 /// One slip, or several between two samples.
@@ -30,6 +31,8 @@ pub struct Slip {
     pub after: Level,
     /// Whether it has the typical size and is therefore a single, clearly detected slip.
     pub is_usual: bool,
+    /// Whether there is a gap between the slip before and this one.
+    follows_gap: bool,
 }
 
 impl Slip {
@@ -51,8 +54,15 @@ pub struct Reversal {
     pub change: f64,
     /// By how much the later slip is larger, in the unit of displacement.
     pub growth: f64,
-    /// The time of the later slip, in seconds.
-    pub time: f64,
+    /// The times of both slips, in seconds.
+    pub times: [f64; 2],
+}
+
+impl Reversal {
+    /// The row of a regression on one and the functions of this shape.
+    pub fn row(&self, shape: CourseShape) -> CourseRow {
+        (shape.row(&self.times), self.change)
+    }
 }
 
 /// The detected slips, and the sticks between them.
@@ -74,6 +84,8 @@ pub struct DetectedSlips {
     pub white: f64,
     /// The movements of the zero of the sensor that the slips show.
     pub zero: ZeroColumns,
+    /// How friction varies over time.
+    pub shape: CourseShape,
     /// Jumps that are not slips but resets of the zero: the index of the first sample after each.
     set: Vec<usize>,
     /// The level at the start of the record, if there is a gap between it and the first detected
@@ -83,6 +95,16 @@ pub struct DetectedSlips {
 
 /// Jumps smaller than this many resolution steps of the sensor may be such steps.
 const COARSE: f64 = 3.5;
+
+/// Threshold of twice the log-likelihood ratio for a change of friction over time. Neighbouring
+/// values have correlated errors, so random gains are larger than for independent ones.
+const CONVINCING: f64 = 20.0;
+
+/// The fewest reversals that determine a change.
+const FEWEST: usize = 10;
+
+/// The shortest record that shows a season, in seconds.
+const SEASON: f64 = 180.0 * 86_400.0;
 
 /// Largest number of repeated searches for slips.
 const ROUNDS: usize = 6;
@@ -113,7 +135,9 @@ impl DetectedSlips {
             }
         }
         let sticks = StickAnalysis::new(samples, &found, seconds, None);
-        let mut all = Self::of(record, &found, &sticks, Vec::new())?;
+        let mut all = Self::of(record, &found, &sticks, Vec::new(), CourseShape::Constant)?;
+        let shape = all.asked_shape(samples);
+        all = all.with_shape(shape);
         let between = |i: usize| 0.5 * (samples.times[i - 1] + samples.times[i]);
         let gaps = samples.starts.iter().copied().filter(|start| *start > 0);
         let candidates: Vec<f64> = found.indices().chain(gaps).map(between).collect();
@@ -123,7 +147,7 @@ impl DetectedSlips {
             if set.is_empty() {
                 break;
             }
-            all = Self::of(record, &found, &sticks, [all.set, set].concat())?;
+            all = Self::of(record, &found, &sticks, [all.set, set].concat(), all.shape)?;
         }
         Some(all)
     }
@@ -149,7 +173,7 @@ impl DetectedSlips {
         let sticks = StickAnalysis::new(samples, &found, self.bin, walks);
         Some(DetectedSlips {
             zero: self.zero.clone(),
-            ..Self::of(record, &found, &sticks, Vec::new())?
+            ..Self::of(record, &found, &sticks, Vec::new(), self.shape)?
         })
     }
 
@@ -170,16 +194,17 @@ impl DetectedSlips {
         let sticks = StickAnalysis::new(&record.samples(), &found, self.bin, Some(self.walks));
         Some(DetectedSlips {
             zero: self.zero.clone(),
-            ..Self::of(record, &found, &sticks, self.set.clone())?
+            ..Self::of(record, &found, &sticks, self.set.clone(), self.shape)?
         })
     }
 
-    /// The slips among these jumps, excluding those in `set`.
+    /// The slips among these jumps, excluding those in `set`, with friction that varies by this shape.
     fn of(
         record: &MeasuredRecord,
         found: &Jumps,
         sticks: &StickAnalysis,
         set: Vec<usize>,
+        shape: CourseShape,
     ) -> Option<Self> {
         let samples = &record.samples();
         let still = sticks.still();
@@ -191,6 +216,8 @@ impl DetectedSlips {
             let from = std::mem::replace(&mut since, i).max(samples.starts[begins]);
             let window = [from, i - 1, i].map(|i| samples.times[i]);
             let (temperature, is_early) = crossing(record, window, sign)?;
+            let since_slip = slips.last().map_or(0, |slip: &Slip| slip.index);
+            let mut starts = samples.starts.iter();
             let slip = Slip {
                 index: i,
                 time: 0.5 * (window[1] + window[2]),
@@ -200,21 +227,17 @@ impl DetectedSlips {
                 before: sticks.before[i - 1],
                 after: sticks.after[i],
                 is_usual: false,
+                follows_gap: starts.any(|start| (since_slip + 1..=i).contains(start)),
             };
             if slip.size(still) > 0.0 {
                 slips.push(slip);
             }
         }
-        mark_usual(&mut slips, still);
-        let is_whole = |from: usize, to: usize| {
-            let mut starts = samples.starts.iter();
-            !starts.any(|start| (from + 1..=to).contains(start))
-        };
         let first = slips.first()?;
-        let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
+        let beginning = first.follows_gap.then(|| sticks.after[0]);
         let start = samples.times[0];
-        let mut all = DetectedSlips {
-            reversals: reversals(&slips, still, is_whole),
+        let all = DetectedSlips {
+            reversals: Vec::new(),
             slips,
             sums: sticks.sums,
             contrast: found.contrast,
@@ -225,12 +248,115 @@ impl DetectedSlips {
                 start,
                 ..ZeroColumns::default()
             },
+            shape,
             set,
             beginning,
         };
-        let jump = all.fit().map_or(0.0, |(fit, _)| fit.motion.jump);
-        all.reversals = usual(all.reversals, jump);
-        Some(all)
+        Some(all.with_shape(shape))
+    }
+
+    /// The same slips with friction that varies by this shape, which decides which of them are usual.
+    pub fn with_shape(mut self, shape: CourseShape) -> Self {
+        self.shape = shape;
+        self.mark_usual();
+        self.reversals = self.all_reversals();
+        let jump = self.fit().map_or(0.0, |fit| fit.response.motion.jump);
+        self.reversals = usual(std::mem::take(&mut self.reversals), shape, jump);
+        self
+    }
+
+    /// The size of each slip relative to that of a typical one at its time.
+    pub fn relative_sizes(&self) -> Vec<f64> {
+        let (sizes, still) = (self.sizes(), self.still());
+        let middle = median(&mut sizes.clone());
+        let typical = (self.shape != CourseShape::Constant)
+            .then(|| Typical::of(&self.size_rows(self.shape, still), 1 + self.shape.columns()))
+            .flatten();
+        let at = |slip: &Slip| match &typical {
+            Some(typical) => typical
+                .value(&self.shape.row(&[slip.time]))
+                .max(0.1 * middle),
+            None => middle,
+        };
+        self.slips
+            .iter()
+            .zip(sizes)
+            .map(|(slip, size)| size / at(slip))
+            .collect()
+    }
+
+    /// The sizes of slips, as rows of a regression.
+    fn size_rows(&self, shape: CourseShape, still: f64) -> Vec<CourseRow> {
+        let row = |slip: &Slip| (shape.row(&[slip.time]), slip.size(still));
+        self.slips.iter().map(row).collect()
+    }
+
+    /// How friction varies: with the season or steadily, if the changes of temperature between slips to
+    /// either side or the sizes of slips show it clearly.
+    fn asked_shape(&self, samples: &Samples) -> CourseShape {
+        let [Some(begin), Some(end)] = [samples.times.first(), samples.times.last()] else {
+            return CourseShape::Constant;
+        };
+        let all = self.all_reversals();
+        if all.len() < FEWEST {
+            return CourseShape::Constant;
+        }
+        let gains = |shape: CourseShape| {
+            let columns = 1 + shape.columns();
+            let changes: Vec<CourseRow> = all.iter().map(|turn| turn.row(shape)).collect();
+            let gain = |rows: &[CourseRow]| {
+                let gain = Typical::of(rows, columns)?.gain_over(&Typical::of(rows, 1)?, rows);
+                Some(gain - shape.columns() as f64 * libm::log(rows.len() as f64))
+            };
+            [gain(&changes), gain(&self.size_rows(shape, self.still()))]
+                .map(|gain| gain.unwrap_or(0.0))
+        };
+        let season = CourseShape::Season(*begin);
+        let shapes = [CourseShape::Trend([*begin, *end]), season];
+        let is_long = end - begin > SEASON;
+        let clear = shapes
+            .into_iter()
+            .filter(|shape| is_long || *shape != season);
+        let best = clear
+            .map(|shape| (gains(shape), shape))
+            .filter(|([a, b], _)| a.max(*b) > CONVINCING)
+            .max_by(|([a, b], _), ([c, d], _)| (a + b).total_cmp(&(c + d)));
+        best.map_or(CourseShape::Constant, |(_, shape)| shape)
+    }
+
+    /// Mark the slips of typical size.
+    fn mark_usual(&mut self) {
+        let sizes = self.relative_sizes();
+        let is_single = |size: &f64| (0.5..TWO).contains(size);
+        let single: Vec<f64> = sizes.iter().copied().filter(is_single).collect();
+        let (middle, wide) = (median(&mut single.clone()), spread(&single));
+        for (slip, size) in self.slips.iter_mut().zip(sizes) {
+            slip.is_usual = is_single(&size) && (size - middle).abs() <= UNUSUAL * wide;
+        }
+    }
+
+    /// The differences between slips and those before them in the other direction.
+    fn all_reversals(&self) -> Vec<Reversal> {
+        let (sizes, still) = (self.relative_sizes(), self.still());
+        // Of two slips between two samples only one temperature is known, and they are not a single
+        // slip.
+        let is_turn = |i: &usize| {
+            let [before, after] = [i - 1, *i].map(|i| &self.slips[i]);
+            let is_single = sizes[i - 1] < TWO && sizes[*i] < TWO;
+            before.sign != after.sign && is_single && !after.follows_gap
+        };
+        let reversal = |i: usize| {
+            let [before, after] = [i - 1, i].map(|i| &self.slips[i]);
+            Reversal {
+                change: (after.temperature - before.temperature) * after.sign,
+                growth: after.size(still) - before.size(still),
+                times: [before.time, after.time],
+            }
+        };
+        (1..self.slips.len())
+            .filter(is_turn)
+            .map(reversal)
+            .collect()
     }
 
     /// The slope of z against T during sticks.
@@ -238,7 +364,7 @@ impl DetectedSlips {
         self.sums.slope()
     }
 
-    /// f_d/(K beta), from the reversals.
+    /// The mean of f_d/(K beta) over the reversals.
     pub fn kinetic_reach(&self) -> f64 {
         let changes: Vec<f64> = self
             .reversals
@@ -248,10 +374,30 @@ impl DetectedSlips {
         0.5 * mean(&changes)
     }
 
+    /// The mean of one and the functions of the shape over the reversals.
+    pub fn mean_row(&self) -> [f64; 3] {
+        let rows: Vec<[f64; 3]> = self
+            .reversals
+            .iter()
+            .map(|turn| turn.row(self.shape).0)
+            .collect();
+        std::array::from_fn(|k| mean(&rows.iter().map(|row| row[k]).collect::<Vec<_>>()))
+    }
+
     /// The share of slips although no sample exceeds the previous extreme.
     pub fn early(&self) -> f64 {
         let early = self.slips.iter().filter(|slip| slip.is_early).count();
         early as f64 / self.slips.len() as f64
+    }
+
+    /// The log-likelihood ratio of the early slips, if their expected share is `a` rather than `b`.
+    pub fn early_gain(&self, a: f64, b: f64) -> f64 {
+        let count = self.slips.len() as f64;
+        // A share of none in the synthetic records may be half a slip in this one.
+        let [a, b] = [a, b].map(|share| share.clamp(0.5 / count, 1.0 - 0.5 / count));
+        let early = self.early();
+        let late = (1.0 - early) * libm::log((1.0 - a) / (1.0 - b));
+        count * (early * libm::log(a / b) + late)
     }
 
     /// The sizes of all slips.
@@ -265,16 +411,29 @@ impl DetectedSlips {
         self.slips.iter().filter(|slip| slip.is_usual)
     }
 
-    /// The middles of the typical jumps.
-    pub fn middles(&self) -> Vec<Middle> {
+    /// The middles of the typical jumps, and what the reversals add to them if friction varies.
+    pub fn middles(&self) -> Middles {
         let still = self.still();
-        let kinetic = self.kinetic_reach();
-        let middle = |slip: &Slip| Middle {
-            time: slip.time,
-            centre: slip.temperature - slip.sign * kinetic,
-            place: slip.middle(still),
+        let (kinetic, [_, a, b]) = (self.kinetic_reach(), self.mean_row());
+        let middle = |slip: &Slip| {
+            let at = self.shape.at(slip.time);
+            Middle {
+                time: slip.time,
+                centre: slip.temperature - slip.sign * kinetic,
+                place: slip.middle(still),
+                course: [-slip.sign * (at[0] - a), -slip.sign * (at[1] - b)],
+            }
         };
-        self.usual().map(middle).collect()
+        let turn = |reversal: &Reversal| {
+            let row = reversal.row(self.shape).0;
+            Turn {
+                change: reversal.change - 2.0 * kinetic,
+                course: [2.0 * (a - row[1]), 2.0 * (b - row[2])],
+            }
+        };
+        let all = self.usual().map(middle).collect();
+        let turns = self.reversals.iter().map(turn).collect();
+        Middles::of(all, turns, self.shape.columns(), &self.zero)
     }
 
     /// False slips: the zero of the sensor was reset there, and z jumped by half of a typical slip
@@ -348,50 +507,31 @@ fn crossing(record: &MeasuredRecord, times: [f64; 3], sign: f64) -> Option<(f64,
     Some((sign * (held + 0.5 * beyond), beyond == 0.0))
 }
 
-/// Mark the slips of typical size.
-fn mark_usual(slips: &mut [Slip], still: f64) {
-    let sizes: Vec<f64> = slips.iter().map(|slip| slip.size(still)).collect();
-    let middle = median(&mut sizes.clone());
-    let is_single = |size: &f64| (0.5..1.5).contains(&(size / middle));
-    let single: Vec<f64> = sizes.iter().copied().filter(is_single).collect();
-    let (middle_single, wide) = (median(&mut single.clone()), spread(&single));
-    for (slip, size) in slips.iter_mut().zip(sizes) {
-        slip.is_usual = is_single(&size) && (size - middle_single).abs() <= UNUSUAL * wide;
-    }
-}
-
 /// A jump larger than this many typical ones consists of several slips.
 const TWO: f64 = 1.5;
 
-/// The differences between slips and those before them in the other direction.
-fn reversals(slips: &[Slip], still: f64, is_whole: impl Fn(usize, usize) -> bool) -> Vec<Reversal> {
-    let size = |slip: &Slip| slip.size(still);
-    let middle = median(&mut slips.iter().map(size).collect::<Vec<_>>());
-    // Of two slips between two samples only one temperature is known, and they are not a single
-    // slip.
-    let is_single = |pair: &[Slip]| pair.iter().all(|slip| size(slip) < TWO * middle);
-    let turns = slips.windows(2).filter(|pair| {
-        pair[0].sign != pair[1].sign && is_single(pair) && is_whole(pair[0].index, pair[1].index)
-    });
-    turns
-        .map(|pair| Reversal {
-            change: (pair[1].temperature - pair[0].temperature) * pair[1].sign,
-            growth: size(&pair[1]) - size(&pair[0]),
-            time: pair[1].time,
-        })
-        .collect()
-}
-
-/// The values close to the median. If a slip was missed, the difference at the next reversal is too
-/// large by G; the limit is half of that, within sensible bounds for the scatter.
-fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
-    let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
-    let (middle, wide) = (median(&mut only.clone()), spread(&only));
+/// The values close to those that are typical of the shape. If a slip was missed, the difference at the
+/// next reversal is too large by G; the limit is half of that, within sensible bounds for the scatter.
+fn usual(reversals: Vec<Reversal>, shape: CourseShape, jump: f64) -> Vec<Reversal> {
+    let rows: Vec<CourseRow> = reversals.iter().map(|turn| turn.row(shape)).collect();
+    let middle = median(&mut rows.iter().map(|row| row.1).collect::<Vec<_>>());
+    let typical = (shape != CourseShape::Constant)
+        .then(|| Typical::of(&rows, 1 + shape.columns()))
+        .flatten();
+    let off = |(row, change): &CourseRow| {
+        change
+            - typical
+                .as_ref()
+                .map_or(middle, |typical| typical.value(row))
+    };
+    let wide = spread(&rows.iter().map(off).collect::<Vec<_>>());
     let most = (0.5 * jump).max(UNUSUAL * wide).min(MOST_UNUSUAL * wide);
-    reversals
+    let is_usual = |row: &CourseRow| off(row).abs() <= most;
+    let kept = reversals
         .into_iter()
-        .filter(|reversal| (reversal.change - middle).abs() <= most)
-        .collect()
+        .zip(&rows)
+        .filter(|(_, row)| is_usual(row));
+    kept.map(|(reversal, _)| reversal).collect()
 }
 
 #[cfg(test)]
@@ -406,9 +546,9 @@ mod tests {
             let values = [-0.2, -0.1, -0.1, 0.0, 0.0, 0.1, 0.1, 0.2, far].map(|off| Reversal {
                 change: 16.0 + off,
                 growth: 0.0,
-                time: 0.0,
+                times: [0.0; 2],
             });
-            usual(values.to_vec(), jump).len()
+            usual(values.to_vec(), CourseShape::Constant, jump).len()
         };
         assert_eq!(
             [

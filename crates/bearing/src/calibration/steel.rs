@@ -1,6 +1,7 @@
 //! The temperature of the steel, and the slips detected with it.
 
 use super::bearing::Response;
+use super::course::Course;
 use super::fit::SensorNoise;
 use super::lag::{LagProfile, Offset, is_small, lag_profile, offset};
 use super::question::Lag;
@@ -17,6 +18,10 @@ const FEWEST_SLIPS: usize = 6;
 /// the relative difference below which two lags are equal.
 const LAG_ROUNDS: u32 = 6;
 const SAME_LAG: f64 = 0.002;
+
+/// The temperature is smooth if its samples show less than this share of the roughness of the processes
+/// that fit it best.
+const SMOOTH: f64 = 0.35;
 
 /// The longest step in simulating a mean, as a fraction of its averaging time.
 const SHARE: f64 = 1.0 / 6.0;
@@ -53,11 +58,15 @@ impl MeasuredAir {
         let means = averaged.iter().filter(|over| **over > 0.0);
         let step = means.fold(f64::INFINITY, |step, over| step.min(SHARE * over));
         let steps = [interval(&times), averaged[0], step];
-        let hidden = HiddenTemperature::new([&times, &temperatures], &record.times, steps);
-        let roughness = match &hidden {
-            Some(hidden) => hidden.roughness,
-            None => shown_roughness(&times, &temperatures),
+        let shown = shown_roughness(&times, &temperatures);
+        // The temperature of steel is smooth between samples, which the processes are not.
+        let is_rough = |hidden: &HiddenTemperature| {
+            let is_needed = hidden.white > 0.0 || averaged != [0.0; 2];
+            is_needed || shown > SMOOTH * hidden.roughness
         };
+        let hidden = HiddenTemperature::new([&times, &temperatures], &record.times, steps);
+        let hidden = hidden.filter(is_rough);
+        let roughness = hidden.as_ref().map_or(shown, |hidden| hidden.roughness);
         MeasuredAir {
             resolution: record.resolution(),
             record,
@@ -110,8 +119,8 @@ pub struct Steel {
     pub is_estimated: bool,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub profile: Option<LagProfile>,
-    /// Whether the thermometer is slower than the steel.
-    pub is_thermometer_slow: bool,
+    /// If the thermometer is slower than the steel: A relative to that with a fast thermometer.
+    pub slow_share: Option<f64>,
     /// The slips; `None` if too few were detected.
     pub slips: Option<DetectedSlips>,
     air: MeasuredAir,
@@ -140,7 +149,18 @@ impl Steel {
             lagging.and_then(|(slips, profile)| offset(&cleaned, slips, profile.likeliest));
         let clock = match offset {
             Some(Offset::Clock(seconds)) => Some(seconds),
-            Some(Offset::SlowThermometer) | None => None,
+            Some(Offset::SlowThermometer(_)) | None => None,
+        };
+        let slow_share = match offset {
+            Some(Offset::SlowThermometer(seconds)) => {
+                let reach = |slips: &DetectedSlips| Some(slips.fit()?.response.motion.reach);
+                let sharp = air.slips(&cleaned.sharpened(seconds), given);
+                let share = slips.as_ref().zip(sharp.as_ref());
+                share
+                    .and_then(|(slow, sharp)| Some(reach(slow)? / reach(sharp)?))
+                    .or(Some(1.0))
+            }
+            Some(Offset::Clock(_)) | None => None,
         };
         let shift = clock.filter(|seconds| is_small(*seconds)).unwrap_or(0.0);
         if shift != 0.0 {
@@ -178,7 +198,7 @@ impl Steel {
             lag: used,
             is_estimated: lag == Lag::Auto && used > 0.0,
             profile,
-            is_thermometer_slow: offset == Some(Offset::SlowThermometer),
+            slow_share,
             slips,
             air,
         }
@@ -212,11 +232,11 @@ impl Steel {
         self.air.is_straight = is_straight;
     }
 
-    /// Synthetic records like this one, with a bearing of this response.
+    /// Synthetic records like this one, with a bearing of this response and course of friction.
     pub fn synthetic(
         &self,
         slips: &DetectedSlips,
-        response: Response,
+        (response, course): (Response, Course),
         noise: SensorNoise,
     ) -> Synthetic<'_> {
         let motion = response.motion;
@@ -232,6 +252,7 @@ impl Steel {
             scatter: slips.excess_scatter() * motion.jump / (2.0 * motion.reach),
             noise,
             response,
+            course,
         }
     }
 

@@ -4,6 +4,7 @@
 
 use super::air::Air;
 use super::bearing::Response;
+use super::course::Course;
 use super::fit::SensorNoise;
 use super::motion::Motion;
 use super::samples::MeasuredRecord;
@@ -24,6 +25,8 @@ pub struct Synthetic<'a> {
     pub lag: f64,
     /// The bearing.
     pub response: Response,
+    /// How its friction varies.
+    pub course: Course,
     /// Relative standard deviation of f_s from slip to slip.
     pub scatter: f64,
     /// The errors of the displacement sensor.
@@ -96,7 +99,7 @@ impl Synthetic<'_> {
         let Trajectory {
             steel, positions, ..
         } = trajectory(
-            &response,
+            (&response, &self.course),
             &air,
             self.lag,
             self.scatter,

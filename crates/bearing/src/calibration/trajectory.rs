@@ -2,6 +2,8 @@
 
 use super::air::Air;
 use super::bearing::Response;
+use super::course::Course;
+use super::motion::Motion;
 use super::samples::{interval, starts};
 use stickslip::noise::Stream;
 
@@ -22,51 +24,79 @@ pub struct Trajectory {
     pub slips: u64,
 }
 
-/// A body whose friction may change from slip to slip.
-struct Body<'a> {
-    response: &'a Response,
+/// A body whose friction may change over time and from slip to slip.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The motion at present; its start is xi.
+    pub motion: Motion,
+    /// Relative standard deviation of f_s from slip to slip.
     scatter: f64,
-    friction: Stream,
-    xi: f64,
-    reach: f64,
-    slips: u64,
+    /// f_s of the next slip relative to its mean.
+    share: f64,
 }
 
-impl Body<'_> {
-    /// Slip as often as needed after the temperature has moved to this value without turning.
-    fn follow(&mut self, temperature: f64) {
-        let motion = &self.response.motion;
+impl Body {
+    /// A body with this motion at first, and this relative standard deviation of f_s.
+    pub fn new(motion: Motion, scatter: f64) -> Self {
+        Body {
+            motion,
+            scatter,
+            share: 1.0,
+        }
+    }
+
+    /// Change the motion where the body is.
+    pub fn adopt(&mut self, motion: Motion) {
+        let start = self.motion.start;
+        self.motion = Motion { start, ..motion };
+    }
+
+    /// The largest distance of T from xi before the next slip.
+    pub fn reach(&self) -> f64 {
+        (self.share * self.motion.reach).max(self.motion.kinetic_reach())
+    }
+
+    /// Slip as often as needed after the temperature has moved to this value without turning; returns
+    /// the number of slips, and the largest distance of T from xi before one.
+    #[inline(always)]
+    pub fn follow(&mut self, temperature: f64, friction: &mut Stream) -> (f64, f64) {
+        let Motion {
+            reach, jump, start, ..
+        } = self.motion;
         if self.scatter == 0.0 {
-            let next = motion.next(self.xi, temperature);
-            if motion.jump > 0.0 {
-                self.slips += ((next - self.xi) / motion.jump).abs().round() as u64;
-            }
-            self.xi = next;
-            return;
+            self.motion.start = self.motion.next(start, temperature);
+            let moved = (self.motion.start - start).abs();
+            return match moved > 0.0 && jump > 0.0 {
+                true => (libm::round(moved / jump), reach),
+                false => (0.0, 0.0),
+            };
         }
-        let kinetic = motion.kinetic_reach();
-        while (temperature - self.xi).abs() > self.reach {
-            self.xi += (2.0 * (self.reach - kinetic)).copysign(temperature - self.xi);
-            self.slips += 1;
-            let drawn = motion.reach * (1.0 + self.scatter * self.friction.normal());
-            self.reach = drawn.max(kinetic);
+        let (mut slips, mut farthest) = (0.0, 0.0_f64);
+        while (temperature - self.motion.start).abs() > self.reach() {
+            let reach = self.reach();
+            let slip = 2.0 * (reach - self.motion.kinetic_reach());
+            self.motion.start += slip.copysign(temperature - self.motion.start);
+            slips += 1.0;
+            farthest = farthest.max(reach);
+            self.share = 1.0 + self.scatter * friction.normal();
         }
+        (slips, farthest)
     }
 }
 
-/// The motion of a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
+/// The motion of a body whose friction has this course, whose steel is `lag` seconds behind the air, and whose f_s has the relative
 /// standard deviation `scatter` from slip to slip. `friction` draws f_s, and `between` the
 /// temperature between the times of the air, in steps of at most `longest` seconds.
 ///
 /// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
 /// extreme temperature within a step has its exact law. Across a gap it is linear.
 pub fn trajectory(
-    response: &Response,
+    (response, course): (&Response, &Course),
     air: &Air,
     lag: f64,
     scatter: f64,
     longest: f64,
-    [friction, mut between]: [Stream; 2],
+    [mut friction, mut between]: [Stream; 2],
 ) -> Trajectory {
     let Air {
         times,
@@ -74,20 +104,14 @@ pub fn trajectory(
         stride,
         roughness,
     } = air;
-    let motion = response.motion;
-    let mut body = Body {
-        response,
-        scatter,
-        friction,
-        xi: motion.start,
-        reach: motion.reach,
-        slips: 0,
-    };
+    let mut body = Body::new(response.motion, scatter);
+    let mut slips = 0.0;
     let mut trajectory = Trajectory::default();
     let mut gaps = starts(times).into_iter().skip(1).peekable();
     let usual = interval(times);
     let mut steel = temperatures.first().copied().unwrap_or(0.0);
     for i in 0..times.len() {
+        body.adopt(course.motion(&response.motion, times[i]));
         if i > 0 {
             let (h, mut a) = (times[i] - times[i - 1], temperatures[i - 1]);
             let is_gap = gaps.next_if_eq(&i).is_some();
@@ -120,22 +144,24 @@ pub fn trajectory(
                     steel = b - rise + (steel - a + rise) * libm::exp(-step / lag);
                 } else {
                     if rough > 0.0 {
-                        body.follow(farthest([a, b], rough * step, body.xi, &mut between));
+                        let reached =
+                            farthest([a, b], rough * step, body.motion.start, &mut between);
+                        slips += body.follow(reached, &mut friction).0;
                     }
                     steel = b;
                 }
-                body.follow(steel);
+                slips += body.follow(steel, &mut friction).0;
                 a = b;
             }
         } else {
-            body.follow(steel);
+            slips += body.follow(steel, &mut friction).0;
         }
         if i.is_multiple_of(*stride) {
             trajectory.steel.push(steel);
-            trajectory.positions.push(body.xi);
+            trajectory.positions.push(body.motion.start);
         }
     }
-    trajectory.slips = body.slips;
+    trajectory.slips = slips as u64;
     trajectory
 }
 

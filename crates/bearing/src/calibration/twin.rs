@@ -2,6 +2,7 @@
 
 use super::air::Air;
 use super::bearing::Response;
+use super::course::Course;
 use super::trajectory::{STEP, Trajectory, trajectory};
 use super::zero::Zero;
 use std::ops::Range;
@@ -79,7 +80,7 @@ pub fn twin(response: &Response, air: &Air, imperfections: &Imperfections, seed:
         positions,
         slips,
     } = trajectory(
-        response,
+        (response, &Course::default()),
         air,
         imperfections.lag,
         imperfections.scatter,

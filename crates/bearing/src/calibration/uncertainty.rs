@@ -8,13 +8,14 @@
 //! Tibshirani, *An Introduction to the Bootstrap*, 1993).
 
 use super::bearing::{Response, Sensor};
-use super::by_slips::BySlips;
-use super::fit::SensorNoise;
+use super::course::Course;
+use super::fit::{SensorNoise, SlipFit};
 use super::friction::SlipStatistics;
 use super::motion::Motion;
 use super::quantity::{Quantity, Values, response_of, values};
 use super::slips::DetectedSlips;
 use super::steel::Steel;
+use crate::linear::Matrix;
 use crate::moments::{correlation, mean, variance};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -32,10 +33,10 @@ const JUDGED: u64 = 1000;
 /// is rough.
 const SURELY_ROUGH: f64 = 0.6;
 
-/// Linear interpolation is used if the share of early slips is closer than this to that of
-/// synthetic records with linear interpolation, relative to the distance to that of rough ones.
-/// Outdoor temperatures are rough.
-const STRAIGHT: f64 = 0.35;
+/// Linear interpolation is used if that raises the log-likelihood of the early slips by this. Air is
+/// never straight between samples, so the odds against it are a thousand to one; only a temperature
+/// that was itself computed by interpolation shows it.
+const STRAIGHT: f64 = 7.0;
 
 /// The estimates of synthetic records.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,19 +59,19 @@ impl Replicates {
     /// The estimates of synthetic records with these numbers, for a bearing with this response.
     fn new(
         (steel, slips): (&Steel, &DetectedSlips),
-        (response, noise): (Response, SensorNoise),
+        (response, course, noise): (Response, Course, SensorNoise),
         numbers: std::ops::Range<u64>,
         workers: Workers,
     ) -> Self {
-        let synthetic = steel.synthetic(slips, response, noise);
+        let synthetic = steel.synthetic(slips, (response, course), noise);
         let make = |offset: u64| {
             let number = numbers.start + offset;
             let (lag, found) = steel.slips_of(slips, synthetic.draw(number))?;
-            let (mut fit, zero) = found.fit()?;
-            fit.motion.start -= synthetic.shift(number);
-            fit.impossible(None)
-                .is_none()
-                .then(|| (values(&fit, Some(1.0)), lag, found.statistics(&fit, &zero)))
+            let mut fit = found.fit()?;
+            fit.response.motion.start -= synthetic.shift(number);
+            let response = fit.response;
+            let is_possible = response.impossible(None).is_none();
+            is_possible.then(|| (values(&response, Some(1.0)), lag, found.statistics(&fit)))
         };
         let mut all = Replicates::default();
         let deliver = |found: Option<(Values, f64, SlipStatistics)>| {
@@ -87,31 +88,27 @@ impl Replicates {
         all
     }
 
-    /// The corrected response, and the estimates of records drawn from it. `None` if there are none.
+    /// The corrected response and course of friction, and the estimates of records drawn from them.
+    /// `None` if there are none.
     pub fn corrected(
         steel: &mut Steel,
-        found: &BySlips,
+        (slips, found): (&DetectedSlips, &SlipFit),
         shear_stiffness: Option<f64>,
         workers: Workers,
-    ) -> Option<(Response, Self)> {
-        let BySlips {
-            response: fit,
-            zero,
-            slips,
-            ..
-        } = found;
-        let noise = slips.noise(fit, zero);
-        let records = |steel: &Steel, (from, noise): (Response, SensorNoise), numbers| {
-            Replicates::new((steel, slips), (from, noise), numbers, workers)
+    ) -> Option<(Response, Course, Self)> {
+        let (fit, course) = (&found.response, &found.course);
+        let noise = slips.noise(found);
+        let records = |steel: &Steel, from: (Response, Course, SensorNoise), numbers| {
+            Replicates::new((steel, slips), from, numbers, workers)
         };
         let is_possible = |response: &Response| response.impossible(shear_stiffness).is_none();
-        let mut first = records(steel, (*fit, noise), 0..FIRST);
+        let mut first = records(steel, (*fit, *course, noise), 0..FIRST);
         let rough = first.mean_of(|shown| shown.early);
         if steel.may_be_straight() && slips.early() < SURELY_ROUGH * rough {
             steel.straighten(true);
-            let lines = records(steel, (*fit, noise), JUDGED..JUDGED + FIRST);
+            let lines = records(steel, (*fit, *course, noise), JUDGED..JUDGED + FIRST);
             let straight = lines.mean_of(|shown| shown.early);
-            let is_straight = slips.early() - straight < STRAIGHT * (rough - straight);
+            let is_straight = slips.early_gain(straight, rough) > STRAIGHT;
             steel.straighten(is_straight);
             if is_straight {
                 first = lines;
@@ -122,9 +119,10 @@ impl Replicates {
             .corrected_from(fit, fit)
             .filter(is_possible)
             .unwrap_or(*fit);
-        let all = records(steel, (from, noise), FIRST..FIRST + RECORDS);
+        let varied = first.corrected_course(course, course);
+        let all = records(steel, (from, varied, noise), FIRST..FIRST + RECORDS);
         let response = all.corrected_from(&from, fit)?;
-        Some((response, all))
+        Some((response, all.corrected_course(&varied, course), all))
     }
 
     /// Noise whose red part is corrected by its estimates in these records: slips cluster in days,
@@ -164,9 +162,45 @@ impl Replicates {
         })
     }
 
+    /// The course of friction `fit`, corrected in the same way for records of `from`.
+    fn corrected_course(&self, from: &Course, fit: &Course) -> Course {
+        let mut coefficients = fit.coefficients();
+        for (i, (of, from)) in coefficients.iter_mut().zip(from.coefficients()).enumerate() {
+            *of -= self.mean_of(|shown| shown.course.coefficients()[i]) - from;
+        }
+        fit.with(&coefficients)
+    }
+
+    /// The covariance of the errors of these quantities and then of the course of friction.
+    pub fn covariance(&self, quantities: &[Quantity]) -> Matrix {
+        let row = |(values, shown): (&Values, &SlipStatistics)| -> Vec<f64> {
+            let known = quantities.iter().map(|quantity| values[*quantity as usize]);
+            known.chain(shown.course.coefficients()).collect()
+        };
+        let rows: Vec<Vec<f64>> = self.values.iter().zip(&self.statistics).map(row).collect();
+        let column = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<f64>>();
+        let columns: Vec<Vec<f64>> = (0..rows.first().map_or(0, Vec::len)).map(column).collect();
+        let product = |a: &Vec<f64>, b: &Vec<f64>| {
+            let correlation = correlation(a, b);
+            let sds = self.deviation(a) * self.deviation(b);
+            if correlation.is_finite() {
+                correlation * sds
+            } else {
+                0.0
+            }
+        };
+        let row = |a: &Vec<f64>| columns.iter().map(|b| product(a, b)).collect();
+        columns.iter().map(row).collect()
+    }
+
     /// The mean of a statistic of their slips.
     pub fn mean_of(&self, statistic: impl Fn(&SlipStatistics) -> f64) -> f64 {
         mean(&self.statistics.iter().map(statistic).collect::<Vec<_>>())
+    }
+
+    /// The standard deviation of a statistic of their slips.
+    pub fn deviation_of(&self, statistic: impl Fn(&SlipStatistics) -> f64) -> f64 {
+        self.deviation(&self.statistics.iter().map(statistic).collect::<Vec<_>>())
     }
 
     /// Number of records with unphysical estimates, and of all records.

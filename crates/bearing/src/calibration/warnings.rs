@@ -4,12 +4,14 @@
 //! applies.
 
 use super::by_slips::BySlips;
+use super::course::CourseShape;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::Lag;
-use super::report::{Calibration, ParameterEstimate};
+use super::report::{Calibration, ParameterEstimate, SCATTER};
 use super::samples::{HOUR, interval};
 use crate::warning::CalibrationWarning;
+use stickslip_report::numbers::Digits;
 
 /// A calibration, and the slips from which it was computed, if any were detected.
 struct Case<'a> {
@@ -32,6 +34,7 @@ const ALL: &[(&str, Says)] = &[
     ("scatter", scatter),
     ("friction_changes", friction_changes),
     ("temperature_elsewhere", temperature_elsewhere),
+    ("repeated_values", repeated_values),
     ("saturated", saturated),
     ("lag", lag),
     ("lag_beyond", lag_beyond),
@@ -186,9 +189,6 @@ fn sparse_samples(case: &Case) -> Option<String> {
     })
 }
 
-/// Excess scatter of the sizes of slips above which friction seems to vary.
-const SCATTER: f64 = 0.2;
-
 /// The sizes of slips differ more than noise explains.
 fn scatter(case: &Case) -> Option<String> {
     let share = case
@@ -210,11 +210,25 @@ fn friction_changes(case: &Case) -> Option<String> {
         Some(_) => (Quantity::Static, 1e-3, "kN"),
         None => (Quantity::StaticWay, 1e3, "mm"),
     };
-    let [low, high] = range.map(|share| factor * share * case.estimate(quantity).estimate);
+    let [low, high] = range.map(|end| {
+        let mean = factor * case.estimate(quantity).estimate;
+        let [at, from, to] = [end.estimate, end.low, end.high].map(|share| mean * share);
+        let digits = Digits::of(at, to - at);
+        let [at, from, to] = [at, from, to].map(|value| digits.show(value));
+        format!("{at} {unit} ({from} to {to} {unit})")
+    });
+    let course = case.by_slips.map(|by_slips| by_slips.course)?;
+    let forecast = match course.shape {
+        CourseShape::Trend(_) => "a forecast assumes that friction stays as it was at the end",
+        _ => "a forecast varies friction with the season in the same way",
+    };
+    let of = match course.shape {
+        CourseShape::Trend(_) => "over the record",
+        _ => "over the year",
+    };
     Some(format!(
-        "{} changes over the record, from {low:.3} to {high:.3} {unit}, according to the \
-         temperatures and sizes of slips over time: the estimates and intervals are for its mean, \
-         and a forecast draws friction from this range",
+        "{} varies {of}, from {low} to {high}, according to the temperatures and sizes of slips: the \
+         estimates and intervals are for its mean {of}, and {forecast}",
         quantity.symbol()
     ))
 }
@@ -223,27 +237,46 @@ fn friction_changes(case: &Case) -> Option<String> {
 /// which they are not those of the steel.
 const ELSEWHERE: f64 = 1.8;
 
+/// The same in standard deviations among synthetic records.
+const UNUSUAL: f64 = 5.0;
+
+/// The fewest reversals that show it.
+const FEWEST: usize = 10;
+
 /// The thermometer is slower than the steel, or the temperatures at which slips begin scatter too much.
 fn temperature_elsewhere(case: &Case) -> Option<String> {
     let by_slips = case.by_slips?;
-    if by_slips.is_thermometer_slow {
-        let text = "the thermometer is slower than the steel: f_s and f_d are 5 to 20 % too small, beyond their intervals; put the \
-                    thermometer on the steel";
-        return Some(text.into());
+    if let Some(share) = by_slips.slow_share {
+        let percent = 100.0 * (1.0 - share).max(0.0);
+        return Some(format!(
+            "the thermometer is slower than the steel: f_s and f_d are about {percent:.0} % too small, \
+             beyond their intervals; put the thermometer on the steel"
+        ));
     }
     let scatter = by_slips.statistics.scatter;
     if case.calibration.friction_range.is_some() {
         return None;
     }
     let expected = by_slips.replicates.mean_of(|shown| shown.scatter);
-    (scatter > ELSEWHERE * expected).then(|| {
+    let deviation = by_slips.replicates.deviation_of(|shown| shown.scatter);
+    let least = (ELSEWHERE * expected).max(expected + UNUSUAL * deviation);
+    (scatter > least && by_slips.slips.reversals.len() >= FEWEST).then(|| {
         format!(
             "the temperatures of slips scatter by {scatter:.2} K, but noise explains only \
              {expected:.2} K: the thermometer may be elsewhere, or slower than the steel; f_s and \
-             f_d may be 5 to 20 % too small, beyond their intervals; put the thermometer on the \
+             f_d may be 5 to 25 % too small, beyond their intervals; put the thermometer on the \
              steel"
         )
     })
+}
+
+/// The thermometer repeats its values.
+fn repeated_values(case: &Case) -> Option<String> {
+    let minutes = case.calibration.repeats? / 60.0;
+    Some(format!(
+        "the thermometer repeats each value until it measures again, about every {minutes:.0} min; only \
+         the first of equal values is used; store the temperature as often as the displacement"
+    ))
 }
 
 /// A sensor at the end of its range stays there for at least this many samples.
@@ -331,7 +364,10 @@ fn other_lag(case: &Case) -> Option<String> {
 /// The clocks of thermometer and sensor seem to differ.
 fn clocks(case: &Case) -> Option<String> {
     let seconds = case.calibration.lag_profile.as_ref()?.clock?;
-    let side = if seconds > 0.0 { "earlier" } else { "later" };
+    let (side, clock) = match seconds > 0.0 {
+        true => ("earlier", "ahead of"),
+        false => ("later", "behind"),
+    };
     let minutes = seconds.abs() / 60.0;
     let by = if minutes < 60.0 {
         format!("{minutes:.0} min")
@@ -339,15 +375,14 @@ fn clocks(case: &Case) -> Option<String> {
         format!("{:.0} h", minutes / 60.0)
     };
     let taken = match is_small(seconds) {
-        true => {
-            "the clocks may differ; this is corrected to five minutes; set the clock that is wrong"
-        }
+        true => "this is corrected to five minutes; set the clock that is wrong",
         false => {
             "check whether one of the clocks uses summer time or another time zone, and correct it; until then, do not use the intervals"
         }
     };
     Some(format!(
-        "the temperature {by} {side} explains the displacement far better than the simultaneous one, with or without a lag: {taken}"
+        "the temperature {by} {side} explains the displacement far better than the simultaneous one, with or without a lag, \
+         as if the clock of the displacement were {by} {clock} that of the temperature: {taken}"
     ))
 }
 

@@ -5,6 +5,7 @@
 //! proportion to time. Steps and a drift are additional columns of the same regression, if needed.
 
 use crate::linear::Normal;
+use std::cmp::Ordering;
 
 /// Which movements of the zero are fitted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,15 +68,75 @@ pub struct Middle {
     pub centre: f64,
     /// z - still T.
     pub place: f64,
+    /// The change of the centre by each function of varying friction.
+    pub course: [f64; 2],
 }
 
-/// A line through middles: place = offset + slope centre + zero(time).
+/// What a change of direction adds to the middles if friction varies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// The change of temperature, less its mean.
+    pub change: f64,
+    /// Minus the contribution of each function of varying friction to it.
+    pub course: [f64; 2],
+}
+
+/// All middles, and the changes of direction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Middles {
+    /// The middles in order of time.
+    pub all: Vec<Middle>,
+    turns: Vec<Turn>,
+    /// Number of functions of varying friction.
+    columns: usize,
+    /// The weight of a turn relative to that of a middle.
+    weight: f64,
+}
+
+impl Middles {
+    /// These middles and turns, which are weighted with their residuals about the line of this zero.
+    pub fn of(all: Vec<Middle>, turns: Vec<Turn>, columns: usize, zero: &ZeroColumns) -> Self {
+        let mut middles = Middles {
+            all,
+            turns,
+            columns,
+            weight: 0.0,
+        };
+        for _ in 0..if columns > 0 { WEIGHTINGS } else { 0 } {
+            let Some(line) = zero.line(&middles) else {
+                break;
+            };
+            let off = |turn: &Turn| {
+                let of_course = turn.course[0] * line.course[0] + turn.course[1] * line.course[1];
+                (line.slope * (turn.change + of_course)).powi(2)
+            };
+            let of_turn = middles.turns.iter().map(off).sum::<f64>() / middles.turns.len() as f64;
+            // Middles of a day have the same noise.
+            middles.weight = line.squares / middles.days() as f64 / of_turn;
+        }
+        middles
+    }
+
+    /// Number of days with a middle.
+    fn days(&self) -> usize {
+        let is_same_day =
+            |a: &Middle, b: &Middle| libm::floor(a.time / DAY) == libm::floor(b.time / DAY);
+        self.all.chunk_by(is_same_day).count()
+    }
+}
+
+/// Number of times that the weights are computed.
+const WEIGHTINGS: u32 = 3;
+
+/// A line through middles: place = offset + slope (centre + course) + zero(time).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MiddleLine {
     pub offset: f64,
     pub slope: f64,
     pub zero: Zero,
-    /// The sum of the squares of the residuals.
+    /// The coefficients of A - G/2 as a function of time, in kelvin.
+    pub course: [f64; 2],
+    /// The sum of the squares of the residuals of middles.
     squares: f64,
 }
 
@@ -105,14 +166,21 @@ const MOST: usize = 8;
 impl ZeroColumns {
     /// The movements that these middles require. `candidates` are the times at which the zero may
     /// have been set: those of jumps, and the ends of gaps.
-    pub fn asked_by(middles: &[Middle], candidates: &[f64], start: f64) -> Self {
+    pub fn asked_by(middles: &Middles, candidates: &[f64], start: f64) -> Self {
         let mut columns = ZeroColumns {
             start,
             ..ZeroColumns::default()
         };
-        let sides = |when: f64| middles.iter().filter(|middle| middle.time < when).count();
-        let is_inside =
-            |when: &f64| (BESIDE..=middles.len().saturating_sub(BESIDE)).contains(&sides(*when));
+        let sides = |when: f64| {
+            middles
+                .all
+                .iter()
+                .filter(|middle| middle.time < when)
+                .count()
+        };
+        let is_inside = |when: &f64| {
+            (BESIDE..=middles.all.len().saturating_sub(BESIDE)).contains(&sides(*when))
+        };
         let places: Vec<f64> = candidates.iter().copied().filter(is_inside).collect();
         // A step can resemble a drift, and a drift several steps. So the one with the larger gain
         // above its threshold is taken first, and movements made unnecessary by later ones are
@@ -185,7 +253,7 @@ impl ZeroColumns {
     }
 
     /// Twice the log-likelihood ratio of these columns to fewer of them, minus the threshold.
-    fn gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
+    fn gain_over(&self, fewer: &Self, middles: &Middles) -> f64 {
         let price = if self.drifts == fewer.drifts {
             STEP
         } else {
@@ -199,16 +267,13 @@ impl ZeroColumns {
         }
     }
 
-    fn plain_gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
+    fn plain_gain_over(&self, fewer: &Self, middles: &Middles) -> f64 {
         let squares = |columns: &Self| columns.line(middles).map_or(f64::NAN, |line| line.squares);
-        let days = middles
-            .chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY))
-            .count();
-        days as f64 * libm::log(squares(fewer) / squares(self))
+        middles.days() as f64 * libm::log(squares(fewer) / squares(self))
     }
 
     /// Twice the log-likelihood ratio of these columns to none.
-    pub fn gain(&self, middles: &[Middle]) -> f64 {
+    pub fn gain(&self, middles: &Middles) -> f64 {
         self.plain_gain_over(&self.none(), middles)
     }
 
@@ -231,58 +296,57 @@ impl ZeroColumns {
     }
 
     /// The line of least squares; `None` if the middles do not determine it.
-    pub fn line(&self, middles: &[Middle]) -> Option<MiddleLine> {
-        let n = 2 + usize::from(self.drifts) + self.steps.len();
-        let mut normal = Normal::of(n);
-        let mut row = vec![0.0; n];
-        let mut squares = 0.0;
-        for Middle {
-            time,
-            centre,
-            place,
-        } in middles
-        {
-            row[0] = 1.0;
-            row[1] = *centre;
+    pub fn line(&self, middles: &Middles) -> Option<MiddleLine> {
+        let n = 2 + usize::from(self.drifts) + self.steps.len() + middles.columns;
+        let (of_steps, of_course) = (2 + usize::from(self.drifts), n - middles.columns);
+        let row = |middle: &Middle| {
+            let mut row = vec![1.0, middle.centre];
             if self.drifts {
-                row[2] = (time - self.start) / YEAR;
+                row.push((middle.time - self.start) / YEAR);
             }
             // A jump at the time of a step has its middle half-way.
-            let stepped = |when: &f64| {
-                if when < time {
-                    1.0
-                } else if when > time {
-                    0.0
-                } else {
-                    0.5
-                }
+            let stepped = |when: &f64| match when.total_cmp(&middle.time) {
+                Ordering::Less => 1.0,
+                Ordering::Equal => 0.5,
+                Ordering::Greater => 0.0,
             };
-            row[n - self.steps.len()..]
-                .iter_mut()
-                .zip(&self.steps)
-                .for_each(|(cell, when)| *cell = stepped(when));
-            normal.add(&row, *place, 1.0);
-            squares += place * place;
+            row.extend(self.steps.iter().map(stepped));
+            row.extend(&middle.course[..middles.columns]);
+            row
+        };
+        let mut normal = Normal::of(n);
+        for middle in &middles.all {
+            normal.add(&row(middle), middle.place, 1.0);
+        }
+        for turn in middles.turns.iter().filter(|_| middles.weight > 0.0) {
+            let mut row = vec![0.0; of_course];
+            row[1] = turn.change;
+            row.extend(&turn.course[..middles.columns]);
+            normal.add(&row, 0.0, middles.weight);
         }
         let found = normal.solve()?;
-        let explained: f64 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
+        let off = |middle: &Middle| {
+            let at: f64 = found.iter().zip(row(middle)).map(|(a, b)| a * b).sum();
+            (middle.place - at).powi(2)
+        };
         let drift = if self.drifts { found[2] / YEAR } else { 0.0 };
-        let steps = self
-            .steps
-            .iter()
-            .copied()
-            .zip(found[n - self.steps.len()..].iter().copied())
-            .collect();
+        let sizes = found[of_steps..of_course].iter().copied();
         let zero = Zero {
             start: self.start,
             drift,
-            steps,
+            steps: self.steps.iter().copied().zip(sizes).collect(),
         };
+        let mut course = [0.0; 2];
+        course
+            .iter_mut()
+            .zip(&found[of_course..])
+            .for_each(|(course, of)| *course = of / found[1]);
         Some(MiddleLine {
             offset: found[0],
             slope: found[1],
             zero,
-            squares: (squares - explained).max(0.0),
+            course,
+            squares: middles.all.iter().map(off).sum(),
         })
     }
 }
@@ -309,13 +373,18 @@ mod tests {
                     time,
                     centre,
                     place: 0.003 + 3e-4 * centre + moved + 1.5e-4 * random.normal(),
+                    course: [0.0; 2],
                 }
             };
             let still: Vec<Middle> = (0..200).map(|i| middle(i, &mut random, 0.0, 0.0)).collect();
             let times: Vec<f64> = still.iter().map(|middle| middle.time).collect();
+            let alone = |all| Middles {
+                all,
+                ..Middles::default()
+            };
             let start = times[0];
             assert_eq!(
-                ZeroColumns::asked_by(&still, &times, start),
+                ZeroColumns::asked_by(&alone(still), &times, start),
                 ZeroColumns {
                     start,
                     ..ZeroColumns::default()
@@ -324,6 +393,7 @@ mod tests {
             let moving: Vec<Middle> = (0..200)
                 .map(|i| middle(i, &mut random, 2e-3, 1e-3))
                 .collect();
+            let moving = alone(moving);
             let columns = ZeroColumns::asked_by(&moving, &times, start);
             assert!(columns.drifts && columns.steps.len() == 1, "{columns:?}");
             let line = columns.line(&moving).expect("determined");

@@ -138,10 +138,7 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     walk.attribute("temperature_resolution", &mut calibration.resolution)?;
     walk.attribute("temperature_roughness", &mut calibration.roughness)?;
     walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
-    let [mut low, mut high] = [0, 1].map(|i| calibration.friction_range.map(|range| range[i]));
-    walk.attribute("friction_low", &mut low)?;
-    walk.attribute("friction_high", &mut high)?;
-    calibration.friction_range = low.zip(high).map(|(low, high)| [low, high]);
+    friction_range(walk, &mut calibration.friction_range)?;
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
         walk.attribute("lag_gain", &mut profile.gain)?;
@@ -158,6 +155,7 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     let mut mirrored: u64 = calibration.is_mirrored.into();
     walk.attribute("mirrored", &mut mirrored)?;
     calibration.is_mirrored = mirrored != 0;
+    walk.attribute("temperature_repeats", &mut calibration.repeats)?;
     let mut named: Vec<String> = warnings
         .iter()
         .map(|(name, sentence)| format!("{name}: {sentence}"))
@@ -180,6 +178,29 @@ fn sentences(walk: &mut Walk, name: &str, sentences: &mut Vec<String>) -> Walked
         .lines()
         .map(String::from)
         .collect();
+    Ok(())
+}
+
+/// The smallest and the largest A over the record relative to its mean, each with its interval.
+const FRICTION: [[&str; 3]; 2] = [
+    ["friction_low", "friction_low_from", "friction_low_to"],
+    ["friction_high", "friction_high_from", "friction_high_to"],
+];
+
+fn friction_range(walk: &mut Walk, range: &mut Option<[ParameterEstimate; 2]>) -> Walked {
+    let mut ends = range.unwrap_or([ParameterEstimate::default(); 2]);
+    for ([at, from, to], end) in FRICTION.into_iter().zip(&mut ends) {
+        for (name, value) in [
+            (at, &mut end.estimate),
+            (from, &mut end.low),
+            (to, &mut end.high),
+        ] {
+            let mut stored = range.is_some().then_some(*value);
+            walk.attribute(name, &mut stored)?;
+            *value = stored.unwrap_or(f64::NAN);
+        }
+    }
+    *range = Some(ends).filter(|[low, _]| low.estimate.is_finite());
     Ok(())
 }
 

@@ -1,19 +1,12 @@
 //! Random bearings, distributed according to a calibration.
 
-use crate::calibration::{Calibration, Motion, Quantity, Response, Sensor};
+use crate::calibration::{Calibration, Course, CourseShape, Motion, Quantity, Response, Sensor};
 use crate::linear::{Matrix, cholesky, times};
 use crate::weather::{Weather, WeatherFit};
 use stickslip::noise::Stream;
 
-/// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
-/// forgotten in the burn-in.
-const DRAWN: [Quantity; 5] = [
-    Quantity::Dilatation,
-    Quantity::Shear,
-    Quantity::Offset,
-    Quantity::Reach,
-    Quantity::Jump,
-];
+/// The quantities that are drawn.
+const DRAWN: [Quantity; 5] = Quantity::DRAWN;
 
 /// A and G are at least this share of their estimates, because a very small A or G gives an
 /// enormous number of slips.
@@ -25,8 +18,12 @@ const REPEATS: u64 = 100;
 /// A bearing, in kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnBearing {
-    /// Its motion, from any start, and the reading of its sensor.
+    /// Its motion at mean friction, from any start, and the reading of its sensor.
     pub response: Response,
+    /// How its friction varies over the year.
+    pub course: Course,
+    /// The relative standard deviation of f_s from slip to slip.
+    pub scatter: f64,
     /// K; 1 if it is not known.
     pub stiffness: f64,
 }
@@ -61,10 +58,10 @@ impl DrawnSteel {
 /// The distribution of the parameters according to a calibration.
 pub struct BearingDraws {
     estimates: [f64; DRAWN.len()],
+    course: Course,
+    scatter: f64,
     errors: Matrix,
     shear_stiffness: Option<f64>,
-    /// A in the record relative to its mean, if friction changes.
-    range: Option<[f64; 2]>,
 }
 
 impl BearingDraws {
@@ -72,54 +69,35 @@ impl BearingDraws {
     /// found.
     pub fn new(calibration: &Calibration) -> Self {
         let estimates = DRAWN.map(|quantity| calibration.estimate(quantity).estimate);
-        let sds = DRAWN.map(|quantity| calibration.standard_error(quantity));
-        let correlation = |i: usize, j: usize| match i == j {
-            true => 1.0,
-            false => calibration.correlations[DRAWN[i] as usize][DRAWN[j] as usize],
-        };
-        let covariance: Matrix = (0..DRAWN.len())
-            .map(|i| {
-                (0..DRAWN.len())
-                    .map(|j| finite(sds[i] * sds[j] * correlation(i, j)))
-                    .collect()
-            })
-            .collect();
+        let covariance = &calibration.covariance;
         // A fixed quantity has no error. The matrix then has a row of zeros and no Cholesky factor,
         // so the correlations are left out.
-        let errors = cholesky(&covariance).unwrap_or_else(|| {
-            let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
-            (0..DRAWN.len())
-                .map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect())
+        let errors = cholesky(covariance).unwrap_or_else(|| {
+            let diagonal = |i: usize, j: usize| if i == j { covariance[i][i].sqrt() } else { 0.0 };
+            (0..covariance.len())
+                .map(|i| (0..covariance.len()).map(|j| diagonal(i, j)).collect())
                 .collect()
         });
-        let (shear_stiffness, range) = (
-            calibration.question.shear_stiffness,
-            calibration.friction_range,
-        );
         BearingDraws {
             estimates,
+            course: calibration.course,
+            scatter: calibration.scatter,
             errors,
-            shear_stiffness,
-            range,
+            shear_stiffness: calibration.question.shear_stiffness,
         }
     }
 
     /// The most likely bearing.
     pub fn likeliest(&self) -> DrawnBearing {
-        self.at(&[0.0; DRAWN.len()])
+        self.at(&vec![0.0; self.errors.len()])
     }
 
     /// A random possible bearing, and the number of impossible ones drawn before it. `None` if many
     /// draws in a row were impossible.
     pub fn draw(&self, random: &mut Stream) -> Option<(DrawnBearing, u64)> {
         (0..REPEATS).find_map(|before| {
-            let mut bearing = self.at(&DRAWN.map(|_| random.normal()));
-            if let Some([low, high]) = self.range {
-                // Changing friction is drawn from any day of the record.
-                let share = low + (high - low) * random.uniform();
-                let Motion { reach, jump, .. } = &mut bearing.response.motion;
-                (*reach, *jump) = (share * *reach, share * *jump);
-            }
+            let normals: Vec<f64> = self.errors.iter().map(|_| random.normal()).collect();
+            let bearing = self.at(&normals);
             self.is_possible(&bearing).then_some((bearing, before))
         })
     }
@@ -135,20 +113,35 @@ impl BearingDraws {
         let errors = times(&self.errors, normals);
         let [beta, kappa, offset, reach, jump] =
             std::array::from_fn(|i| self.estimates[i] + errors[i]);
+        let coefficients = self.course.coefficients();
+        let varied = coefficients.iter().zip(&errors[DRAWN.len()..]);
+        let mut course = self
+            .course
+            .with(&varied.map(|(a, b)| a + b).collect::<Vec<_>>());
+        let mut motion = Motion {
+            reach,
+            jump,
+            start: 0.0,
+        };
+        match &mut course.shape {
+            CourseShape::Constant => (),
+            // A year counts from the first sample.
+            CourseShape::Season(start) => *start = 0.0,
+            // Whether a trend goes on is unknown; the years have the friction at its end.
+            CourseShape::Trend([_, end]) => {
+                let end = *end;
+                motion = course.motion(&motion, end);
+                course = Course::default();
+            }
+        }
         DrawnBearing {
             response: Response {
-                motion: Motion {
-                    reach,
-                    jump,
-                    start: 0.0,
-                },
+                motion,
                 sensor: Sensor::sheared(offset, beta, kappa),
             },
+            course,
+            scatter: self.scatter,
             stiffness: self.shear_stiffness.map_or(1.0, |shear| kappa * shear),
         }
     }
-}
-
-fn finite(x: f64) -> f64 {
-    if x.is_finite() { x } else { 0.0 }
 }

@@ -2,7 +2,7 @@
 
 use super::question::{ForecastError, ForecastQuestion};
 use super::year::{ForecastQuantity, YEAR, Year, YearAndRecord};
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, CourseShape};
 use crate::moments::{mean, variance};
 use crate::warning::named;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
@@ -61,6 +61,9 @@ pub struct Showed {
     pub path: f64,
     /// The time in which they were detected, at most a year, in seconds.
     pub duration: f64,
+    /// Whether friction in the record is that of the forecast on average, so that both have the same
+    /// number of slips.
+    pub is_comparable: bool,
 }
 
 impl Showed {
@@ -84,6 +87,7 @@ impl Showed {
             slips: share * libm::round(moved / response.motion.jump),
             path,
             duration,
+            is_comparable: !matches!(calibration.course.shape, CourseShape::Trend(_)),
         }
     }
 }
@@ -137,8 +141,10 @@ impl Forecast {
             slips,
             path,
             duration,
+            is_comparable,
         } = *showed;
-        if slips > ANOTHER * usual[1] || ANOTHER * slips < usual[0] {
+        let is_another = slips > ANOTHER * usual[1] || ANOTHER * slips < usual[0];
+        if is_comparable && is_another {
             return Err(ForecastError::NotTheRecord {
                 slips,
                 path,
@@ -171,13 +177,17 @@ impl Forecast {
     /// Reasons to be careful with the result.
     pub fn warnings(&self) -> Vec<(String, String)> {
         let Forecast {
-            showed: Showed {
-                slips, duration, ..
-            },
+            showed:
+                Showed {
+                    slips,
+                    duration,
+                    is_comparable,
+                    ..
+                },
             usual: [low, high],
             ..
         } = self;
-        let another = (slips < low || slips > high).then(|| {
+        let another = (*is_comparable && (slips < low || slips > high)).then(|| {
             format!(
                 "the record shows {slips:.0} slips in {:.0} days, but nearly all simulated \
                  records of the same days show between {low:.0} and {high:.0}: the model does not \
@@ -367,6 +377,7 @@ mod tests {
                 slips,
                 path: 0.01,
                 duration: YEAR,
+                is_comparable: true,
             },
             false,
         )

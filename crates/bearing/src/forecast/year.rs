@@ -5,7 +5,7 @@
 //! body then slips according to [`Motion`].
 
 use super::draw::{DrawnBearing, DrawnSteel};
-use crate::calibration::{Motion, Response, farthest};
+use crate::calibration::{Body, Response, farthest};
 use crate::weather::{Passage, Square, States, System, dot, root, times};
 use stickslip::model::Harmonic;
 use stickslip::noise::Stream;
@@ -15,7 +15,10 @@ use stickslip::noise::Stream;
 pub const BURN_IN: f64 = 90.0 * 86_400.0;
 
 /// A year, in seconds.
-pub const YEAR: f64 = 365.25 * 86_400.0;
+pub const YEAR: f64 = 365.25 * DAY;
+
+/// A day, in seconds; friction that varies over the year is constant within it.
+const DAY: f64 = 86_400.0;
 
 /// A quantity recorded for a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,13 +166,14 @@ pub fn year(
     end: f64,
     random: &mut Stream,
 ) -> YearAndRecord {
-    let Response { mut motion, sensor } = bearing.response;
-    let Motion { reach, jump, .. } = motion;
+    let Response { motion, sensor } = bearing.response;
+    let a_day = libm::ceil(DAY / steel.step) as usize;
+    let mut body = Body::new(motion, bearing.scatter);
     let burnt_in = (BURN_IN / steel.step) as usize;
     let ends = ((BURN_IN + end) / steel.step) as usize;
     let mut state = times(&steel.factors[0], &normals(steel.states, random));
     let mut before = steel.mean[0] + dot(&state, &steel.seen);
-    motion.start = before;
+    body.motion.start = before;
     let [
         mut slips,
         mut within,
@@ -179,6 +183,13 @@ pub fn year(
     ] = [0.0; 5];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, mean) in steel.mean.iter().enumerate() {
+        if i.is_multiple_of(a_day) {
+            body.adopt(
+                bearing
+                    .course
+                    .motion(&motion, i as f64 * steel.step - BURN_IN),
+            );
+        }
         let (carried, gained) = (
             times(&steel.passage.carry, &state),
             times(&steel.factors[1], &normals(steel.states, random)),
@@ -187,31 +198,26 @@ pub fn year(
         let temperature = mean + dot(&state, &steel.seen);
         let reached = match steel.gain {
             0.0 => temperature,
-            gain => farthest([before, temperature], gain, motion.start, random),
+            gain => farthest([before, temperature], gain, body.motion.start, random),
         };
         before = temperature;
         let is_counting = i >= burnt_in;
         for temperature in [reached, temperature] {
-            let xi = motion.next(motion.start, temperature);
-            let moved = (xi - motion.start).abs();
-            motion.start = xi;
+            let from = body.motion.start;
+            let (count, reach) = body.follow(temperature, random);
             if !is_counting {
                 continue;
             }
-            if moved > 0.0 {
-                let count = libm::round(moved / jump);
-                slips += count;
-                within += if i < ends { count } else { 0.0 };
-                sliding += moved;
-                farthest_off = reach;
-            }
+            let xi = body.motion.start;
+            slips += count;
+            within += if i < ends { count } else { 0.0 };
+            sliding += (xi - from).abs();
             let z = sensor.reading(xi, temperature);
             (low, high) = (low.min(z), high.max(z));
-            farthest_off = farthest_off.max((temperature - xi).abs());
+            farthest_off = farthest_off.max(reach).max((temperature - xi).abs());
         }
-        loaded += f64::from(u8::from(
-            is_counting && (temperature - motion.start).abs() > share * reach,
-        ));
+        let is_loaded = (temperature - body.motion.start).abs() > share * body.motion.reach;
+        loaded += f64::from(u8::from(is_counting && is_loaded));
     }
     let slope = bearing.stiffness * sensor.dilatation();
     let loaded = loaded / (steel.mean.len() - burnt_in) as f64;

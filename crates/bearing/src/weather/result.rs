@@ -144,10 +144,14 @@ impl WeatherFit {
             let [here, there] = [self, other].map(|fit| fit.processes()[0]);
             let off = libm::log(there.relaxation_rate / here.relaxation_rate).abs();
             let hours = |process: Process| 1.0 / process.relaxation_rate / 3600.0;
+            let ordinal = match every {
+                2 => "2nd".to_string(),
+                every => format!("{every}th"),
+            };
             let text = || {
                 format!(
                     "the correlation time of the fast noise is {:.3} h in all samples but {:.3} h \
-                     in every {every}th, more than their errors explain: use a forecast with care",
+                     in every {ordinal}, more than their errors explain: use a forecast with care",
                     hours(here),
                     hours(there)
                 )

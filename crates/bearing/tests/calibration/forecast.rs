@@ -2,11 +2,11 @@
 //! known.
 
 use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, WEATHER, question, record, twin_of};
-use crate::loggers::{Logger, PLAIN, kept};
+use crate::loggers::{Logger, PLAIN, kept, kept_of};
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use stickslip::noise::{Stream, Transition};
-use stickslip_bearing::calibration::{CalibrationMethod, MeasuredRecord, Motion, calibrate};
+use stickslip_bearing::calibration::{CalibrationMethod, MeasuredRecord, calibrate};
 use stickslip_bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stickslip_bearing::weather::fit;
 
@@ -19,12 +19,35 @@ const ASKED: ForecastQuestion = ForecastQuestion {
     share: 0.9,
 };
 
-/// Slips in a year of the true bearing under the true weather, by a loop that shares no code with
-/// the forecast. It is the recursion, sampled each half minute, with A reduced by 0.5826 s
-/// sqrt(step), which corrects for crossings between samples (Broadie, Glasserman and Kou,
-/// Mathematical Finance 7, 1997). Steel that lags is smooth between samples. Returns mean and
-/// standard error over these years.
-fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
+/// What a year of the true bearing comes to on average, and the standard error of it.
+struct TrueYear {
+    slips: (f64, f64),
+    /// The largest force, in newtons.
+    force: (f64, f64),
+}
+
+/// Mean and standard error of these values.
+fn averaged(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values
+        .iter()
+        .map(|value| (value - mean).powi(2))
+        .sum::<f64>()
+        / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// The true bearing under the true weather, with friction multiplied by this share of the time, by a loop
+/// that shares no code with the forecast. It is the recursion, sampled each half minute, with A reduced by
+/// 0.5826 s sqrt(step), which corrects for crossings between samples (Broadie, Glasserman and Kou,
+/// Mathematical Finance 7, 1997). Steel that lags is smooth between samples.
+fn true_year(
+    processes: [[f64; 2]; 2],
+    lag: f64,
+    share: impl Fn(f64) -> f64,
+    years: usize,
+) -> TrueYear {
     let step = 30.0;
     let process =
         |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), step);
@@ -35,36 +58,44 @@ fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
         0.5826 * fast.increment_sd.hypot(slow.increment_sd)
     };
     let motion = BRIDGE.response().motion;
-    let sampled = Motion {
-        reach: motion.reach - overlooked,
-        ..motion
-    };
     let mut random = Stream::new(77, 0);
     let [mut a, mut b] = processes.map(|[sd, _]| sd * random.normal());
     let mut xi = 12.4 + 9.0;
     let mut steel = xi;
-    let mut counts = Vec::new();
+    let (mut counts, mut forces) = (Vec::new(), Vec::new());
     let per_year = (365.25 * DAY / step) as usize;
     for year in 0..=years {
-        let mut slips = 0.0;
+        let [mut slips, mut force] = [0.0, 0.0_f64];
         for i in 0..per_year {
             let day = (year * per_year + i) as f64 * step / DAY;
             (a, b) = (fast.next(a, random.normal()), slow.next(b, random.normal()));
             let t =
                 12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b;
             steel += (t - steel) / (lag / step + 0.5).max(1.0);
-            let next = sampled.next(xi, steel);
-            slips += ((next - xi) / motion.jump).abs().round();
-            xi = next;
+            let share = share(day * DAY);
+            let reach = share * motion.reach - overlooked;
+            let away = (steel - xi).abs();
+            force = force.max((away + overlooked).min(share * motion.reach));
+            if away > reach {
+                let jump = share * motion.jump;
+                let count = ((away - reach) / jump).ceil();
+                xi += count * jump.copysign(steel - xi);
+                slips += count;
+            }
         }
         counts.push(slips);
+        forces.push(BRIDGE.stiffness * BRIDGE.dilatation * force);
     }
     // The first year depends on the initial state, so it is left out.
-    let counts = &counts[1..];
-    let mean = counts.iter().sum::<f64>() / counts.len() as f64;
-    let variance =
-        counts.iter().map(|n| (n - mean).powi(2)).sum::<f64>() / (counts.len() as f64 - 1.0);
-    (mean, (variance / counts.len() as f64).sqrt())
+    TrueYear {
+        slips: averaged(&counts[1..]),
+        force: averaged(&forces[1..]),
+    }
+}
+
+/// Slips in a year with constant friction.
+fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
+    true_year(processes, lag, |_| 1.0, years).slips
 }
 
 /// The forecast from a record, if there is one.
@@ -244,4 +275,77 @@ fn table() {
             100.0 * width[0] / count
         );
     }
+}
+
+/// Forecasts from records whose friction is constant, varies with the season, and falls: what the largest
+/// force and the slips of a year are off by, and how many intervals of 90 % hold the truth. After friction
+/// has fallen, it stays.
+#[test]
+#[ignore = "minutes; prints a table"]
+fn friction_that_changes() {
+    let seeds: u64 = std::env::var("SEEDS").map_or(20, |seeds| seeds.parse().expect("a number"));
+    let only = std::env::var("ONLY").unwrap_or_default();
+    type Share = fn(f64) -> f64;
+    let kinds: [(&str, Share, Share); 4] = [
+        ("constant", |_| 1.0, |_| 1.0),
+        (
+            "varies by 10 % over the year",
+            |time| season(0.1, time),
+            |time| season(0.1, time),
+        ),
+        (
+            "varies by 20 % over the year",
+            |time| season(0.2, time),
+            |time| season(0.2, time),
+        ),
+        (
+            "falls by 20 %",
+            |time| 1.0 - 0.2 * time / (300.0 * DAY),
+            |_| 0.8,
+        ),
+    ];
+    for (place, (name, share, later)) in kinds.into_iter().enumerate() {
+        if !name.contains(&only) {
+            continue;
+        }
+        let truth = true_year(WEATHER, 0.0, later, 60);
+        let truths = [truth.force, truth.slips];
+        let mut row = format!("| {name} |");
+        let [mut off, mut held, mut width] = [[0.0; 2]; 3];
+        let mut count = 0.0;
+        for seed in (0..seeds).map(|seed| 7000 + 100 * place as u64 + seed) {
+            let (record, _) = kept_of(&PLAIN, &BRIDGE, share, seed);
+            let Some(forecast) = forecast_from(&record, 2, seed) else {
+                println!("{name} {seed}: refused");
+                continue;
+            };
+            count += 1.0;
+            let both = [ForecastQuantity::Force, ForecastQuantity::Slips];
+            for (i, (quantity, (truth, _))) in both.into_iter().zip(truths).enumerate() {
+                let level = forecast.level(quantity).expect("a level");
+                let [low, high] = level.expected_interval;
+                println!(
+                    "{name} {seed} {}: {:.4e} [{low:.4e}, {high:.4e}] for {truth:.4e}",
+                    quantity.name(),
+                    level.expected
+                );
+                off[i] += level.expected / truth - 1.0;
+                held[i] += f64::from(u8::from((low..=high).contains(&truth)));
+                width[i] += 0.5 * (high - low) / truth;
+            }
+        }
+        for (i, (truth, error)) in truths.iter().enumerate() {
+            let [off, width] = [off[i], width[i]].map(|sum| 100.0 * sum / count);
+            row += &format!(
+                " {truth:.4e}±{error:.1e} | {off:+.1} | {} of {count} | {width:.0} |",
+                held[i]
+            );
+        }
+        println!("{row}");
+    }
+}
+
+/// Friction that is largest at the start of the year.
+fn season(amplitude: f64, time: f64) -> f64 {
+    1.0 + amplitude * (TAU * time / (365.25 * DAY)).cos()
 }

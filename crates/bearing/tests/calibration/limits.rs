@@ -3,6 +3,7 @@
 use crate::bridge::{
     BRIDGE, Bearing, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns,
 };
+use stickslip::noise::Stream;
 use stickslip_bearing::Unsound;
 use stickslip_bearing::calibration::{
     CalibrationError, CalibrationMethod, CalibrationQuestion, MeasuredRecord, Quantity, calibrate,
@@ -119,6 +120,46 @@ fn no_record_is_refused() {
             }
         ),
         "{none:?}"
+    );
+}
+
+/// A bearing without friction follows the temperature by beta, which the refusal states. A gauge with
+/// 0.3 mm of play hides how z follows T during sticks, and with it friction.
+#[test]
+fn a_free_bearing_and_a_gauge_with_play_are_refused() {
+    let record = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, 44).0);
+    let refused = |readings: Vec<f64>| {
+        let record = MeasuredRecord {
+            readings,
+            ..record.clone()
+        };
+        let asked = question(CalibrationMethod::Slips);
+        let refused = calibrate(&record, &asked, 1, &Default::default()).map(|_| ());
+        refused.expect_err("no friction")
+    };
+    let mut random = Stream::new(44, 1);
+    let free = record
+        .temperatures
+        .iter()
+        .map(|t| 3e-4 * t + 30e-6 * random.normal());
+    let error = refused(free.collect());
+    assert!(
+        matches!(error, CalibrationError::MovesFreely(slope) if (slope / 3e-4 - 1.0).abs() < 0.01),
+        "{error:?}"
+    );
+    let mut shown = record.readings[0];
+    let played = |z: &f64| {
+        shown = shown.clamp(z - 0.15e-3, z + 0.15e-3);
+        shown
+    };
+    let error = refused(record.readings.iter().map(played).collect());
+    println!("{error}");
+    assert!(
+        matches!(
+            error,
+            CalibrationError::NoFriction { .. } | CalibrationError::NotSlips { .. }
+        ),
+        "{error:?}"
     );
 }
 

@@ -31,6 +31,10 @@ pub struct Logger {
     pub lag: f64,
     /// Whether the thermometer is on the steel.
     pub is_on_steel: bool,
+    /// The share of samples that are lost at random, of each column by itself.
+    pub lost: f64,
+    /// Minutes for which the thermometer repeats a value; 0 if each sample is a new one.
+    pub repeats: usize,
 }
 
 pub const PLAIN: Logger = Logger {
@@ -43,6 +47,8 @@ pub const PLAIN: Logger = Logger {
     memory: 8.0,
     lag: 0.0,
     is_on_steel: false,
+    lost: 0.0,
+    repeats: 0,
 };
 
 /// A bearing that slips more often.
@@ -79,6 +85,8 @@ pub fn kept_of(
         behind,
         lag,
         is_on_steel,
+        lost,
+        repeats,
         ..
     } = *logger;
     let campaign = Campaign {
@@ -107,6 +115,7 @@ pub fn kept_of(
             .map(|end| air.times[end] - middle(over[0]))
             .collect(),
         ends(every[0], after)
+            .map(|end| end - end % repeats.max(1))
             .map(|end| value(&shown.temperatures, end, over[0]) + noise * random.normal())
             .collect(),
     ];
@@ -131,7 +140,13 @@ pub fn kept_of(
             0.0
         }
     });
-    let both = MeasuredRecord::of([&thermometer[0], &thermometer[1]], [&sensor[0], &sensor[1]]);
+    let mut arrives = Stream::new(seed, 57);
+    let [thermometer, sensor] = [thermometer, sensor].map(|[times, values]| {
+        let samples = times.into_iter().zip(values);
+        let kept = samples.filter(|_| lost == 0.0 || arrives.uniform() >= lost);
+        kept.unzip::<f64, f64, Vec<f64>, Vec<f64>>()
+    });
+    let both = MeasuredRecord::of([&thermometer.0, &thermometer.1], [&sensor.0, &sensor.1]);
     (
         MeasuredRecord { averaged, ..both },
         values(&response, Some(bearing.shear_stiffness)),

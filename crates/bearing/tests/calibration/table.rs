@@ -16,8 +16,9 @@ struct Situation {
     name: &'static str,
     logger: Logger,
     bearing: Bearing,
-    /// The factor of friction at a time.
+    /// The factor of friction at a time, and its mean over a year or over the record.
     share: fn(f64) -> f64,
+    mean_share: f64,
     /// What is wrong with the record beyond that.
     change: fn(MeasuredRecord, u64) -> MeasuredRecord,
 }
@@ -27,6 +28,7 @@ const SOUND: Situation = Situation {
     logger: PLAIN,
     bearing: BRIDGE,
     share: |_| 1.0,
+    mean_share: 1.0,
     change: |record, _| record,
 };
 
@@ -124,7 +126,7 @@ fn saturated(record: MeasuredRecord, _: u64) -> MeasuredRecord {
 }
 
 /// The situations whose records are those of the model and of its loggers.
-const KNOWN: [Situation; 21] = [
+const KNOWN: [Situation; 31] = [
     SOUND,
     kept(
         "thermometer noise of 0.1 K",
@@ -242,10 +244,72 @@ const KNOWN: [Situation; 21] = [
             ..record
         }
     }),
+    kept(
+        "displacement every hour",
+        Logger {
+            every: [10, 60],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "displacement every 15 minutes",
+        Logger {
+            every: [10, 15],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "displacement every 30 minutes, thermometer every 20",
+        Logger {
+            every: [20, 30],
+            ..PLAIN
+        },
+    ),
+    kept(
+        "displacement every hour, thermometer a minute later",
+        Logger {
+            every: [10, 60],
+            after: 1,
+            red: 0.0,
+            ..PLAIN
+        },
+    ),
+    kept("20 % of samples lost", Logger { lost: 0.2, ..PLAIN }),
+    kept("30 % of samples lost", Logger { lost: 0.3, ..PLAIN }),
+    kept(
+        "thermometer repeats values for 30 minutes",
+        Logger {
+            repeats: 30,
+            ..PLAIN
+        },
+    ),
+    kept(
+        "thermometer repeats values for an hour",
+        Logger {
+            repeats: 60,
+            ..PLAIN
+        },
+    ),
+    kept(
+        "thermometer on steel 2 hours behind, every hour",
+        Logger {
+            every: [60, 10],
+            lag: 120.0,
+            is_on_steel: true,
+            ..PLAIN
+        },
+    ),
+    kept(
+        "steel 2 hours behind",
+        Logger {
+            lag: 120.0,
+            ..PLAIN
+        },
+    ),
 ];
 
 /// The situations that the model does not describe, of which a warning is wanted.
-const UNKNOWN: [Situation; 9] = [
+const UNKNOWN: [Situation; 10] = [
     Situation {
         name: "f_s varies by 10 % over the year",
         share: |time| 1.0 + 0.1 * (TAU * time / (365.25 * DAY)).sin(),
@@ -254,6 +318,12 @@ const UNKNOWN: [Situation; 9] = [
     Situation {
         name: "f_s falls by 30 %",
         share: |time| 1.0 - 0.3 * time / (300.0 * DAY),
+        mean_share: 0.85,
+        ..SOUND
+    },
+    Situation {
+        name: "f_s varies by 20 % over the year",
+        share: |time| 1.0 + 0.2 * (TAU * time / (365.25 * DAY)).cos(),
         ..SOUND
     },
     wrong("temperature off by 1 K for 3 h", |record, seed| {
@@ -294,7 +364,10 @@ impl Situation {
     /// all intervals are independent.
     fn add(&self, row: &mut Row, place: usize, number: u64) {
         let seed = 1000 * (1 + place as u64) + number;
-        let (record, truth) = kept_of(&self.logger, &self.bearing, self.share, seed);
+        let (record, mut truth) = kept_of(&self.logger, &self.bearing, self.share, seed);
+        for quantity in [Quantity::Static, Quantity::Reach] {
+            truth[quantity as usize] *= self.mean_share;
+        }
         let record = (self.change)(record, seed);
         let asked = question(CalibrationMethod::Slips);
         match calibrate(&record, &asked, 2, &Default::default()) {

@@ -197,6 +197,10 @@ pub struct Source {
     /// Unit of the displacements, if the file does not give it: m, cm, mm or um
     #[arg(long, value_name = "U")]
     displacement_unit: Option<String>,
+    /// What the displacement sensor and its bracket show of their own expansion, in metres per kelvin,
+    /// e.g. 5e-6; it is subtracted
+    #[arg(long, value_name = "M/K", allow_hyphen_values = true, default_value_t = 0.0, value_parser = expansion)]
+    sensor_expansion: f64,
     #[command(flatten)]
     flags: MeasuredFlags,
     #[command(flatten)]
@@ -216,6 +220,19 @@ fn level(text: &str) -> Result<f64, String> {
         &(0.5..=0.999),
         "write a probability from 0.5 to 0.999",
     )
+}
+
+/// The largest expansion of a sensor, in metres per kelvin: that of ten metres of aluminium is half of it.
+const MOST_EXPANSION: f64 = 5e-4;
+
+fn expansion(text: &str) -> Result<f64, String> {
+    let problem =
+        format!("write metres per kelvin, from -{MOST_EXPANSION} to {MOST_EXPANSION}, e.g. 5e-6");
+    let expansion = text
+        .parse()
+        .ok()
+        .filter(|per_kelvin: &f64| per_kelvin.abs() <= MOST_EXPANSION);
+    expansion.ok_or(problem)
 }
 
 impl Source {
@@ -284,7 +301,7 @@ impl Source {
         let origin = temperatures.as_deref().map(Origin::File);
         let measured = BearingData::read(Origin::File(&data), origin, temperature, displacement)?;
         measured.repairs.iter().for_each(|sentence| note(sentence));
-        Ok(MeasuredRecord::from(&measured))
+        Ok(MeasuredRecord::from(&measured).without_expansion(self.sensor_expansion))
     }
 }
 

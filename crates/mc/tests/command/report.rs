@@ -1,7 +1,7 @@
 //! `mc report`: a page is either refused or complete. tests/browser.sh tests it in a browser.
 
 use crate::command::{done, mc};
-use stickslip_data::numbers::significant;
+use stickslip_text::numbers::significant;
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/rho025.toml");
 
