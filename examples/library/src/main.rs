@@ -91,7 +91,10 @@ mod tests {
             error.expect_err("refused").to_string()
         };
         let message = refused(Problem::oscillator(-1.0, 1.0));
-        assert!(message.contains("`oscillator.mass` = -1.0 must be finite and positive"), "{message}");
+        assert!(
+            message.contains("`oscillator.mass` = -1.0 must be finite and positive"),
+            "{message}"
+        );
         let message = refused(Problem::free(1.0).friction(1.0, 2.0));
         assert!(message.contains("friction.dynamic"), "{message}");
         let message = refused(Problem::free(f64::NAN));
