@@ -38,7 +38,8 @@ pub struct ImpulseResponse {
     damping_rate: f64,
     /// w0^2.
     stiffness_ratio: f64,
-    roots: [Complex; 2],
+    /// The characteristic roots; of two real ones, the slow one first.
+    pub roots: [Complex; 2],
 }
 
 impl ImpulseResponse {

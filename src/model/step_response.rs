@@ -80,21 +80,25 @@ impl StepResponse {
         }
     }
 
-    /// y and y' a time `r` after the force sets in, where `equilibrium` is Y.
-    pub fn at(&self, equilibrium: f64, r: f64) -> (f64, f64) {
+    /// y, y' and y'' a time `r` after the force sets in, where `equilibrium` is Y.
+    pub fn at(&self, equilibrium: f64, r: f64) -> [f64; 3] {
         let w0 = self.natural_frequency;
+        let acceleration = equilibrium * w0 * w0;
         match &self.damped {
             None => {
                 let (sin, cos) = libm::sincos(w0 * r);
-                (equilibrium * (1.0 - cos), equilibrium * w0 * sin)
+                [
+                    equilibrium * (1.0 - cos),
+                    equilibrium * w0 * sin,
+                    acceleration * cos,
+                ]
             }
-            Some(response) => {
-                let acceleration = equilibrium * w0 * w0;
-                (
-                    acceleration * response.exponential(Complex::ZERO, r).re,
-                    acceleration * response.impulse(r),
-                )
-            }
+            Some(response) => [
+                response.exponential(Complex::ZERO, r).re,
+                response.impulse(r),
+                response.impulse_slope(r),
+            ]
+            .map(|response| acceleration * response),
         }
     }
 }
@@ -168,10 +172,14 @@ mod tests {
     fn the_swing_is_that_of_the_closed_form_at_any_damping() {
         for zeta in [0.0, 1e-12, 0.05, 0.3, 0.9, 0.999, 1.0, 1.5, 40.0] {
             for r in [1e-3, 0.1, 0.7, 1.5, 4.0, 30.0] {
-                let ((y, v), (way, speed)) = (response(zeta).at(1.0, r), formula(zeta, r));
+                let ([y, v, a], (way, speed)) = (response(zeta).at(1.0, r), formula(zeta, r));
+                // w0 = 2, gamma = 2 zeta.
+                let push = 4.0 * (1.0 - way) - 4.0 * zeta * speed;
                 assert!(
-                    (y - way).abs() < 1e-13 && (v - speed).abs() < 2e-13,
-                    "{zeta} {r}: {y} {way}, {v} {speed}"
+                    (y - way).abs() < 1e-13
+                        && (v - speed).abs() < 2e-13
+                        && (a - push).abs() < 1e-11,
+                    "{zeta} {r}: {y} {way}, {v} {speed}, {a} {push}"
                 );
             }
         }
@@ -181,18 +189,18 @@ mod tests {
     fn below_critical_damping_it_rests_beyond_equilibrium() {
         for zeta in [0.0, 0.05, 0.3, 0.9, 0.99] {
             let swing = response(zeta);
-            let (y, v) = swing.at(1.0, swing.duration);
+            let [y, v, _] = swing.at(1.0, swing.duration);
             assert!(
                 (y - (1.0 + swing.overshoot)).abs() < 1e-14 && v.abs() < 1e-14,
                 "{zeta}: {y} {v}"
             );
             // The body is not at rest before the end.
             assert!(
-                (1..100).all(|i| swing.at(1.0, swing.duration * f64::from(i) / 100.0).1 > 0.0),
+                (1..100).all(|i| swing.at(1.0, swing.duration * f64::from(i) / 100.0)[1] > 0.0),
                 "{zeta}"
             );
             // No speed of the swing back exceeds `return_speed`, and one equals it.
-            let back = |i: i32| -swing.at(1.0, swing.duration * (1.0 + f64::from(i) / 1e4)).1;
+            let back = |i: i32| -swing.at(1.0, swing.duration * (1.0 + f64::from(i) / 1e4))[1];
             let fastest = (0..10_000).map(back).fold(0.0, f64::max) / 2.0;
             assert!(
                 (fastest / swing.return_speed - 1.0).abs() < 1e-6,

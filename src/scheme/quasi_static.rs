@@ -42,12 +42,13 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, End, ExactTime, Known, MacroStep, Noiseless, ObservationTime, ObservedSegment,
-    Path, PathObserver, PathSegment, PathSegments, Propagation, Resolved, ScalarPaths, Scene,
-    SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft, check_friction, noise_between,
+    self, Cascade, End, ExactTime, FollowedSlip, Kinematics, Knots, Known, MacroStep, Noiseless,
+    ObservationTime, ObservedSegment, Path, PathObserver, PathSegment, PathSegments, Propagation,
+    Resolved, ScalarPaths, Scene, SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft,
+    check_friction, noise_between,
 };
 use super::{
-    Along, Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
+    Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
     Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
@@ -160,13 +161,11 @@ enum Exits {
     Noiseless(Box<NoiselessRecursion>),
 }
 
-/// Pieces of the motion of a whole slip.
-const PIECES: f64 = 16.0;
-
 /// The motion of a slip.
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,
+    knots: Knots,
     /// (1 + q) (f_s - f_d)/K, the distance that a slip from |b| = f_s covers.
     jump: f64,
     /// f_s.
@@ -197,60 +196,50 @@ impl Swing {
             * (self.jump + (1.0 + self.response.overshoot) * excess / self.oscillator.stiffness)
     }
 
-    /// The motion of a slip that begins at this time and x with this excess, between two times
-    /// after its start.
+    /// The motion of a slip that begins at this time and x with this excess, from a time after its
+    /// start on, until another or its end.
     fn segments(
         &self,
         began: f64,
         x0: f64,
         direction: Sign,
         excess: f64,
-        [from, until]: [f64; 2],
+        (from, until): (f64, Option<f64>),
         mut report: impl FnMut(Segment),
-    ) {
-        let response = &self.response;
-        let reach = self.way(direction, excess) / (1.0 + response.overshoot);
-        // The force of the spring and of the constant temperature, minus the damping.
-        let Oscillator {
-            mass,
-            stiffness,
-            damping,
-            ..
-        } = self.oscillator;
-        let state = |since: f64| {
-            let (x, v) = self.at(0.0, direction, excess, since);
-            [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
+    ) -> Resolved<()> {
+        let motion = |after: f64| {
+            let [displacement, velocity, acceleration] = self.at(0.0, direction, excess, after);
+            Kinematics {
+                after,
+                displacement,
+                velocity,
+                acceleration,
+            }
         };
         // The constant temperature follows from |b| at the start.
-        let pull = direction.value() * (self.threshold + excess) + stiffness * x0;
-        let temperature =
-            Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
-        let pieces = ((until - from) / response.duration * PIECES)
-            .ceil()
-            .max(1.0);
-        let at = |i: f64| from + (until - from) * (i / pieces);
-        let (mut here, mut i) = (state(from), 0.0);
-        while i < pieces {
-            let (start, end) = (at(i), at(i + 1.0));
-            let mut there = state(end);
-            if end >= response.duration {
-                // A slip at critical damping and above covers the rest immediately.
-                let all = self.way(direction, excess);
-                there = [all, 0.0, stiffness * (reach - all) / mass];
-            }
-            report(Segment {
-                start: began + start,
-                length: end - start,
-                displacement: x0 + here[0],
-                way: there[0] - here[0],
-                velocity: [here[1], there[1]],
-                along: Along::Smooth {
-                    acceleration: [here[2], there[2]],
-                    temperature,
-                },
-            });
-            (here, i) = (there, i + 1.0);
+        let body = &self.oscillator;
+        let pull = direction.value() * (self.threshold + excess) + body.stiffness * x0;
+        let temperature = pull / body.force_per_temperature();
+        let followed = FollowedSlip {
+            start: ExactTime::ZERO.after(began),
+            displacement: x0,
+            temperature: Some(temperature).filter(|held| held.is_finite()),
+        };
+        let end = until.unwrap_or(self.response.duration);
+        let knots = self.knots.between([from, end]);
+        let at = |_, after| Ok(motion(after));
+        followed.report(motion(from), knots, at, &mut report)?;
+        if until.is_none() && self.response.overshoot == 0.0 {
+            // The rest of a swing at critical damping and above, which is covered immediately.
+            let rest = Kinematics {
+                after: end,
+                displacement: self.way(direction, excess),
+                velocity: 0.0,
+                acceleration: 0.0,
+            };
+            report(followed.segment(motion(end), rest));
         }
+        Ok(())
     }
 
     /// The event at the end of a swing that began with this excess, where b is `force`: a stick, or
@@ -264,19 +253,15 @@ impl Swing {
         }
     }
 
-    /// x and x' of a slip that begins at x0 with this excess, a time after its start.
-    fn at(&self, x0: f64, direction: Sign, excess: f64, since: f64) -> (f64, f64) {
+    /// x, x' and x'' of a slip that begins at x0 with this excess, a time after its start.
+    fn at(&self, x0: f64, direction: Sign, excess: f64, since: f64) -> [f64; 3] {
         let equilibrium = self.way(direction, excess) / (1.0 + self.response.overshoot);
-        let (way, velocity) = self.response.at(equilibrium, since);
+        let [way, mut velocity, acceleration] = self.response.at(equilibrium, since);
         // The body does not turn within the slip; at its ends, rounding decides the sign.
-        (
-            x0 + way,
-            if velocity * direction.value() < 0.0 {
-                0.0
-            } else {
-                velocity
-            },
-        )
+        if velocity * direction.value() < 0.0 {
+            velocity = 0.0;
+        }
+        [x0 + way, velocity, acceleration]
     }
 }
 
@@ -294,6 +279,7 @@ impl QuasiStaticSimulation {
             / oscillator.stiffness;
         let slip = Swing {
             response,
+            knots: Knots::new(oscillator, 0.0),
             jump,
             threshold: friction.static_force,
             oscillator: *oscillator,
@@ -415,7 +401,7 @@ impl PathSegments for NoiselessRecursion {
         Ok(match part.phase {
             Phase::Static => (x, 0.0, temperature, true),
             Phase::Slip(direction) => {
-                let (x, v) = self.slip.at(x, direction, excess, part.start.until(t));
+                let [x, v, _] = self.slip.at(x, direction, excess, part.start.until(t));
                 (x, v, temperature, false)
             }
         })
@@ -424,9 +410,9 @@ impl PathSegments for NoiselessRecursion {
     /// The whole slip, so that its segments do not depend on the end of the run.
     fn segments(&self, part: &Part, _: f64, report: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
-            let whole = [0.0, self.slip.response.duration];
+            let whole = (0.0, None);
             self.slip
-                .segments(part.start.value(), x, direction, excess, whole, report);
+                .segments(part.start.value(), x, direction, excess, whole, report)?;
         }
         Ok(())
     }
@@ -500,15 +486,12 @@ impl Cascade for NoisyRecursion {
         let began_at = path.motion.0;
         if observer.follows() {
             let from = macro_step.start + path.after - began_at;
-            let until = if end < macro_step.length {
-                self.slip.response.duration
-            } else {
-                macro_step.start + macro_step.length - began_at
-            };
+            let until =
+                (end >= macro_step.length).then(|| macro_step.start + macro_step.length - began_at);
             self.slip
-                .segments(began_at, x0, direction, excess, [from, until], |segment| {
+                .segments(began_at, x0, direction, excess, (from, until), |segment| {
                     observer.segment(segment)
-                });
+                })?;
         }
         (path.after, path.noise) = piece.ends[1];
         if end >= macro_step.length {
@@ -532,12 +515,13 @@ impl Cascade for NoisyRecursion {
     fn end_state(&self, path: &Path<(f64, f64)>, macro_step: &MacroStep) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
-            Phase::Slip(direction) => self.slip.at(
-                path.displacement,
-                direction,
-                path.motion.1,
-                macro_step.start + macro_step.length - path.motion.0,
-            ),
+            Phase::Slip(direction) => {
+                let since = macro_step.start + macro_step.length - path.motion.0;
+                let [x, v, _] = self
+                    .slip
+                    .at(path.displacement, direction, path.motion.1, since);
+                (x, v)
+            }
         }
     }
 }
@@ -569,7 +553,7 @@ impl ObservedSegment for SwingSegment<'_> {
     ) -> (Seen, Self, Self) {
         let time = instant.time;
         let noise = noise_between(scene, self.ends, time, draws);
-        let (x, v) = self.slip.at(
+        let [x, v, _] = self.slip.at(
             self.displacement,
             self.direction,
             self.excess,

@@ -135,20 +135,18 @@ impl Segment {
         }
     }
 
-    /// The largest |x'| up to a place: at an end, or where x'' = 0.
-    pub fn largest_speed(&self, until: f64) -> f64 {
-        let [_, v, last] = self.at(until);
-        let ends = self.velocity[0].abs().max(v.abs());
+    /// The place between the ends at which |x'| is largest up to a place, if x'' = 0 there.
+    pub fn fastest(&self, until: f64) -> Option<f64> {
         let Along::Smooth {
             acceleration: [first, _],
             ..
         } = self.along
         else {
-            return ends;
+            return None;
         };
         let direction = if self.way < 0.0 { -1.0 } else { 1.0 };
-        if !(direction * first > 0.0 && direction * last < 0.0) {
-            return ends;
+        if !(direction * first > 0.0 && direction * self.at(until)[2] < 0.0) {
+            return None;
         }
         let (mut low, mut high) = (0.0, until);
         for _ in 0..HALVINGS {
@@ -159,9 +157,19 @@ impl Segment {
                 high = middle
             }
         }
+        Some(low)
+    }
+
+    /// The largest |x'| up to a place: at an end, or where x'' = 0.
+    pub fn largest_speed(&self, until: f64) -> f64 {
+        let [_, v, last] = self.at(until);
+        let ends = self.velocity[0].abs().max(v.abs());
+        let Some(place) = self.fastest(until) else {
+            return ends;
+        };
         // The polynomial of a very short segment is rounding, which this bounds.
-        let most = ends + self.length * first.abs().max(last.abs());
-        ends.max((direction * self.at(low)[1]).min(most))
+        let most = ends + self.length * self.at(0.0)[2].abs().max(last.abs());
+        ends.max(self.at(place)[1].abs().min(most))
     }
 }
 

@@ -12,7 +12,8 @@
 //!
 //! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a
 //! scheme with a step by the forces at its start times the way of the step, since these are the
-//! forces that move the body. The residual of the energy balance is then the energy created by the
+//! forces that move the body. At the end of a quasi-static swing without overshoot, damping takes the
+//! energy of the distance that is covered immediately. The residual of the energy balance is then the energy created by the
 //! scheme.
 //!
 //! Under noise T is not smooth within a segment, but its work follows from the balance: it is the
@@ -143,6 +144,9 @@ impl MotionFold {
         if let Some(temperature) = held {
             let [start, end] = [from, to].map(|part| segment.at(part)[0]);
             more.temperature += body.force_per_temperature() * temperature * (end - start);
+            if segment.length == 0.0 {
+                more.damping += rest_of_swing(model, segment, temperature);
+            }
         }
         works.temperature += more.temperature;
         works.user_force += more.user_force;
@@ -244,6 +248,24 @@ fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
             .sum()
     };
     integrals(parts).map(until).sum()
+}
+
+/// The work of damping in a jump at a constant T, which stands for a motion that goes on forever:
+/// what the other forces give and the body loses.
+fn rest_of_swing(model: &Model, segment: &Segment, temperature: f64) -> f64 {
+    let Segment {
+        start,
+        displacement,
+        way,
+        velocity: [before, after],
+        ..
+    } = *segment;
+    let body = &model.oscillator;
+    let middle = displacement + 0.5 * way;
+    let push = body.force_per_temperature() * temperature
+        - body.stiffness * middle
+        - model.sliding_friction(Sign::of(way), start, middle, before);
+    push * way + 0.5 * body.mass * (before * before - after * after)
 }
 
 /// Kinetic energy and that of the spring.

@@ -361,6 +361,57 @@ fn densities_of_a_sine_are_its_closed_form() {
     assert!(x < 1e-9 && v < 1e-9, "{x} {v}");
 }
 
+/// From x = -3 without friction at alpha = 50 m w0, a body settles within 1/l2 = 0.01 and returns within
+/// 1/l1 = 100: x = -3 (l2 e^{-l1 t} - l1 e^{-l2 t})/(l2 - l1). x' grows until 0.092 and then decays.
+#[test]
+fn densities_of_a_strongly_damped_return_are_its_closed_form() {
+    let text = "oscillator = { mass = 1, stiffness = 1, damping = 50, force_per_temperature = 1 }
+         friction = { static = 0, dynamic = 0 }
+         initial.displacement = -3
+         time = { end = 7.3, output_step = 10 }
+         statistics.after = 0.004
+         record.density = true
+         ensemble.paths = 1
+         scheme.kind = \"event-driven\"";
+    let summary =
+        run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
+    let found = densities(&summary);
+    let fast = 50.0 + 2499f64.sqrt();
+    let slow = 1.0 / fast;
+    let decays = |t: f64| [(-slow * t).exp(), (-fast * t).exp()];
+    let x = |t: f64| {
+        let [a, b] = decays(t);
+        -3.0 * (fast * a - slow * b) / (fast - slow)
+    };
+    let v = |t: f64| {
+        let [a, b] = decays(t);
+        3.0 * (a - b) / (fast - slow)
+    };
+    let fastest = (fast / slow).ln() / (fast - slow);
+    // The time between two times in which a function that is monotone there is below an edge.
+    let below = |of: &dyn Fn(f64) -> f64, [from, to]: [f64; 2], edge: f64| {
+        let rises = of(to) > of(from);
+        let (mut low, mut high) = (from, to);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            *(if (of(middle) < edge) == rises {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
+        }
+        if rises { low - from } else { to - low }
+    };
+    let counted = 7.3 - 0.004;
+    let at_x = |edge: f64| below(&x, [0.004, 7.3], edge) / counted;
+    let at_v = |edge: f64| {
+        let ways = [[0.004, fastest], [fastest, 7.3]].map(|way| below(&v, way, edge));
+        (ways[0] + ways[1]) / counted
+    };
+    let [x, v] = [off(&found.displacement, at_x), off(&found.velocity, at_v)];
+    assert!(x < 1e-9 && v < 1e-9, "{x} {v}");
+}
+
 /// A step of a scheme with a step is its state, held for the step: densities are those of the rows at
 /// all steps, and works are sums of the forces at the start of each step times its way.
 #[test]

@@ -6,6 +6,7 @@ mod common;
 
 mod all_schemes;
 mod corrected_vi;
+mod damping;
 mod discrete_vi;
 mod event_driven;
 mod event_driven_limits;

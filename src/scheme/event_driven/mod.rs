@@ -33,7 +33,10 @@ pub use work::{Simulated, Unresolved};
 
 pub(super) use law::{Known, MacroStep, ObservationTime, Scene, StepRules, noise_between};
 pub(super) use macro_step_loop::{SharedObserver, simulate};
-pub(super) use noiseless::{End, ExactTime, Noiseless, PathSegment, PathSegments, WithUnfeltNoise};
+pub(super) use noiseless::{
+    End, ExactTime, FollowedSlip, Kinematics, Knots, Noiseless, PathSegment, PathSegments,
+    WithUnfeltNoise,
+};
 pub(super) use scalar::{Cascade, ObservedSegment, Path, PathObserver, Propagation, ScalarPaths};
 pub(super) use work::{Resolved, WorkLeft};
 

@@ -6,9 +6,11 @@
 //!   first_root      the first zero of a smooth function, without ever missing one
 //!   exact_time      time with twice the digits of a double
 //! general         the same for any force, where slips have no closed form
+//! dense_output    the motion between events, for an observer that follows it
 //! unfelt_noise    the fluctuations of the temperature, if they do not change the motion
 //! ```
 
+mod dense_output;
 mod exact_time;
 mod first_root;
 mod general;
@@ -16,6 +18,7 @@ mod one_path;
 mod path_segment;
 mod unfelt_noise;
 
+pub use dense_output::{FollowedSlip, Kinematics, Knots};
 pub use exact_time::ExactTime;
 pub use general::GeneralNoiseless;
 pub use one_path::Noiseless;

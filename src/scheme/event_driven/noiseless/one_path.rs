@@ -14,6 +14,7 @@
 //! for every lane.
 
 use super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::dense_output::{FollowedSlip, Kinematics, Knots};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::path_segment::{End, PathSegment, PathSegments};
@@ -22,7 +23,7 @@ use crate::model::{
     SlipFlow, can_be_computed_with,
 };
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Segment, Timeline};
+use crate::scheme::{Segment, Timeline};
 
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
@@ -32,16 +33,10 @@ pub struct Noiseless {
     body: ForcedOscillator,
     /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
     span: f64,
+    knots: Knots,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
 }
-
-/// The length of a piece of the motion in units of the fastest time scale. A quintic leaves the
-/// sixth power of it over 46 080.
-const PIECE: f64 = 0.1;
-
-/// The most pieces of one segment.
-const MOST_PIECES: f64 = 1e6;
 
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
@@ -73,29 +68,23 @@ impl Noiseless {
             Some(InitialNoise::Stationary) | None => 0.0,
         };
         let body = ForcedOscillator::new(model, noise_start);
-        let fastest = body
-            .terms
-            .iter()
-            .map(|t| t.rate.abs())
-            .fold(model.oscillator.natural_frequency(), f64::max);
+        let rates = body.terms.iter().map(|t| t.rate.abs());
+        let steady_rate = rates.fold(0.0, f64::max);
+        let fastest = steady_rate.max(model.oscillator.natural_frequency());
         // A body without a spring under a constant force has no time scale except that of the run.
-        let longest = if timeline.end > 0.0 {
-            timeline.end
-        } else {
-            1.0
-        };
-        let span = (1.0 / fastest)
-            .min(if fastest > 0.0 {
-                f64::INFINITY
-            } else {
-                longest
-            })
-            .min(body.bounded_for());
+        let span = match (fastest > 0.0, timeline.end > 0.0) {
+            (true, _) => 1.0 / fastest,
+            (false, true) => timeline.end,
+            (false, false) => 1.0,
+        }
+        .min(body.bounded_for());
+        let steady_rate = steady_rate.max(1.0 / body.bounded_for());
         Noiseless {
             model: model.clone(),
             timeline: *timeline,
             body,
             span,
+            knots: Knots::new(&model.oscillator, steady_rate),
             work_limit: work_limit(WITHOUT_NOISE),
         }
     }
@@ -480,35 +469,28 @@ impl PathSegments for Noiseless {
         &self,
         segment: &ClosedSegment,
         duration: f64,
-        mut report: impl FnMut(Segment),
+        report: impl FnMut(Segment),
     ) -> Resolved<()> {
         let Phase::Slip(direction) = segment.phase else {
             return Ok(());
         };
-        let (flow, pieces) = (
-            self.flow(segment, direction),
-            (duration / (PIECE * self.span))
-                .ceil()
-                .clamp(1.0, MOST_PIECES),
-        );
-        let (mut here, mut i) = (flow.at(0.0), 0.0);
-        while i < pieces {
-            let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
-            let there = flow.at(end);
-            report(Segment {
-                start: segment.start.after(start).value(),
-                length: end - start,
-                displacement: segment.from.displacement + here.displacement,
-                way: there.displacement - here.displacement,
-                velocity: [here.velocity, there.velocity],
-                along: Along::Smooth {
-                    acceleration: [here.acceleration, there.acceleration],
-                    temperature: None,
-                },
-            });
-            (here, i) = (there, i + 1.0);
-        }
-        Ok(())
+        let flow = self.flow(segment, direction);
+        let motion = |after: f64| {
+            let state = flow.at(after);
+            Kinematics {
+                after,
+                displacement: state.displacement,
+                velocity: state.velocity,
+                acceleration: state.acceleration,
+            }
+        };
+        let followed = FollowedSlip {
+            start: segment.start,
+            displacement: segment.from.displacement,
+            temperature: None,
+        };
+        let knots = self.knots.between([0.0, duration]);
+        followed.report(motion(0.0), knots, |_, after| Ok(motion(after)), report)
     }
 
     fn state(&self, segment: &ClosedSegment, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {

@@ -15,17 +15,18 @@
 //! Nothing is random, so one path is computed and reported for every lane.
 
 use super::super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::super::dense_output::{FollowedSlip, Kinematics};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::super::path_segment::{End, PathSegment, PathSegments};
 use super::collocation::Collocation;
 use super::forces::{Forces, LocalTemperature};
-use super::slip_motion::{Kinematics, SlipMotion};
+use super::slip_motion::SlipMotion;
 use super::slip_search::first_stop;
 use super::stick_search::{Held, SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign, let_go};
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Segment, Timeline};
+use crate::scheme::{Segment, Timeline};
 
 /// The relative error of a step of a slip.
 const TOLERANCE: f64 = 1e-13;
@@ -65,7 +66,7 @@ pub struct GeneralNoiseless {
     /// The fastest time scale that is known.
     span: f64,
     /// The rules for a body that is damped strongly.
-    collocation: Option<Collocation>,
+    collocation: Collocation,
     /// The fastest time scale, that of a strong damping apart.
     span_of_forces: f64,
     pub tolerance: f64,
@@ -99,7 +100,7 @@ impl GeneralNoiseless {
         .min(timeline.end / FEWEST);
         let forces = forces.with_kinks(timeline.end, longest);
         let damping_rate = 2.0 * oscillator.damping / oscillator.mass;
-        let collocation = Collocation::for_rates(damping_rate, rate.max(own), timeline.end);
+        let collocation = Collocation::new(damping_rate, rate.max(own), timeline.end);
         let span_of = |rate: f64| {
             if rate > 0.0 {
                 1.0 / rate
@@ -108,7 +109,7 @@ impl GeneralNoiseless {
             }
         };
         let span = span_of(rate.max(own).max(damping_rate.abs()));
-        let span_of_forces = if collocation.is_some() {
+        let span_of_forces = if collocation.is_always_used() {
             span_of(rate.max(own))
         } else {
             span
@@ -317,7 +318,7 @@ impl GeneralNoiseless {
             tolerance: self.tolerance.max(rounding),
             shortest: SHORTEST * self.span,
             stairs: 0.0,
-            collocation: self.collocation.as_ref(),
+            collocation: &self.collocation,
         };
         let of_inputs = self.forces.rounding_of_inputs(x, start);
         if of_inputs > 0.0 {
@@ -428,40 +429,29 @@ impl PathSegments for GeneralNoiseless {
         &self,
         part: &GeneralSegment,
         duration: f64,
-        mut report: impl FnMut(Segment),
+        report: impl FnMut(Segment),
     ) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else {
             return Ok(());
         };
-        let (motion, mut work) = (
-            self.motion(
-                &part.from.temperature,
-                direction,
-                part.from.motion.displacement,
-            ),
-            WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false),
-        );
-        let mut here = part.from.motion;
-        for i in 1..=PIECES {
-            let there = motion.at(
-                here,
-                duration * (f64::from(i) / f64::from(PIECES)),
-                &mut work,
-            )?;
-            report(Segment {
-                start: part.start.after(here.after).value(),
-                length: there.after - here.after,
-                displacement: here.displacement,
-                way: there.displacement - here.displacement,
-                velocity: [here.velocity, there.velocity],
-                along: Along::Smooth {
-                    acceleration: [here.acceleration, there.acceleration],
-                    temperature: None,
-                },
-            });
-            here = there;
-        }
-        Ok(())
+        let SegmentStart {
+            temperature,
+            motion: from,
+        } = &part.from;
+        let motion = self.motion(temperature, direction, from.displacement);
+        let mut work = WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false);
+        let knots = (1..=PIECES).map(|i| duration * (f64::from(i) / f64::from(PIECES)));
+        let followed = FollowedSlip {
+            start: part.start,
+            displacement: 0.0,
+            temperature: None,
+        };
+        followed.report(
+            *from,
+            knots,
+            |here, after| motion.at(here, after, &mut work),
+            report,
+        )
     }
 
     fn state(&self, part: &GeneralSegment, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {

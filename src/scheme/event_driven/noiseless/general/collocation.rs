@@ -8,7 +8,8 @@
 //! relaxation time of the velocity.
 
 use super::super::super::work::{Resolved, WorkLeft};
-use super::slip_motion::{Kinematics, SlipMotion};
+use super::super::dense_output::Kinematics;
+use super::slip_motion::SlipMotion;
 
 /// The largest number of nodes.
 const MOST: usize = 9;
@@ -25,7 +26,7 @@ const SETTLED: f64 = 0.02;
 /// Newton steps must become shorter by this factor.
 const APPROACH: f64 = 0.7;
 
-/// The displacement from which the slope of a force is computed, relatively.
+/// The displacement and speed from which the slopes of a force are computed, relatively.
 const ASIDE: f64 = 1e-7;
 
 /// Collocation is used if damping is this many times faster than any other change, and than the
@@ -36,7 +37,18 @@ const STIFF: (f64, f64) = (20.0, 1e4);
 #[derive(Clone, Debug)]
 pub struct Collocation {
     rules: Vec<Rule>,
-    /// m/(2 alpha).
+    /// 2 alpha/m.
+    damping_rate: f64,
+    /// The rate from which on damping is strong.
+    strong_rate: f64,
+}
+
+/// The forces at the start of a step.
+#[derive(Clone, Copy)]
+pub struct ForceScale {
+    /// The sizes of all forces, divided by m.
+    pub size: f64,
+    /// The time in which damping settles the velocity, if it is strong; infinite otherwise.
     pub settling_time: f64,
 }
 
@@ -49,13 +61,42 @@ struct Rule {
 }
 
 impl Collocation {
-    /// The rules for a body whose damping settles it at this rate, beside the fastest of all other
-    /// rates, in a run until `end`; none if these are too much alike.
-    pub fn for_rates(damping_rate: f64, others: f64, end: f64) -> Option<Self> {
-        let is_stiff = damping_rate > STIFF.0 * others && damping_rate * end > STIFF.1;
-        is_stiff.then(|| Collocation {
+    /// The rules for a body with this 2 alpha/m, beside the fastest of all other rates, in a run
+    /// until `end`.
+    pub fn new(damping_rate: f64, others: f64, end: f64) -> Self {
+        Collocation {
             rules: NODES.iter().map(|(n, _)| Rule::new(*n)).collect(),
-            settling_time: 1.0 / damping_rate,
+            damping_rate,
+            strong_rate: (STIFF.0 * others).max(STIFF.1 / end),
+        }
+    }
+
+    /// Whether 2 alpha alone damps the body strongly.
+    pub fn is_always_used(&self) -> bool {
+        self.damping_rate > self.strong_rate
+    }
+
+    /// The forces at a state. Damping is strong because of 2 alpha, or of a force that falls steeply
+    /// with x' there.
+    pub fn scale(
+        &self,
+        slip: &SlipMotion<'_>,
+        from: &Kinematics,
+        work: &mut WorkLeft,
+    ) -> Resolved<ForceScale> {
+        let size = slip.size(from);
+        let speed = from.velocity.abs() + size / self.strong_rate;
+        let rate = self
+            .damping_rate
+            .max(-slope_by_velocity(slip, from, speed, work)?);
+        let settling_time = if rate > self.strong_rate {
+            1.0 / rate
+        } else {
+            f64::INFINITY
+        };
+        Ok(ForceScale {
+            size,
+            settling_time,
         })
     }
 
@@ -66,10 +107,19 @@ impl Collocation {
         slip: &SlipMotion<'_>,
         from: &Kinematics,
         h: f64,
-        size: f64,
+        scale: ForceScale,
         work: &mut WorkLeft,
     ) -> Resolved<Option<([f64; 2], f64)>> {
-        let slopes = self.slopes(slip, from, size, work)?;
+        let Kinematics {
+            after,
+            displacement: x,
+            velocity: v,
+            acceleration,
+        } = *from;
+        let speed = v.abs() + scale.size * scale.settling_time;
+        let dx = slip.direction.value() * ASIDE * (x.abs() + speed * scale.settling_time);
+        let by_x = (slip.acceleration(x + dx, v, after, work)? - acceleration) / dx;
+        let slopes = [by_x, slope_by_velocity(slip, from, speed, work)?];
         let mut last: Option<([f64; 2], [f64; MOST], &Rule)> = None;
         for (rule, (_, growth)) in self.rules.iter().zip(NODES) {
             let mut rises = [0.0; MOST];
@@ -78,38 +128,34 @@ impl Collocation {
                     *rise = coarser.at(known, *node);
                 }
             }
-            let Some(best) = rule.solve(slip, from, h, (size, slopes), &mut rises, work)? else {
+            let Some(best) = rule.solve(slip, from, h, (scale, slopes), &mut rises, work)? else {
                 return Ok(None);
             };
-            if last.is_some_and(|(coarse, ..)| slip.error(from, h, size, [best, coarse]) <= 1.0) {
+            if last.is_some_and(|(coarse, ..)| slip.error(from, h, scale, [best, coarse]) <= 1.0) {
                 return Ok(Some((best, growth)));
             }
             last = Some((best, rises, rule));
         }
         Ok(None)
     }
+}
 
-    /// The derivatives of x'' by x and by x' at the start of a step.
-    fn slopes(
-        &self,
-        slip: &SlipMotion<'_>,
-        from: &Kinematics,
-        size: f64,
-        work: &mut WorkLeft,
-    ) -> Resolved<[f64; 2]> {
-        let Kinematics {
-            after,
-            displacement: x,
-            velocity: v,
-            acceleration,
-        } = *from;
-        let speed = v.abs() + size * self.settling_time;
-        let [dx, dv] = [x.abs() + speed * self.settling_time, speed]
-            .map(|size| slip.direction.value() * ASIDE * size);
-        let by_x = (slip.acceleration(x + dx, v, after, work)? - acceleration) / dx;
-        let by_v = (slip.acceleration(x, v + dv, after, work)? - acceleration) / dv;
-        Ok([by_x, by_v])
-    }
+/// The derivative of x'' by x' at a state, where x' changes by about this speed.
+fn slope_by_velocity(
+    slip: &SlipMotion<'_>,
+    from: &Kinematics,
+    speed: f64,
+    work: &mut WorkLeft,
+) -> Resolved<f64> {
+    let dv = slip.direction.value() * ASIDE * speed;
+    let Kinematics {
+        after,
+        displacement,
+        velocity,
+        acceleration,
+    } = *from;
+    let aside = slip.acceleration(displacement, velocity + dv, after, work)?;
+    Ok((aside - acceleration) / dv)
 }
 
 impl Rule {
@@ -159,7 +205,7 @@ impl Rule {
         slip: &SlipMotion<'_>,
         from: &Kinematics,
         h: f64,
-        (size, [by_x, by_v]): (f64, [f64; 2]),
+        (scale, [by_x, by_v]): (ForceScale, [f64; 2]),
         rises: &mut [f64; MOST],
         work: &mut WorkLeft,
     ) -> Resolved<Option<[f64; 2]>> {
@@ -203,7 +249,7 @@ impl Rule {
             let error = slip.error(
                 from,
                 h,
-                size,
+                scale,
                 [best, [best[0] - h * farthest, best[1] - farthest]],
             );
             if error <= SETTLED {

@@ -10,22 +10,10 @@
 //! else.
 
 use super::super::super::work::{Resolved, Unresolved, WorkLeft};
-use super::collocation::Collocation;
+use super::super::dense_output::Kinematics;
+use super::collocation::{Collocation, ForceScale};
 use super::forces::{Forces, LocalTemperature};
 use crate::model::Sign;
-
-/// x, x' and x'' at a time.
-#[derive(Clone, Copy, Debug)]
-pub struct Kinematics {
-    /// The time since the start of the segment.
-    pub after: f64,
-    /// x.
-    pub displacement: f64,
-    /// x'.
-    pub velocity: f64,
-    /// x''.
-    pub acceleration: f64,
-}
 
 /// The equation of motion in a slip in one direction, near a time.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +35,7 @@ pub struct SlipMotion<'a> {
     /// none.
     pub stairs: f64,
     /// The rules for a body that is damped strongly.
-    pub collocation: Option<&'a Collocation>,
+    pub collocation: &'a Collocation,
 }
 
 /// The numbers of parts.
@@ -127,7 +115,8 @@ impl SlipMotion<'_> {
         until: f64,
         work: &mut WorkLeft,
     ) -> Resolved<(Kinematics, f64)> {
-        let size = self.size(&from);
+        let scale = self.collocation.scale(self, &from, work)?;
+        let is_stiff = scale.settling_time.is_finite();
         let mut h = length;
         loop {
             let is_last = h >= until - from.after;
@@ -135,14 +124,15 @@ impl SlipMotion<'_> {
                 h = until - from.after;
             }
             let is_shortest = h <= self.shortest;
-            let collocated = match self.collocation {
-                Some(rules) => rules.increments(self, &from, h, size, work)?,
-                None => None,
+            let collocated = if is_stiff {
+                self.collocation.increments(self, &from, h, scale, work)?
+            } else {
+                None
             };
-            let found = if collocated.is_some() || (self.collocation.is_some() && !is_shortest) {
+            let found = if collocated.is_some() || (is_stiff && !is_shortest) {
                 collocated
             } else {
-                self.increments(&from, h, size, is_shortest, work)?
+                self.increments(&from, h, scale, is_shortest, work)?
                     .map(|(found, k)| (found, GROWTH[k]))
             };
             if let Some(([dx, dv], growth)) = found {
@@ -169,7 +159,7 @@ impl SlipMotion<'_> {
         &self,
         from: &Kinematics,
         h: f64,
-        size: f64,
+        scale: ForceScale,
         is_shortest: bool,
         work: &mut WorkLeft,
     ) -> Resolved<Option<([f64; 2], usize)>> {
@@ -184,7 +174,7 @@ impl SlipMotion<'_> {
             }
             row[k] = best;
             if k >= FIRST_COMPARED {
-                let error = self.error(from, h, size, [best, row[k - 1]]);
+                let error = self.error(from, h, scale, [best, row[k - 1]]);
                 if error <= 1.0 {
                     return Ok(Some((best, k)));
                 }
@@ -210,14 +200,12 @@ impl SlipMotion<'_> {
         &self,
         from: &Kinematics,
         h: f64,
-        size: f64,
+        scale: ForceScale,
         [best, second]: [[f64; 2]; 2],
     ) -> f64 {
         // The forces change x' only until the damping settles it.
-        let acting = self
-            .collocation
-            .map_or(h, |rules| h.min(rules.settling_time));
-        let (v, change) = (from.velocity.abs(), best[1].abs() + size * acting);
+        let acting = h.min(scale.settling_time);
+        let (v, change) = (from.velocity.abs(), best[1].abs() + scale.size * acting);
         let allowed = [
             h * self.tolerance * (v + change),
             self.tolerance * change + 0.5 * f64::EPSILON * v,

@@ -8,7 +8,8 @@
 //! is divided, down to a length at which the sign at its end decides.
 
 use super::super::super::work::{Resolved, WorkLeft};
-use super::slip_motion::{Kinematics, SlipMotion};
+use super::super::dense_output::Kinematics;
+use super::slip_motion::SlipMotion;
 
 /// The shortest interval, as a fraction of the step.
 const FINEST: f64 = 1.0 / (1u64 << 30) as f64;

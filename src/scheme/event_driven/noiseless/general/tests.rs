@@ -329,6 +329,32 @@ fn a_stop_with_a_kink_does_not_depend_on_the_tolerance() {
     }
 }
 
+/// A force -c x' is a damping alpha = c/2, whose closed form is known. It takes few evaluations, however
+/// fast it settles the velocity. So does a force that is steep only near x' = 0.
+#[test]
+fn a_force_stiff_in_the_velocity_alone_takes_few_evaluations() {
+    for c in [1e3, 1e4, 1e5, 1e6, 1e7, 1e8] {
+        let mut model = paper(0.25, 0.0);
+        let force = constant_in_time(move |_, v| -c * v - 1e-30 * v * v * v);
+        let (found, evaluations) = path_at(&general(&model, 6.0, force));
+        model.oscillator.damping = 0.5 * c;
+        let off = distance(&found, &exact(&model, 6.0));
+        println!("{c:e}: off by {off:e}, {evaluations} evaluations");
+        assert!(
+            off < 1e-9 && evaluations < 1_000_000,
+            "{c:e}: {off:e}, {evaluations}"
+        );
+    }
+    for (name, force) in [
+        ("tanh", constant_in_time(|_, v| (v / 1e-7).tanh())),
+        ("-tanh", constant_in_time(|_, v| -0.1 * (v / 1e-7).tanh())),
+    ] {
+        let (_, evaluations) = path_at(&general(&paper(0.25, 0.0), 6.0, force));
+        println!("{name}: {evaluations} evaluations");
+        assert!(evaluations < 1_000_000, "{name}: {evaluations}");
+    }
+}
+
 /// x'' = -x with a kink: a second spring of stiffness 3 beyond x = 1. Released at x = 2 without
 /// friction, the body returns after two quarter periods on each side, with the energy of the start:
 /// x = 1 is reached where 4 (x - 3/4) = 5 cos 2t, and x' = -sqrt(6) there.
