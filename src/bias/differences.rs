@@ -11,14 +11,12 @@
 
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::no_bias::{MIN_STEPS, NoBias};
-use super::widening::widening_factor;
 use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{
     Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals,
 };
-use crate::sums::interval::Measured;
 use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -221,14 +219,10 @@ impl Differences {
                 jackknife::standard_error(&at_h)
             };
             let scatter = error * (self.paths() as f64).sqrt();
-            let bias = if all.are_finite() {
-                self.bias(statistic, all, &without, sticks)
-            } else {
-                None
-            };
-            bias.map(|bias| Extrapolated {
+            let exists = all.are_finite() && without.iter().all(|levels| levels.are_finite());
+            exists.then(|| Extrapolated {
                 statistic,
-                bias,
+                bias: self.bias(statistic, all, &without, sticks),
                 scatter,
             })
         };
@@ -239,15 +233,8 @@ impl Differences {
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,
-    /// `without` without each group. `sticks` is the number of sticks per path. None if too few
-    /// groups determine it for an interval.
-    fn bias(
-        &self,
-        statistic: Statistic,
-        all: Levels,
-        without: &[Levels],
-        sticks: f64,
-    ) -> Option<Bias> {
+    /// `without` without each group. `sticks` is the number of sticks per path.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
         };
@@ -262,22 +249,16 @@ impl Differences {
             } else {
                 0.0
             };
-            return Some(Bias {
+            return Bias {
                 estimate,
                 uncertainty: uncertainty + grid,
                 order,
-            });
+            };
         }
         let p = leading_order(statistic, all);
         let second_term_error = error(&|y| y.second_term(p));
         let weight = weight(all.second_term(p), second_term_error);
-        let estimate = all.bias(p, weight);
-        let biases: Vec<f64> = without
-            .iter()
-            .map(|levels| levels.bias(p, weight))
-            .collect();
-        let [low, high] = Measured::jackknifed(estimate, &biases).interval();
-        let sampling = (high - estimate).max(estimate - low);
+        let sampling = STUDENT * error(&|y| y.bias(p, weight));
         let grid = match statistic {
             // As the step falls, sticks become more numerous and shorter, and the two changes may
             // cancel in the fraction. The remainder is at most half a step for each stick.
@@ -289,14 +270,11 @@ impl Differences {
             model_error_share(statistic, self.noise_to_gap()),
             STUDENT * second_term_error,
         );
-        // The uncertainty is a plain sum and not a root of squares, because the error of
-        // extrapolation is the same for every seed.
-        let uncertainty = widening_factor(self.paths()) * (sampling + model_error + grid);
-        (!uncertainty.is_nan()).then_some(Bias {
-            estimate,
-            uncertainty,
+        Bias {
+            estimate: all.bias(p, weight),
+            uncertainty: sampling.hypot(model_error) + grid,
             order,
-        })
+        }
     }
 
     /// The standard deviation of the change of the force by the noise in a step, relative to the

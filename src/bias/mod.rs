@@ -14,7 +14,6 @@ mod differences;
 mod extrapolation;
 mod no_bias;
 mod reference_run;
-mod widening;
 
 #[doc(hidden)]
 pub use differences::Differences;
