@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use stickslip::config::Override;
 use stickslip::engine::{
-    EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status,
+    EndedBy, Hopeless, Memory, MissedGoal, Outcome, Progress, Run, RunError, Sink, SinkError,
+    Status,
 };
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::noise::AddressedDraws;
 use stickslip::scenario::Scenario;
-use stickslip::stats::{BlockResult, Goal, PathMeans, PathState, Statistic, Tally};
+use stickslip::stats::{BlockResult, Goal, PathMeans, PathState, Statistic, Tally, Verdict};
 use stickslip::sums::Measurement;
 use stickslip_files::store::{FileSink, Unfinished};
 
@@ -80,6 +81,18 @@ fn a_run_that_a_goal_ends_is_the_run_of_so_many_paths() {
                 .iter()
                 .all(|missed| missed.paths_needed() > Some(missed.paths))
     );
+}
+
+/// 2560 paths with twice the permitted error need four times as many, and 5 % more: 10752, which
+/// are 42 blocks.
+#[test]
+fn paths_needed_grow_with_the_square_of_the_error() {
+    let missed = MissedGoal {
+        goal: goal("stick_duration_mean < 0.1"),
+        paths: 2560,
+        verdict: Verdict::Ahead(4.0),
+    };
+    assert_eq!(missed.paths_needed(), Some(42 * BLOCK_SIZE));
 }
 
 #[test]

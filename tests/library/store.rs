@@ -5,7 +5,7 @@ use crate::synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write
 use std::fs;
 use std::path::{Path, PathBuf};
 use stickslip::engine::Status;
-use stickslip::stats::{Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
+use stickslip::stats::{Bias, Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
 use stickslip::sums::Ends;
 use stickslip_files::store::{StoreError, Writer, check_space, partial_path, read};
 
@@ -39,6 +39,47 @@ fn a_summary_with_missing_and_infinite_numbers_comes_back() {
     );
     assert_same(&stored.summary, &summary);
     assert!(!partial_path(&target).exists());
+}
+
+/// The numbers of statistics, and the ends of the corrected interval as a reader of the file computes
+/// them.
+#[test]
+fn numbers_of_statistics_are_under_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("run.h5");
+    let (_, s) = write(&target, 1000, 256, &EVERYTHING, Status::Complete);
+    let file = hdf5::File::open(&target).unwrap();
+    let there = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let bias = |e: &Estimate| {
+        let known = |bias: Bias| [Some(bias.estimate), Some(bias.uncertainty), bias.order];
+        e.bias
+            .map_or([None; 3], known)
+            .map(|number| number.unwrap_or(f64::NAN))
+    };
+    let numbers: [(&str, &dyn Fn(&Estimate) -> f64); 9] = [
+        ("estimate", &|e| e.estimate),
+        ("standard_error", &|e| e.standard_error),
+        ("interval_low", &|e| e.low),
+        ("interval_high", &|e| e.high),
+        ("bias", &|e| bias(e)[0]),
+        ("bias_uncertainty", &|e| bias(e)[1]),
+        ("bias_order", &|e| bias(e)[2]),
+        ("estimate_corrected_low", &|e| {
+            e.estimate - bias(e)[0] - (e.estimate - e.low).hypot(bias(e)[1])
+        }),
+        ("estimate_corrected_high", &|e| {
+            e.estimate - bias(e)[0] + (e.high - e.estimate).hypot(bias(e)[1])
+        }),
+    ];
+    for (name, number) in numbers {
+        let finite = |x: &f64| if x.is_finite() { *x } else { f64::NAN };
+        let [stored, expected]: [Vec<f64>; 2] = [there(name), s.reported().map(number).collect()];
+        let shown = |all: Vec<f64>| all.iter().map(finite).collect::<Vec<f64>>();
+        assert_eq!(
+            format!("{name} {:?}", shown(stored)),
+            format!("{name} {:?}", shown(expected))
+        );
+    }
 }
 
 /// One walk writes and reads, so a walk that took one number for another would read it back all the
