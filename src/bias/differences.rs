@@ -219,10 +219,11 @@ impl Differences {
                 jackknife::standard_error(&at_h)
             };
             let scatter = error * (self.paths() as f64).sqrt();
-            let exists = all.are_finite() && without.iter().all(|levels| levels.are_finite());
-            exists.then(|| Extrapolated {
+            let bias = self.bias(statistic, all, &without, sticks);
+            let exists = all.are_finite() && !bias.uncertainty.is_nan();
+            exists.then_some(Extrapolated {
                 statistic,
-                bias: self.bias(statistic, all, &without, sticks),
+                bias,
                 scatter,
             })
         };

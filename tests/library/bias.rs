@@ -445,8 +445,8 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
 /// Null hypothesis: each of 20 seeds is within its uncertainty with 95 %. False-alarm rate: more
 /// than 4 misses have a probability of 0.3 %. Extrapolation from h, 2h and 4h alone has 6 misses,
 /// with most estimates near 0.2. For most seeds the number of reference paths leaves it open
-/// whether the median is that of the short sticks. So the uncertainty must exceed a quarter of a
-/// unit for at least 13 seeds (16 do; if it were half as large, 2 would).
+/// whether the median is that of the short sticks. So the uncertainty must exceed a fifth of a
+/// unit for at least 13 seeds (16 do; if it were half as large, 3 would).
 #[test]
 fn the_bias_of_a_median_that_jumps_is_covered() {
     let mut model = paper(0.25, 0.1);
@@ -479,7 +479,7 @@ fn the_bias_of_a_median_that_jumps_is_covered() {
     let misses = all.iter().filter(|(is_held, _)| !is_held).count();
     let wide = all
         .iter()
-        .filter(|(_, uncertainty)| *uncertainty > 0.25)
+        .filter(|(_, uncertainty)| *uncertainty > 0.2)
         .count();
     assert!(misses <= 4 && wide >= 13, "{misses} misses, {wide} wide");
 }
@@ -622,8 +622,9 @@ fn paths_without_a_step_are_not_those_of_the_run() {
 /// over all statistics: `corrected-vi` with 1500 paths, of which a tenth as many are reference paths.
 ///
 /// Null hypothesis: the mean over statistics of the variance over 40 seeds, divided by that stated,
-/// is 1. The bounds on its root are 0.85 and 1.1; SEEDS. With the intervals of
-/// both runs, widened for few paths, it is OLD.
+/// is 1. Bounds on its root: 0.85 and 1.1. It is 0.935 to 0.992 for six sets of 40 seeds, with a
+/// standard deviation of 0.022, so that the false-alarm rate is below 1e-3. With the intervals of
+/// both runs, widened for few paths, it is 0.78.
 #[test]
 fn a_bias_scatters_over_seeds_as_its_uncertainty_says() {
     let model = paper(0.25, 0.25);
@@ -657,9 +658,9 @@ fn a_bias_scatters_over_seeds_as_its_uncertainty_says() {
     assert!(ratios.len() == EXISTING && (0.85..1.1).contains(&z), "{z}");
 }
 
-/// Statistics of which 32 paths at three steps, or 48 reference paths, say enough. In `duffing` no
-/// reference run is cheap enough. In the other scene fewer than 64 reference paths have no interval
-/// for the standard deviation of sticks, and the run says how much it scatters.
+/// Statistics whose bias follows from 32 paths at three steps, or from 60 reference paths. No
+/// reference run of `duffing` is cheap enough. In the other scene fewer than 64 reference paths have
+/// no interval for the standard deviation of sticks, so its error is that implied by the run.
 #[test]
 fn a_few_dozen_paths_measure_a_bias() {
     let duffing = Scenario::shipped("duffing").expect("shipped");
