@@ -18,12 +18,14 @@ run() { # NAME SCENARIO ARGUMENTS...
 # labels.
 run recorded rho025 --paths 600 --set record.events=true --set record.trajectories=3 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
+# So many paths that biases are known.
+run biased rho025 --paths 4000 --set record.paths=false
 # No rows of single paths at all.
 run summary rho025 --paths 600 --set record.paths=false
 # One path without noise: no interval exists.
 run one-path shaw
 # A measured temperature and a bearing.
-run bearing bridge --set units.length=mm --set units.temperature=K
+run bearing bridge --set units.length=mm --set units.temperature=K --set record.events=true --set record.trajectories=1
 # No stick ends: the dimension of durations is absent.
 run no-sticks never-slips
 # No time step: the attribute is absent.
@@ -36,6 +38,7 @@ cargo run --release --quiet --bin mc -- replay "$folder/recorded.h5" --path 7 -o
 cargo run --release --quiet --bin mc -- trade scenarios/rho025.toml --budget 2s -o "$folder/trade.h5" >"$folder/messages" 2>&1
 
 target/venv/bin/python tests/python/check.py "$folder"/*.h5
+target/venv/bin/python tests/python/derived.py "$folder"/{recorded,biased,one-path,bearing,no-step,diverged}.h5
 
 # Antithetic pairs, in which the pair is the unit of errors.
 mkdir "$folder/pairs"
@@ -63,4 +66,5 @@ for pairs in false true; do
         --set record.energy=true --set statistics.levels=[12.0,13.5] --set oscillator.damping=0.05 \
         --set record.events=true --set record.trajectories=600
     target/venv/bin/python tests/python/on_request.py "$folder/requested-$pairs.h5"
+    target/venv/bin/python tests/python/derived.py "$folder/requested-$pairs.h5"
 done

@@ -15,7 +15,7 @@ import tomllib
 
 import h5py
 import numpy as np
-from on_request import same
+from on_request import kaplan_meier, same
 
 
 class Run:
@@ -45,6 +45,14 @@ class Run:
     def finite(self, name):
         """A column of the paths that are in the statistics."""
         return self[name][self["path_diverged"] == 0].astype(float)
+
+
+def check_axes(run):
+    same("time", run["time"], np.arange(len(run["time"])) * run.scenario["time"]["output_step"])
+    same("quantile", run["quantile"], [0.05, 0.25, 0.5, 0.75, 0.95])
+    for name in ("path", "trajectory"):
+        if name in run and not run.file.attrs["diverged_paths"]:
+            same(name, run[name], np.arange(len(run[name])))
 
 
 def check_corrected(run):
@@ -108,6 +116,50 @@ def check_rows_of_paths(run):
     same("path_max_displacement", run["path_max_displacement"], farthest)
 
 
+def check_events(run):
+    """The body moves in the direction of its sub-phase, which has none in a stick; without noise the force of an event
+    in a stick is that of its row of T, and at the end of a stick it is a threshold."""
+    ends = np.cumsum(run["event_count"])
+    x, sign, kind, force = (run[f"event_{name}"] for name in ("displacement", "sign", "kind", "force"))
+    if ((kind == 0) != (sign == 0)).any():
+        sys.exit("event_sign: a stick has none, and a sub-phase has one")
+    for start, stop, last in zip(ends - run["event_count"], ends, run["path_displacement_end"]):
+        way = np.sign(np.diff(np.append(x[start:stop], last)))
+        if (way * sign[start:stop] < 0).any() or way[sign[start:stop] == 0].any():
+            sys.exit("event_sign is not the direction of the motion that follows")
+    friction = run.scenario["friction"]["static"]
+    if not isinstance(friction, dict) and (np.abs(force[kind == 0]) > friction * (1 + 1e-9)).any():
+        sys.exit("event_force: a stick begins beyond the threshold")
+    if "step" not in run.file.attrs and not isinstance(friction, dict):
+        leaves = (kind == 1) & (run["event_time"] > 0)
+        same("event_force where sticks end", np.abs(force[leaves]), np.full(leaves.sum(), friction), 1e-6)
+        turns = kind == 2
+        if (force[turns] * sign[turns] <= friction).any():
+            sys.exit("event_force: a body turns in the band")
+    else:
+        same("event_sign where slips begin", np.sign(force[kind > 0]), sign[kind > 0])
+
+
+def check_law_of_sticks(run, durations, lasting):
+    """Counts in bins, the survival curve, and quantiles."""
+    row = [name.decode() for name in run["law"]].index("stick")
+    upper = run["law_upper"][row]
+    bins = np.isfinite(upper)
+    lower, upper = run["law_lower"][row][bins], upper[bins]
+    for name, values in (("law_count", durations), ("law_censored_count", lasting)):
+        # A duration of whole steps may differ from the edge by rounding.
+        wanted = [np.sum((values >= low * (1 - 1e-12)) & (values < high * (1 - 1e-12))) for low, high in zip(lower, upper)]
+        same(f"{name} of sticks", run[name][row][bins], wanted)
+    off = np.abs(run["law_survival"][row][bins] - kaplan_meier(durations, lasting, upper * (1 - 1e-12)))
+    if off.max() > 1e-3:
+        sys.exit(f"law_survival of sticks is off by {off.max()}")
+    for level, found in zip(run["quantile"], run["law_quantile"][row]):
+        below = np.quantile(durations, max(level - 0.002, 0), method="lower")
+        above = np.quantile(durations, min(level + 0.002, 1), method="higher")
+        if not below * (1 - 1e-6) <= found <= above * (1 + 1e-6):
+            sys.exit(f"law_quantile: {level} of sticks is {found}, not from {below} to {above}")
+
+
 def check_phases(run):
     """Means over phases, and how many phases there are."""
     all_phases = list(phases(run))
@@ -119,7 +171,8 @@ def check_phases(run):
         value = parts.sum() / wholes.sum()
         same(name, run.statistic(name), value)
         n, rest = len(parts), parts - value * wholes
-        same(f"standard error of {name}", run.statistic(name, "standard_error"), np.sqrt((rest**2).sum() * n / (n - 1)) / wholes.sum())
+        if n > 1:
+            same(f"standard error of {name}", run.statistic(name, "standard_error"), np.sqrt((rest**2).sum() * n / (n - 1)) / wholes.sum())
     sticks, slips = list(counted(True)), list(counted(False))
     ratio("stick_duration_mean", [sum(p[3] - p[1] for p in of) for of in sticks], [len(of) for of in sticks])
     ratio("jump_mean", [sum(p[4] - p[2] for p in of) for of in slips], [len(of) for of in slips])
@@ -137,6 +190,7 @@ def check_phases(run):
     row = [name.decode() for name in run["law"]].index("stick")
     same("law_completed of sticks", run["law_completed"][row], len(durations))
     same("law_censored of sticks", run["law_censored"][row], sum(p[0] and p[1] >= run.after for p in lasting))
+    check_law_of_sticks(run, durations, np.array([run.end - p[1] for p in lasting if p[0] and p[1] >= run.after]))
     first = [found[0][6] for found, moves in all_phases if not moves]
     same("first_stick_duration_completed", run["first_stick_duration_completed"], sum(first))
     same("first_stick_duration_censored", run["first_stick_duration_censored"], len(first) - sum(first))
@@ -179,7 +233,7 @@ def check_bands(run):
     for name in ("displacement", "velocity", "temperature"):
         values = run[f"trajectory_{name}"]
         same(f"{name}_mean", run[f"{name}_mean"], values.mean(axis=0))
-        if not run.is_paired:
+        if not run.is_paired and len(values) > 1:
             same(f"{name}_sd", run[f"{name}_sd"], values.std(axis=0, ddof=1))
         # Quantiles are right to a fiftieth of the standard deviation.
         sd = values.std(axis=0)
@@ -234,8 +288,10 @@ def main(paths):
             has_all = "trajectory" in run and len(run["trajectory"]) == file.attrs["completed_paths"] == file.attrs["paths"]
             is_whole = file.attrs["diverged_paths"] == 0
             for is_there, check in (
+                (True, check_axes),
                 ("estimate_corrected" in run, check_corrected),
                 ("event_count" in run and is_whole, check_rows_of_paths),
+                ("event_count" in run and is_whole, check_events),
                 ("event_count" in run and is_whole, check_phases),
                 ("path_slips" in run, check_estimates),
                 (has_all and is_whole, check_bands),
