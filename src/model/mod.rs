@@ -102,6 +102,20 @@ impl Model {
         let_go(linear + pull, self.friction.limits(excess))
     }
 
+    /// g in a slip in this direction, whatever the velocity; 0 without g.
+    pub fn sliding_force(
+        &self,
+        direction: Sign,
+        time: f64,
+        displacement: f64,
+        velocity: f64,
+    ) -> f64 {
+        self.force.as_ref().map_or(0.0, |force| {
+            let own = force.sides().map_or(force, |sides| sides.own(direction));
+            own.at(InstructionSet::detect(), displacement, velocity, time)
+        })
+    }
+
     /// The force of friction in a slip in this direction.
     pub fn sliding_friction(
         &self,

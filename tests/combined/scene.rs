@@ -45,7 +45,7 @@ pub type OneNoise = ([f64; 3], Option<f64>);
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub name: String,
-    choice: Choice,
+    pub choice: Choice,
     pub scheme: Kind,
     pub mass: f64,
     pub stiffness: f64,
@@ -641,6 +641,14 @@ pub fn ask(question: impl Fn(&Scene)) {
     for scene in all() {
         if catch_unwind(AssertUnwindSafe(|| question(&scene))).is_err() {
             println!("FAILED {}\n{}", scene.name, scene.toml());
+            for (name, samples) in [
+                ("temperature.series", &scene.series),
+                ("input.s", &scene.input),
+            ] {
+                if let Some((times, values)) = samples {
+                    println!("{name}: {times:?}\n{values:?}");
+                }
+            }
             failed.push(scene.name);
         }
     }

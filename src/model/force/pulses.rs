@@ -1,10 +1,11 @@
 //! Times of short pulses of a force that the steps of a scheme would miss.
 
-/// The maximum number of samples in the search for pulses; shorter ones are missed.
-const MOST: f64 = 32_768.0;
+/// The samples in each of the first steps. From there on, whenever the time doubles, there are half
+/// as many, so that the samples of a run are those of any longer one.
+const IN_STEP: u64 = 4096;
 
-/// The maximum number of samples in a step.
-const IN_STEP: f64 = 4096.0;
+/// The number of these steps.
+const FIRST: u64 = 8;
 
 /// A difference that is this share of both numbers is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -13,38 +14,40 @@ const ROUNDING: f64 = 1e-9;
 const LEVEL: f64 = 2.0;
 
 /// The peaks, up or down, of pulses of a function of t that are shorter than a step, from 0 to
-/// `end`. The samples lie at parts of the step, so that those of a shorter run are some of them.
+/// `end`. The samples lie at parts of the step.
 pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
-    let parts = (MOST * step / end).min(IN_STEP);
-    if !(parts >= 2.0 && end > 0.0) {
-        return Vec::new();
-    }
-    let parts = 2usize.pow(libm::log2(parts) as u32);
-    let time = |i: usize| step * (i as f64 / parts as f64);
-    let values: Vec<f64> = (0..)
-        .map(time)
-        .take_while(|time| *time <= end)
-        .map(g)
-        .collect();
-    let at = |i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
-    let is_pulse = |i: usize, sign: f64| {
-        let above = |j: Option<usize>| sign * (values[i] - at(j));
-        // Next to the ends of the run, one side decides.
-        let is_level = |one: Option<usize>, two: Option<usize>| {
-            let is_peak = above(one) > ROUNDING * (values[i].abs() + at(one).abs());
-            (!at(two).is_nan()).then(|| is_peak && above(two) < LEVEL * above(one))
+    let mut found = Vec::new();
+    let (mut from, mut to, mut parts) = (0, FIRST, IN_STEP);
+    while parts >= 2 && from as f64 * step < end {
+        let time = |i: u64| step * (i as f64 / parts as f64);
+        let value = |i: Option<u64>| i.map_or(f64::NAN, |i| g(time(i)));
+        let is_pulse = |i: u64, [last, here, next]: [f64; 3], sign: f64| {
+            let above = |other: f64| sign * (here - other);
+            // Where there is nothing on one side, the other one decides.
+            let is_level = |one: f64, two: f64| {
+                let is_peak = above(one) > ROUNDING * (here.abs() + one.abs());
+                (!two.is_nan()).then(|| is_peak && above(two) < LEVEL * above(one))
+            };
+            let are_level = || {
+                let before = [1, 2].map(|n| value(i.checked_sub(n * parts)));
+                let behind = [1, 2].map(|n| value(Some(i + n * parts)));
+                let sides = [before, behind].map(|[one, two]| is_level(one, two));
+                sides.contains(&Some(true)) && !sides.contains(&Some(false))
+            };
+            above(last) > 0.0 && above(next) >= 0.0 && are_level()
         };
-        let sides = [
-            is_level(i.checked_sub(parts), i.checked_sub(2 * parts)),
-            is_level(Some(i + parts), Some(i + 2 * parts)),
-        ];
-        above(i.checked_sub(1)) > 0.0
-            && above(Some(i + 1)) >= 0.0
-            && sides.contains(&Some(true))
-            && !sides.contains(&Some(false))
-    };
-    (0..values.len())
-        .filter(|i| is_pulse(*i, 1.0) || is_pulse(*i, -1.0))
-        .map(time)
-        .collect()
+        let first = from * parts;
+        let mut values = [first.checked_sub(1), Some(first), Some(first + 1)].map(value);
+        for i in (first..to * parts).take_while(|i| time(*i) <= end) {
+            if [1.0, -1.0]
+                .into_iter()
+                .any(|sign| is_pulse(i, values, sign))
+            {
+                found.push(time(i));
+            }
+            values = [values[1], values[2], value(Some(i + 2))];
+        }
+        (from, to, parts) = (to, 2 * to, parts / 2);
+    }
+    found
 }

@@ -143,6 +143,11 @@ impl Sides {
         self.friction
     }
 
+    /// g in a slip in this direction.
+    pub fn own(&self, direction: Sign) -> &Force {
+        &self.own[index(direction)]
+    }
+
     /// f_d L in a slip in this direction.
     pub fn dynamic_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
         let i = index(direction);

@@ -105,7 +105,9 @@ pub fn first_exit(
         let right = match ends.last() {
             Some(end) => *end,
             None => {
-                ends.push(at((left.0 + step.min(until_kink(left.0))).min(horizon))?);
+                // A kink may be closer than the rounding of r.
+                let end = (left.0 + step.min(until_kink(left.0))).max(left.0.next_up());
+                ends.push(at(end.min(horizon))?);
                 ends[0]
             }
         };
