@@ -324,7 +324,7 @@ impl<'a> Loop<'a> {
     /// The forces at the start of the step times its way. The body moves in the direction of the
     /// way.
     fn work(&self, works: &mut [f64; 5], at: &State, next: &State) {
-        works[4] = works[4].max(at.v.abs()).max(next.v.abs());
+        works[4] = works[4].max(at.v.abs());
         let way = next.x - at.x;
         if at.n < (self.scene.after / self.h).round() as u64 || way == 0.0 {
             return;

@@ -9,14 +9,12 @@ use crate::common::{Keep, paper, timeline};
 use std::collections::HashSet;
 use stickslip::config::shipped;
 use stickslip::engine::Replay;
-use stickslip::model::{Drive, Event, EventKind, InitialNoise, Model, Noise};
+use stickslip::model::{Event, InitialNoise, Model, Noise};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _,
     Snapshot, Timeline,
 };
-use stickslip::stats::{BlockObserver, Record};
-use stickslip::sums::Replicate;
 
 /// All schemes; those that have a step get this one.
 fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
@@ -292,135 +290,5 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
                 assert!((fastest / 0.4 - 1.0).abs() < 1e-4, "{fastest}");
             }
         }
-    }
-}
-
-/// Under (x, beta) -> (-x, -beta) each scheme with a step gives the same path with the opposite
-/// sign, bit for bit. A correction of the stick exit that used beta with its sign instead of |beta|
-/// would raise the threshold in one of the two scenes and lower it in the other.
-#[test]
-fn negative_dilatation_does_the_same_on_the_other_side() {
-    let model = paper(0.25, 0.25);
-    let mut mirrored = model.clone();
-    mirrored.initial_displacement = -6.0;
-    mirrored.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
-    let paths: Vec<u64> = (0..40).collect();
-    for scheme in schemes(0.01).filter(|scheme| scheme.step().is_some()) {
-        let here = kept(scheme, &model, &timeline(40.0, 1.0), 1, &paths);
-        let there = kept(scheme, &mirrored, &timeline(40.0, 1.0), 1, &paths);
-        for (a, b) in here.events.iter().zip(&there.events) {
-            let seen = |events: &[Event], sign: f64| -> Vec<(f64, f64, f64)> {
-                events
-                    .iter()
-                    .map(|event| (event.time, sign * event.displacement, sign * event.force))
-                    .collect()
-            };
-            assert!(a.len() > 5, "{scheme}: {a:?}");
-            assert_eq!(seen(a, 1.0), seen(b, -1.0), "{scheme}");
-        }
-    }
-}
-
-/// With a burn-in, the counts, times and ways of each path are those that follow from its events
-/// and rows, in every scheme. Sticks and slips count that begin at the end of the burn-in or later,
-/// and time and way from there on. The burn-in ends on the output grid, both inside slips and
-/// inside sticks.
-#[test]
-fn a_burn_in_leaves_out_the_same_of_every_scheme() {
-    let (model, after, end) = (paper(0.25, 0.25), 20.0, 60.0);
-    let paths: Vec<u64> = (0..300).collect();
-    let line = Timeline {
-        after,
-        ..timeline(end, 20.0)
-    };
-    for scheme in schemes(0.02) {
-        let mut both = (
-            Keep::lanes(paths.len()),
-            BlockObserver::new(
-                &model,
-                &line,
-                &Record {
-                    paths: true,
-                    ..Record::NOTHING
-                },
-                &paths,
-                Replicate::Path,
-            ),
-        );
-        assert!(
-            scheme
-                .simulation(&model, &line)
-                .simulate(9, &paths, &mut both)
-                .is_empty()
-        );
-        let columns = both
-            .1
-            .finish(0, 300, Vec::new())
-            .rows
-            .path_columns
-            .expect("asked for");
-        let (mut sticking, mut straddling) = (0, 0);
-        for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
-            let (at_end, at_after) = (rows[3].1, rows[1].1);
-            // Phases as (begin, end, whether static). The last one is cut off at the end of the
-            // path.
-            let marks: Vec<(f64, bool)> = std::iter::once((0.0, true))
-                .chain(events.iter().filter_map(|event| match event.kind {
-                    EventKind::StickEntered => Some((event.time, true)),
-                    EventKind::SlipStarted(_) => Some((event.time, false)),
-                    EventKind::SubPhaseBoundary(_) => None,
-                }))
-                .collect();
-            let completed = || marks.windows(2).map(|two| (two[0].0, two[1].0, two[0].1));
-            let begun = |is_static: bool| {
-                completed()
-                    .skip(1)
-                    .filter(move |p| p.2 == is_static && p.0 >= after)
-                    .count()
-            };
-            assert_eq!(
-                columns.sticks[lane] as usize,
-                begun(true),
-                "{scheme}, path {lane}"
-            );
-            assert_eq!(
-                columns.slips[lane] as usize,
-                begun(false),
-                "{scheme}, path {lane}"
-            );
-            let last = marks[marks.len() - 1];
-            let stick_time: f64 = completed()
-                .chain([(last.0, end, last.1)])
-                .filter(|phase| phase.2)
-                .map(|(from, to, _)| (to - f64::max(from, after)).max(0.0))
-                .sum();
-            assert!(
-                (columns.stick_time[lane] - stick_time).abs() < 1e-9,
-                "{scheme}, path {lane}"
-            );
-            let later = events
-                .iter()
-                .filter(|event| event.time > after)
-                .map(|event| event.displacement);
-            let places: Vec<f64> = std::iter::once(at_after)
-                .chain(later)
-                .chain([at_end])
-                .collect();
-            let way: f64 = places.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
-            let work = model.friction.dynamic_force * way;
-            assert!(
-                (columns.friction_work[lane] - work).abs() < 1e-9,
-                "{scheme}, path {lane}"
-            );
-            *(if rows[1].4 {
-                &mut sticking
-            } else {
-                &mut straddling
-            }) += 1;
-        }
-        assert!(
-            sticking > 0 && straddling > 3,
-            "{scheme}: {sticking} {straddling}"
-        );
     }
 }

@@ -1,9 +1,7 @@
-//! Identities that hold path by path: totals add up over time, dense output has no gaps, densities
-//! are exact times, and spectra are plain sums over rows.
+//! Densities are exact times, works are sums over steps, and spectra are plain sums over rows.
 
 use super::measures::run;
 use stickslip::engine::Run;
-use stickslip::model::{Event, NamedSeries, Series};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{Observer, Segment, Simulate as _};
 use stickslip::stats::{BlockObserver, Densities, DensityCurve, Record, Statistic, Summary};
@@ -12,82 +10,15 @@ use stickslip_files::dataset::{Column, Recorder};
 
 const NOISE: &str = "temperature.noise = { intensity = 0.5, relaxation_rate = 1, diffusion = 1 }";
 
-/// Lines of scenes for m = K = c = 1 and alpha = 0.1. All but the first are beyond the quasi-static
-/// recursion.
-const SCENES: [(&str, &str); 7] = [
-    ("plain", "friction = { static = 1.2, dynamic = 1.0 }"),
-    (
-        "load",
-        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\" }",
-    ),
-    (
-        "load in time",
-        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*cos(0.7*t)\" }",
-    ),
-    (
-        "direction",
-        "friction = { static = { forward = 1.2, backward = 1.4 }, dynamic = { forward = 1.0, backward = 1.1 } }",
-    ),
-    (
-        "force",
-        "friction = { static = 1.0, dynamic = 0.8 }
-         force.expression = \"-0.1*x^3 - 0.3*direction*(1 + 0.5*sin(t))\"",
-    ),
-    (
-        "inputs",
-        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.1*s\" }
-         force.expression = \"0.3*s\"",
-    ),
-    (
-        "initial velocity",
-        "friction = { static = 1.2, dynamic = 1.0 }
-         initial.velocity = 2.5",
-    ),
-];
-
-const SCHEMES: [&str; 4] = [
-    "event-driven",
-    "discrete-vi",
-    "corrected-vi",
-    "quasi-static",
-];
-
-/// Every scene with and without noise in every scheme that suits it, as a name and lines.
-fn cases() -> Vec<(String, String)> {
-    let mut cases = Vec::new();
-    for scheme in SCHEMES {
-        for (name, lines) in SCENES {
-            for noise in ["", NOISE] {
-                if scheme == "quasi-static" && name != "plain" {
-                    continue;
-                }
-                let step = if scheme.ends_with("vi") {
-                    "time.step = 0.01"
-                } else {
-                    ""
-                };
-                let lines = format!("{lines}\n{noise}\nscheme.kind = {scheme:?}\n{step}");
-                cases.push((
-                    format!("{name}, {scheme}, noise: {}", !noise.is_empty()),
-                    lines,
-                ));
-            }
-        }
-    }
-    cases
-}
+/// Lines of scenes for m = K = c = 1 and alpha = 0.1.
+const PLAIN: &str = "friction = { static = 1.2, dynamic = 1.0 }";
+const LOAD: &str = "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\" }";
 
 /// A scenario of one path over this time, of which the part from `after` on counts.
 fn scene(name: &str, lines: &str, seed: u64, [after, end]: [f64; 2]) -> Scenario {
-    let initial = if lines.contains("initial.velocity") {
-        ""
-    } else {
-        "initial.velocity = 0"
-    };
     let text = format!(
         "oscillator = {{ mass = 1, stiffness = 1, damping = 0.1, force_per_temperature = 1 }}
-         initial.displacement = 0
-         {initial}
+         initial = {{ displacement = 0, velocity = 0 }}
          temperature.harmonics = [{{ amplitude = 3, angular_frequency = 0.5 }}]
          ensemble = {{ paths = 1, seed = {seed} }}
          record = {{ energy = true, density = true }}
@@ -96,23 +27,7 @@ fn scene(name: &str, lines: &str, seed: u64, [after, end]: [f64; 2]) -> Scenario
          statistics.after = {after:?}
          {lines}"
     );
-    let times: Vec<f64> = (0..60).map(|i| 0.5 * f64::from(i)).collect();
-    let values = times
-        .iter()
-        .map(|t| (3.0 * t).sin() + (1.3 * t).cos())
-        .collect();
-    let series = Series::new(times, values).expect("a series").into();
-    let inputs = [NamedSeries {
-        name: "input.s".into(),
-        series,
-    }];
-    let inputs = if lines.contains('s') && lines.contains("*s\"") {
-        &inputs[..]
-    } else {
-        &[]
-    };
-    Scenario::parse_measured("test", &text, &[], inputs)
-        .unwrap_or_else(|error| panic!("{name}: {error}"))
+    Scenario::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// The time below an edge.
@@ -127,150 +42,16 @@ fn densities(summary: &Summary) -> &Densities {
     summary.densities.as_ref().expect("asked for")
 }
 
-/// What is counted from a time on and what is counted until then are together what is counted in the
-/// whole time, of the same path: works, times at rest and the times below every edge of a bin. Without
-/// a step neither time is a multiple of a macro step, and nothing is left of the balance; a step is counted
-/// or not as it is at the nearest of its multiples.
-#[test]
-fn totals_are_additive_over_time() {
-    let works = [
-        Statistic::FrictionWorkMean,
-        Statistic::TemperatureWorkMean,
-        Statistic::DampingWorkMean,
-        Statistic::UserForceWorkMean,
-        Statistic::StoredEnergyMean,
-        Statistic::EnergyResidualMean,
-    ];
-    let of = |summary: &Summary| works.map(|statistic| summary.estimate(statistic).estimate);
-    for (name, lines) in cases() {
-        let is_stepping = name.contains("vi,");
-        let end = if is_stepping { 20.04 } else { 20.037 };
-        for (seed, between, on_a_step) in [(1, 10.113, 10.11), (2, 6.7081, 6.71), (3, 18.6, 18.6)] {
-            let counted = |window: [f64; 2]| run(&scene(&name, &lines, seed, window));
-            let nearest = if is_stepping { on_a_step } else { between };
-            let windows = [[0.0, end], [0.0, nearest], [nearest, end]];
-            let summaries = windows.map(counted);
-            let friction = summaries[0].estimate(works[0]).estimate;
-            assert!(friction > 1.0, "{name}: {friction}");
-            let [whole, first, second] = summaries.each_ref().map(of);
-            for (i, statistic) in works.iter().enumerate() {
-                let off = (whole[i] - (first[i] + second[i])) / friction;
-                assert!(
-                    off.abs() < 1e-12,
-                    "{name}, {nearest}: {} is off by {off:e}",
-                    statistic.name()
-                );
-                let left = second[5] / friction;
-                assert!(
-                    is_stepping || left.abs() < 1e-9,
-                    "{name}, {nearest}: {left:e} is left of the balance"
-                );
-            }
-            if is_stepping {
-                assert_eq!(of(&counted([between, end])), second, "{name}, {between}");
-            }
-            let apart = |of: &dyn Fn(&Summary) -> f64| {
-                let [whole, first, second] =
-                    [0, 1, 2].map(|i| of(&summaries[i]) * (windows[i][1] - windows[i][0]));
-                (whole - (first + second)).abs() / end
-            };
-            let sticking =
-                |summary: &Summary| summary.estimate(Statistic::StickingFraction).estimate;
-            let off = apart(&sticking);
-            assert!(
-                off < 1e-12,
-                "{name}, {nearest}: the time at rest is off by {off:e}"
-            );
-            let [rest, sticks] = [densities(&summaries[2]).at_rest, sticking(&summaries[2])];
-            assert!(
-                (rest - sticks).abs() < 1e-9,
-                "{name}, {nearest}: {rest} at rest, {sticks} in sticks"
-            );
-            let curves: [fn(&Summary) -> &DensityCurve; 2] = [
-                |summary| &densities(summary).displacement,
-                |summary| &densities(summary).velocity,
-            ];
-            for curve in curves {
-                for edge in &curve(&summaries[0]).edges {
-                    let off = apart(&|summary| below(curve(summary), *edge));
-                    assert!(
-                        off < 1e-9,
-                        "{name}, {nearest}: the time below {edge} is off by {off:e}"
-                    );
-                }
-            }
-        }
-    }
-}
-
-/// Keeps the motion and the events of each path in the order in which they arrive.
-struct Kept(Vec<(Vec<Event>, Vec<Segment>)>);
+/// Keeps the motion of each path in the order in which it arrives.
+struct Kept(Vec<Vec<Segment>>);
 
 impl Observer for Kept {
-    fn event(&mut self, lane: usize, event: Event) {
-        self.0[lane].0.push(event);
-    }
-
     fn follows(&self) -> bool {
         true
     }
 
     fn segment(&mut self, lane: usize, segment: &Segment) {
-        self.0[lane].1.push(*segment);
-    }
-}
-
-/// The motion of a path leads from each event to the next without a gap, in time, x and x': it begins
-/// at an event at which the body moves off or turns, and ends at one at which it stops or turns, or
-/// beyond the end.
-#[test]
-fn dense_output_has_no_gaps() {
-    for (name, lines) in cases() {
-        let end = if name.contains("vi,") { 20.04 } else { 20.037 };
-        let scenario = scene(&name, &lines, 1, [6.7081, end]);
-        let mut kept = Kept(vec![Default::default(); 8]);
-        let simulation = scenario
-            .scheme
-            .simulation(&scenario.model, &scenario.timeline());
-        assert!(
-            simulation
-                .simulate(1, &[0, 1, 2, 3, 4, 5, 6, 7], &mut kept)
-                .is_empty()
-        );
-        for (events, segments) in &kept.0 {
-            // (t, x, x') at which the motion may begin and end.
-            let at_event = |time: f64, x: f64| {
-                events.iter().any(|event| {
-                    (event.time - time).abs() < 1e-9 && (event.displacement - x).abs() < 1e-9
-                })
-            };
-            let mut last: Option<[f64; 3]> = None;
-            for segment in segments.iter().filter(|segment| segment.start < end) {
-                let from = [segment.start, segment.displacement, segment.velocity[0]];
-                let goes_on = last
-                    .is_some_and(|last| from.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-9));
-                let ends = last.is_none_or(|[t, x, _]| at_event(t, x));
-                assert!(
-                    goes_on || (ends && at_event(from[0], from[1])),
-                    "{name}: {last:?} {from:?}"
-                );
-                let to = [
-                    segment.end(),
-                    segment.displacement + segment.way,
-                    segment.velocity[1],
-                ];
-                last = Some(to);
-            }
-            let [t, x, _] = last.expect("the body moves");
-            assert!(t > end - 1e-9 || at_event(t, x), "{name}: {last:?}");
-            let moving = events.last().is_some_and(|event| {
-                matches!(event.kind.phase(), stickslip::model::Phase::Slip(_))
-            });
-            assert!(
-                !moving || t > end - 1e-9,
-                "{name}: the last slip is followed until {t}"
-            );
-        }
+        self.0[lane].push(*segment);
     }
 }
 
@@ -419,7 +200,7 @@ fn densities_and_works_are_those_of_the_steps() {
     for scheme in ["discrete-vi", "corrected-vi"] {
         let lines = format!(
             "{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01",
-            SCENES[1].1
+            LOAD
         );
         let mut scenario = scene(scheme, &lines, 4, [5.0, 20.0]);
         (scenario.time.output_step, scenario.record.trajectories) = (0.01, 1);
@@ -495,7 +276,7 @@ fn part_below(segment: &Segment, variable: usize, edge: f64, [from, to]: [f64; 2
 /// found by halving; so is the time in rows and columns of the joint density.
 #[test]
 fn densities_under_noise_are_times_of_the_same_motion() {
-    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[1].1);
+    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", LOAD);
     let scenario = scene("noise", &lines, 4, [6.7081, 20.037]);
     let (timeline, paths) = (scenario.timeline(), [0, 1, 2, 3]);
     let record = Record {
@@ -503,7 +284,7 @@ fn densities_under_noise_are_times_of_the_same_motion() {
         ..Record::NOTHING
     };
     let block = BlockObserver::new(&scenario.model, &timeline, &record, &paths, Replicate::Path);
-    let mut both = (Kept(vec![Default::default(); 4]), block);
+    let mut both = (Kept(vec![Vec::new(); 4]), block);
     assert!(
         scenario
             .scheme
@@ -513,7 +294,7 @@ fn densities_under_noise_are_times_of_the_same_motion() {
     );
     let summary = both.1.finish(0, 4, Vec::new()).totals.summary();
     let found = densities(&summary);
-    let segments: Vec<&Segment> = both.0.0.iter().flat_map(|path| &path.1).collect();
+    let segments: Vec<&Segment> = both.0.0.iter().flatten().collect();
     let expected = |variable: usize, edge: f64| -> f64 {
         let times = segments.iter().map(|segment| {
             let part = |time: f64| ((time - segment.start) / segment.length).clamp(0.0, 1.0);
@@ -569,7 +350,7 @@ fn recorded(scenario: &Scenario) -> (Summary, impl Fn(&str) -> Vec<f64>) {
 #[test]
 fn autocovariance_and_spectrum_are_plain_sums_over_the_rows() {
     let paths = 6;
-    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[0].1);
+    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", PLAIN);
     let mut scenario = scene("spectrum", &lines, 5, [10.1, 310.0]);
     (
         scenario.ensemble.paths,

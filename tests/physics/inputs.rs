@@ -190,52 +190,6 @@ fn a_block_on_an_incline_slides_as_newmark_says() {
     );
 }
 
-/// With noise: the mean of x at the end under the input is that under the same force written out.
-/// The schemes with a step see the same noise, and agree within 1e-3; `event-driven` has other
-/// cells, and agrees within 4 standard errors of the difference of two means.
-#[test]
-fn every_scheme_knows_an_input() {
-    let times: Vec<f64> = (0..=2000).map(|i| f64::from(i) * 0.01).collect();
-    let values = times.iter().map(|t| 3.0 * (0.5 * t).cos()).collect();
-    let sampled = [input("s", times, values)];
-    for (scheme, step) in [
-        ("event-driven", ""),
-        ("discrete-vi", "time.step = 1e-3"),
-        ("corrected-vi", "time.step = 1e-3"),
-    ] {
-        let lines = |force: &str| {
-            format!(
-                "friction = {{ static = 1.2, dynamic = 1.0 }}\ntime.end = 20\n{step}\ntemperature.noise.intensity = 0.05
-                 force.expression = \"-0.02*x^3 + {force}\""
-            )
-        };
-        let end = |of: Scenario| {
-            let (mut keep, numbers) = (Keep::lanes(256), (0..256).collect::<Vec<u64>>());
-            of.scheme
-                .simulation(&of.model, &timeline(20.0, 20.0))
-                .simulate(1, &numbers, &mut keep);
-            let ends: Vec<f64> = keep
-                .rows
-                .iter()
-                .map(|rows| rows.last().expect("a row").1)
-                .collect();
-            let mean = ends.iter().sum::<f64>() / 256.0;
-            let variance = ends.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 255.0;
-            [mean, (variance / 256.0).sqrt()]
-        };
-        let set = [Override::flag("--scheme", "scheme.kind", scheme)];
-        let [a, error] = end(scenario(&lines("s"), &sampled, &set));
-        let [b, _] = end(scenario(&lines("3*cos(0.5*t)"), &[], &set));
-        let allowed = if scheme == "event-driven" {
-            6.0 * error
-        } else {
-            1e-3
-        };
-        println!("{scheme}: {a} {b} {error}");
-        assert!((a - b).abs() < allowed, "{scheme}: {a} {b}");
-    }
-}
-
 /// A pulse of 2 ms in a minute of silence is not stepped over: a block that was started with a velocity at 2 on
 /// friction 0.05 gets the impulse 1/2 at t = 10, and stops at t = 50 (momentum) and x = 57.4996
 /// (energy, and the areas of the triangle); a block at rest leaves when the pulse passes f_s = 1,

@@ -2,13 +2,12 @@
 //! closed forms, an integration of the equation of motion in this file, plain loops, and scenes
 //! without a series.
 
-use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
+use crate::common::{Keep, paper, timeline};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use stickslip::model::*;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::*;
-use stickslip::stats::Statistic;
 
 const TOLERANCE: f64 = 1e-3;
 
@@ -120,170 +119,6 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
     assert_alike(&quasi_static(&cut), &quasi_static(&ramp), 1e-10);
 }
 
-/// Samples that go up and down irregularly.
-fn zigzag(n: usize, step: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
-    let times = (0..=n).map(|i| i as f64 * step).collect();
-    let values = (0..=n)
-        .map(|i| size * (1.3 * (i as f64).sin() + 0.9 * (0.37 * (i * i) as f64).cos()))
-        .collect();
-    (times, values)
-}
-
-/// The rate of change of (x, v) on a straight line of T, with friction in the direction `eps`.
-fn rate(
-    model: &Model,
-    (from, to): ((f64, f64), (f64, f64)),
-    eps: f64,
-    t: f64,
-    [x, v]: [f64; 2],
-) -> [f64; 2] {
-    let temperature = from.1 + (to.1 - from.1) * ((t - from.0) / (to.0 - from.0));
-    let force = model.oscillator.force(temperature, x, v);
-    [
-        v,
-        (force - eps * model.friction.dynamic_force) / model.oscillator.mass,
-    ]
-}
-
-/// The cascade by the Runge-Kutta method of fourth order with `steps` steps on each line. Where an
-/// event is, the step is halved until it is found.
-fn integrated(model: &Model, steps: u32) -> Vec<(f64, f64)> {
-    let series = model.temperature.series.as_ref().expect("a series");
-    let f_s = model.friction.static_force;
-    let (mut state, mut eps, mut found) = ([model.initial_displacement, 0.0], 0.0, Vec::new());
-    for piece in 0..series.times().len() - 1 {
-        let sample = |i: usize| (series.times()[i], series.values()[i]);
-        let line = (sample(piece), sample(piece + 1));
-        let force = |t: f64, x: f64| {
-            let temperature =
-                line.0.1 + (line.1.1 - line.0.1) * ((t - line.0.0) / (line.1.0 - line.0.0));
-            model.oscillator.force(temperature, x, 0.0)
-        };
-        let step = |eps: f64, t: f64, h: f64, y: [f64; 2]| -> [f64; 2] {
-            if eps == 0.0 {
-                return y;
-            }
-            let add = |k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
-            let a = rate(model, line, eps, t, y);
-            let b = rate(model, line, eps, t + 0.5 * h, add(a, 0.5 * h));
-            let c = rate(model, line, eps, t + 0.5 * h, add(b, 0.5 * h));
-            let d = rate(model, line, eps, t + h, add(c, h));
-            let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
-            add([mean(0), mean(1)], h)
-        };
-        // Whether the phase has ended.
-        let is_over = |eps: f64, t: f64, y: [f64; 2]| {
-            if eps == 0.0 {
-                force(t, y[0]).abs() > f_s
-            } else {
-                eps * y[1] < 0.0
-            }
-        };
-        let h = (line.1.0 - line.0.0) / f64::from(steps);
-        for i in 0..steps {
-            let (mut t, end) = (line.0.0 + f64::from(i) * h, line.0.0 + f64::from(i + 1) * h);
-            loop {
-                let next = step(eps, t, end - t, state);
-                if !is_over(eps, end, next) {
-                    state = next;
-                    break;
-                }
-                let (mut low, mut high) = (0.0, end - t);
-                for _ in 0..60 {
-                    let middle = 0.5 * (low + high);
-                    if is_over(eps, t + middle, step(eps, t, middle, state)) {
-                        high = middle
-                    } else {
-                        low = middle
-                    }
-                }
-                state = [step(eps, t, high, state)[0], 0.0];
-                t += high;
-                let b = force(t, state[0]);
-                eps = if eps != 0.0 && b.abs() <= f_s {
-                    0.0
-                } else {
-                    b.signum()
-                };
-                found.push((t, state[0]));
-            }
-        }
-    }
-    found
-}
-
-/// The event-driven scheme at kinks of the forcing, damped and undamped, compared with the equation
-/// of motion. 2000 steps on a line of length 0.7 have an error of (3.5e-4)^4.
-#[test]
-fn slips_over_kinks_are_those_of_the_equation_of_motion() {
-    for damping in [0.0, 0.15, 1.4] {
-        let mut model = paper(0.25, 0.0);
-        model.oscillator.damping = damping;
-        model.initial_displacement = 1.0;
-        let (times, values) = zigzag(60, 0.7, 1.0);
-        let model = measured(model, times, values);
-        let found = events(&EventDrivenSimulation::new(
-            &model,
-            &timeline(42.0, 1.0),
-            TOLERANCE,
-        ));
-        let wanted = integrated(&model, 2000);
-        assert!(wanted.len() > 8, "{}", wanted.len());
-        assert_eq!(
-            found.len(),
-            wanted.len(),
-            "{damping}: {found:?}\n{wanted:?}"
-        );
-        for (event, (time, x)) in found.iter().zip(&wanted) {
-            assert!(
-                (event.time - time).abs() < 1e-8 && (event.displacement - x).abs() < 1e-8,
-                "{damping}: {event:?} {time} {x}"
-            );
-        }
-    }
-}
-
-/// The discrete scheme compared with a plain loop that interpolates T between the samples.
-#[test]
-fn the_discrete_scheme_samples_the_series_at_its_steps() {
-    let (times, values) = zigzag(40, 0.77, 1.0);
-    let model = measured(paper(0.25, 0.0), times.clone(), values.clone());
-    let (h, steps) = (0.01, 3000);
-    let mut keep = Keep::lanes(3);
-    let line = timeline(h * f64::from(steps), h);
-    assert!(
-        DiscreteSimulation::new(&model, &line, h)
-            .simulate(1, &[0, 1, 2], &mut keep)
-            .is_empty()
-    );
-    let (f_s, f_d) = (model.friction.static_force, model.friction.dynamic_force);
-    let (mut x, mut v) = (model.initial_displacement, 0.0f64);
-    for n in 0..steps {
-        let t = f64::from(n) * h;
-        let after = times
-            .iter()
-            .position(|time| *time > t)
-            .expect("a sample behind");
-        let part = (t - times[after - 1]) / (times[after] - times[after - 1]);
-        let temperature = (1.0 - part) * values[after - 1] + part * values[after];
-        for lane in &keep.rows {
-            let row = lane[n as usize];
-            assert!(
-                (row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9,
-                "{n}: {row:?} {x} {v}"
-            );
-            assert!((row.3 - temperature).abs() < 1e-12, "{n}");
-        }
-        let s = v + h * model.oscillator.force(temperature, x, v);
-        x += h * v;
-        v = if s.abs() <= h * f_s {
-            0.0
-        } else {
-            s - h * f_d * s.signum()
-        };
-    }
-}
-
 /// A series of zeros added to a scene with noise changes no bit: it draws no random number, and its
 /// cells end where those of the scene do.
 #[test]
@@ -309,42 +144,6 @@ fn a_series_of_zeros_changes_no_bit() {
     assert_eq!(a, b);
     let [a, b] = both.map(|model| kept(&DiscreteSimulation::new(model, &line, 0.01), &paths));
     assert_eq!(a, b);
-}
-
-/// A series under noise, event-driven and with the corrected discrete scheme.
-///
-/// Null hypothesis: both have the same law, up to 0.4 % that the step of 2.5e-4 of the discrete
-/// scheme leaves in stick durations (0.17 h/return time, 0.24 % in the scene of the paper). Sample
-/// size: 40 000 and 20 000 paths. False-alarm rate: 1e-4 for each of five comparisons. Twice the
-/// slope of the series in the event-driven scheme would move each of them by over ten standard
-/// errors.
-#[test]
-fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
-    let (times, values) = zigzag(12, 1.1, 0.6);
-    let mut model = measured(paper(0.25, 0.25), times, values);
-    model.initial_displacement = 6.0 * model.temperature.deterministic(0.0);
-    let line = timeline(12.0, 4.0);
-    let exact = event_driven_summary(&model, &line, TOLERANCE, 1, 40_000);
-    let corrected = DiscreteSimulation::corrected(&model, &line, 2.5e-4);
-    let discrete = summary_of(&model, &line, 20_000, |numbers, observer| {
-        corrected.simulate(2, numbers, observer)
-    });
-    for statistic in [
-        Statistic::StickDurationMean,
-        Statistic::SticksPerPath,
-        Statistic::StickingFraction,
-        Statistic::DisplacementEndMean,
-        Statistic::JumpAbsMean,
-    ] {
-        let [(a, sa), (b, sb)] = [estimate(&exact, statistic), estimate(&discrete, statistic)];
-        let allowed = 3.9 * sa.hypot(sb) + 4e-3 * a.abs();
-        println!("{}: {a} +- {sa}, {b} +- {sb}", statistic.name());
-        assert!(
-            (a - b).abs() <= allowed,
-            "{}: {a} +- {sa}, {b} +- {sb}",
-            statistic.name()
-        );
-    }
 }
 
 /// Pinned noise: zero at the samples and, between them, a bridge of the Ornstein-Uhlenbeck process.
