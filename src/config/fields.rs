@@ -87,7 +87,10 @@ impl ValueAt<'_> {
     /// A number that cannot be the name of a parameter.
     fn literal(&self, key: Key) -> Result<f64, Box<Diagnostic>> {
         match self.node.value {
-            Value::Text(_) => Err(self.wrong_kind(key.range.words(), "write a number")),
+            Value::Text(_) => {
+                let remedy = "write a number; the name of a parameter is not allowed here";
+                Err(self.wrong_kind(key.range.words(), remedy))
+            }
             _ => self.number(key),
         }
     }

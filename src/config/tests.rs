@@ -1492,6 +1492,18 @@ fn parameters_have_one_scope() {
         named.problem.contains("cannot be the name of a parameter"),
         "{named}"
     );
+    for set in ["f=\"k3\"", "statistics.levels=[\"f\"]"] {
+        let refused = diagnostic(with(&[set]));
+        assert!(
+            refused
+                .problem
+                .starts_with("is a string; it must be a finite number")
+                && refused
+                    .remedy
+                    .contains("the name of a parameter is not allowed"),
+            "{refused}"
+        );
+    }
     // The tables beside the expressions are the same scope.
     let split = |of_force: &str, of_load: &str| {
         let text = format!(

@@ -218,10 +218,11 @@ impl Endings {
 mod tests {
     use super::*;
     use crate::config::Override;
+    use crate::engine::{Run, SoFar};
     use crate::ensemble::Plan;
     use crate::scenario::Scenario;
 
-    fn plan(seed: u64) -> Plan {
+    fn scenario() -> Scenario {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
         let set = [
             "time.step=0.02",
@@ -233,12 +234,14 @@ mod tests {
             .iter()
             .map(|text| Override::set(text).expect("well formed"))
             .collect();
+        Scenario::read(path.as_ref(), &overrides).expect("shipped")
+    }
+
+    fn plan(seed: u64) -> Plan {
         Plan {
             seed,
             paths: 400 * BLOCK_SIZE,
-            ..Scenario::read(path.as_ref(), &overrides)
-                .expect("shipped")
-                .plan()
+            ..scenario().plan()
         }
     }
 
@@ -290,5 +293,28 @@ mod tests {
         );
         let share = f64::from(held) / 400.0;
         assert!((0.912..0.988).contains(&share), "{share}");
+    }
+
+    /// A run whose earlier sessions used up its time does no further block, though it has paths left.
+    #[test]
+    fn a_resumed_run_whose_time_is_used_up_does_no_further_block() {
+        let plan = plan(1);
+        let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
+        (0..2).for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
+        let scenario = scenario();
+        let limit = Duration::from_secs(1000);
+        let ended = |spent| {
+            let totals = totals.clone();
+            let run = Run::of(&scenario).paths(3 * BLOCK_SIZE).within(Some(limit));
+            let outcome = run.without_bias().go_on(SoFar { totals, spent });
+            let outcome = outcome.expect("no sink");
+            assert!(outcome.seconds >= spent.as_secs_f64());
+            (
+                outcome.summary.completed_paths / BLOCK_SIZE,
+                outcome.ended_by,
+            )
+        };
+        assert_eq!(ended(limit), (2, Some(EndedBy::TimeLimit { blocks: 2 })));
+        assert_eq!(ended(limit / 2), (3, None));
     }
 }

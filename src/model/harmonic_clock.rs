@@ -206,4 +206,35 @@ mod tests {
             assert!((value - direct).abs() < 1e-12, "{t}");
         }
     }
+
+    /// All terms of T add, for samples that are up to 50 times closer than h and up to twice as far
+    /// apart.
+    #[test]
+    fn the_clock_of_a_temperature_is_the_temperature_at_each_step() {
+        let h = 0.125;
+        let times: Vec<f64> = (0..400)
+            .map(|i| 0.0025 * f64::from(i) + 0.25 * f64::from(i / 40))
+            .collect();
+        let values = times.iter().map(|t| (3.0 * t).sin()).collect();
+        let harmonic = |amplitude, angular_frequency, phase| Harmonic {
+            amplitude,
+            angular_frequency,
+            phase,
+        };
+        let temperature = Temperature {
+            offset: 0.5,
+            trend: -0.75,
+            harmonics: vec![harmonic(2.0, 0.7, 0.3), harmonic(-1.5, 3.0, -1.0)],
+            series: Some(Arc::new(Series::new(times, values).expect("a series"))),
+            ..Temperature::default()
+        };
+        for (first, steps) in [(0, 40), (5, 1)] {
+            let mut run = vec![0.0; steps];
+            HarmonicClock::of(&temperature, h).fill(first, &mut run);
+            for (n, value) in (first..).zip(run) {
+                let direct = temperature.deterministic(n as f64 * h);
+                assert!((value - direct).abs() < 1e-12, "{n}: {value} {direct}");
+            }
+        }
+    }
 }

@@ -592,4 +592,50 @@ mod tests {
                 .all(|value| value.is_nan())
         );
     }
+
+    /// The line of a mean motion a cos(w t + phi) at the period of the forcing is a, and a w for its
+    /// velocity, from five periods on; its other harmonics are zero. From fewer than four there are
+    /// no lines.
+    #[test]
+    fn a_line_is_the_amplitude_of_the_mean_motion() {
+        let (amplitude, period) = (1.7, 10.0);
+        let rate = std::f64::consts::TAU / period;
+        for (periods, wanted) in [(3.9, 0), (5.0, LINES), (21.3, LINES)] {
+            let timeline = Timeline {
+                end: 12.0 + periods * period,
+                output_step: 0.1,
+                period: Some(period),
+                after: 12.0,
+            };
+            let time = |row: usize| 0.1 * row as f64;
+            let motion = |of: fn(f64) -> f64| -> Vec<f64> {
+                (0..timeline.rows())
+                    .map(|row| of(rate * time(row) + 0.4))
+                    .collect()
+            };
+            let x: Vec<f64> = motion(f64::cos)
+                .iter()
+                .map(|y| 9.0 + amplitude * y)
+                .collect();
+            let v: Vec<f64> = motion(f64::sin)
+                .iter()
+                .map(|y| -amplitude * rate * y)
+                .collect();
+            let found = lines(period, &timeline, Segments::of(&timeline), [&x, &v]);
+            assert_eq!(found.len(), wanted, "{periods}");
+            for (n, line) in (1..).zip(found) {
+                let is_first = f64::from(u8::from(n == 1));
+                assert!((line.frequency - f64::from(n) * rate).abs() < 1e-12);
+                for (seen, of) in [
+                    (line.displacement, amplitude),
+                    (line.velocity, amplitude * rate),
+                ] {
+                    assert!(
+                        (seen - is_first * of).abs() < 0.01 * of,
+                        "{periods}: {n} {seen}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -69,3 +69,31 @@ impl SubPhaseTotals {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slips of one and of two sub-phases: 2 and 1 in a path, 1 and 0 in another, 0 and 2 in a third.
+    /// From the share 1/2 of their number the paths are off by 1/2, 1/2 and -1, so its error is
+    /// sqrt(3/2 * 3/2)/6 = 1/4, and the ends s of its interval, with t = 4.30265 of two degrees of
+    /// freedom, solve (1/2 - s)^2 = t^2 s (1 - s)/4. No slip has three sub-phases, and the upper end
+    /// of that share is Wilson's for none of 6.
+    #[test]
+    fn the_interval_of_a_share_of_slips_is_wilsons() {
+        let mut totals = SubPhaseTotals::default();
+        for (unit, k) in [(0, 1), (0, 1), (0, 2), (1, 1), (2, 2), (34, 2)] {
+            totals.completed(unit, k);
+        }
+        let found = totals.summary(Some(3));
+        assert_eq!(found.shares[..3], [0.5, 0.5, 0.0]);
+        let t = 4.302_652_730;
+        let half = 0.5 * t / (4.0 + t * t).sqrt();
+        let [low, high] = found.share_ends.at(0);
+        assert!((low - (0.5 - half)).abs() < 1e-8 && (high - (0.5 + half)).abs() < 1e-8);
+        let square = 3.841_458_821;
+        let [low, high] = found.share_ends.at(2);
+        assert!(low == 0.0 && (high - square / (6.0 + square)).abs() < 1e-8);
+        assert_eq!(totals.summary(None).share_ends.at(2), [0.0; 2]);
+    }
+}

@@ -151,4 +151,22 @@ mod tests {
             assert!(last - first >= 3.0, "{p}: {possible:?}");
         }
     }
+
+    /// The standard error is the interval over 2 t, up to half a step at each of its ends.
+    #[test]
+    fn the_error_of_a_quantile_of_steps_fits_its_interval() {
+        let durations =
+            |batch: u32| (0..20).map(move |i| f64::from((i * 397 + batch * 131) % 1000 + 1));
+        let of = |values: Vec<f64>| Steps::of(&Ordered::Kept(Kept::of(values, 0.0, 0)), 1.0);
+        let batches: Vec<Steps> = (0..32)
+            .map(|batch| of(durations(batch).collect()))
+            .collect();
+        let pooled = of((0..32).flat_map(durations).collect());
+        let found = of_steps(&batches, &pooled, 0.5).measurement();
+        let width = 2.0 * 2.039_513_446 * found.standard_error;
+        assert!(
+            (found.high - found.low - width).abs() <= 1.0 && width > 20.0,
+            "{found:?}"
+        );
+    }
 }

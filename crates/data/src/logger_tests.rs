@@ -232,6 +232,18 @@ fn dates_are_read_as_they_are_written() {
             noon,
         ),
         (
+            "Date Time, GMT-03:30",
+            ["01/19/25 08:30:00 AM", "01/19/25 09:30:00 AM"],
+            &layout(""),
+            noon,
+        ),
+        (
+            "Date Time, GMT+05:45",
+            ["01/19/25 05:45:00 PM", "01/19/25 06:45:00 PM"],
+            &layout(""),
+            noon,
+        ),
+        (
             "time UTC -07:00",
             ["2025-01-19 05:00", "2025-01-19 06:00"],
             &layout("Europe/Paris"),

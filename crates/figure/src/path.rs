@@ -700,4 +700,34 @@ mod tests {
             });
         }
     }
+
+    /// The curve of the spring is K (beta T - x), without the damping, at every sample: at rows of the
+    /// output grid and between them.
+    #[test]
+    fn the_spring_force_is_that_of_the_spring_alone() {
+        let mut damped = Scenario::shipped("shaw").expect("shipped");
+        damped.model.oscillator.damping = 0.3;
+        damped.time.output_step = 2.0;
+        for (scheme, within) in [
+            (Kind::DiscreteVi.with(1e-3), 0.03),
+            (Kind::EventDriven.with(1e-3), 1e-6),
+        ] {
+            let scenario = damped.with_scheme(scheme).expect("suits");
+            let trace = PathTrace::of(&DrawnPath {
+                scenario: &scenario,
+                number: 0,
+                from: 0.0,
+            })
+            .expect("not lost");
+            let model = &scenario.model;
+            let off = |s: &StateAt| {
+                let stretch = model.temperature.deterministic(s.time);
+                let spring = model.oscillator.stiffness * (6.0 * stretch - s.displacement);
+                (s.spring - spring).abs()
+            };
+            assert!(trace.samples().any(|s| s.velocity.abs() > 1.0));
+            let most = trace.samples().map(off).fold(0.0, f64::max);
+            assert!(most < within, "{scheme}: {most}");
+        }
+    }
 }

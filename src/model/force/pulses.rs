@@ -51,3 +51,22 @@ pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A trapezium, up or down, that is shorter than a step: rising from 4.31 to 4.33, level until
+    /// 4.36, zero again at 4.37. Its top is one pulse.
+    #[test]
+    fn a_flat_topped_pulse_is_found_once_in_its_top() {
+        let trapezium = |t: f64| ((t - 4.31) / 0.02).min((4.37 - t) / 0.01).clamp(0.0, 1.0);
+        for sign in [1.0, -1.0] {
+            let found = pulses(|t| 7.0 + sign * trapezium(t), 10.0, 1.0);
+            assert!(
+                matches!(found[..], [t] if (4.33..=4.36).contains(&t)),
+                "{sign}: {found:?}"
+            );
+        }
+    }
+}

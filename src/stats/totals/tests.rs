@@ -1091,6 +1091,63 @@ fn few_random_paths_that_agree_are_not_deterministic() {
     assert!((bands.static_probability_ends.low[1] - (1.0 - few)).abs() < 1e-6);
 }
 
+/// Of 16 paths, 3 are static at the end, and 5 have stayed within the level. Wilson's interval is
+/// that of as many units, which are paths or pairs.
+#[test]
+fn shares_of_pairs_have_the_intervals_of_half_as_many() {
+    let timeline = Timeline {
+        end: 1000.0,
+        output_step: 1000.0,
+        period: None,
+        after: 0.0,
+    };
+    let record = Record {
+        levels: PassageLevels::of(&[1.0]),
+        ..Record::NOTHING
+    };
+    let numbers: Vec<u64> = (0..16).collect();
+    for (unit, n) in [(Replicate::Path, 16.0), (Replicate::Pair, 8.0)] {
+        let mut observer = BlockObserver::new(&model(), &timeline, &record, &numbers, unit);
+        let moved = std::array::from_fn::<f64, 16, _>(|i| if i < 5 { 6.5 } else { 8.0 });
+        let still = std::array::from_fn(|i| i % 6 == 0);
+        for (instant, time, x, is_static) in [
+            (Instant::Output(0), 0.0, [6.0; 16], [true; 16]),
+            (Instant::Output(1), 1000.0, moved, still),
+            (Instant::End, 1000.0, moved, still),
+        ] {
+            let state = Snapshot {
+                time,
+                displacement: &x,
+                velocity: &[0.0; 16],
+                temperature: &[0.0; 16],
+                is_static: &is_static,
+            };
+            observer.snapshot(instant, state);
+        }
+        let mut totals = observer.finish(0, 16, Vec::new()).totals;
+        totals.counts.deterministic = Deterministic::NOTHING;
+        let Summary {
+            bands, extremes, ..
+        } = totals.summary();
+        let within = &extremes.expect("a level").passages[0];
+        for (share, [low, high], wanted) in [
+            (
+                bands.static_probability[1],
+                bands.static_probability_ends.at(1),
+                3.0 / 16.0,
+            ),
+            (within.survival[1], within.survival_ends.at(1), 5.0 / 16.0),
+        ] {
+            assert_eq!(share, wanted);
+            assert!(low < share && share < high, "{low} {high}");
+            for s in [low, high] {
+                let off = (share - s).powi(2) - 3.841_458_820_694 * s * (1.0 - s) / n;
+                assert!(off.abs() < 1e-9, "{unit:?}: {share} {s}");
+            }
+        }
+    }
+}
+
 #[test]
 fn equal_paths_give_standard_errors_of_exactly_zero() {
     let block = |first, n| {

@@ -152,3 +152,55 @@ fn together<const N: usize>(
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::Estimate;
+
+    /// A point at which every statistic has this value, and these values without either of two
+    /// groups.
+    fn point(estimate: f64, without: [f64; 2]) -> Point {
+        let of = |statistic| Estimate {
+            statistic,
+            estimate,
+            standard_error: f64::NAN,
+            low: f64::NAN,
+            high: f64::NAN,
+            bias: None,
+        };
+        Point {
+            estimates: Statistic::ALL.map(of),
+            completed_paths: 512,
+            diverged_paths: 0,
+            seconds: 1.0,
+            cycle: None,
+            without: without.map(|value| Statistic::ALL.map(|_| value)).into(),
+        }
+    }
+
+    /// With S = 8, 7 and 10 at the centre, below and above and a step of 1/20, the elasticity is
+    /// (10 - 7)/(2 * 8/20) = 3.75. Without either group it is (10.2 - 7)/0.82 and (9.8 - 7)/0.78,
+    /// whose half distance is the standard error of two values; t = 12.7062 of one degree of freedom.
+    #[test]
+    fn an_elasticity_is_relative_to_the_centre() {
+        let points = [
+            point(8.0, [8.2, 7.8]),
+            point(7.0, [7.0, 7.0]),
+            point(10.0, [10.2, 9.8]),
+        ];
+        let [centre, below, above] = &points;
+        let found = elasticity([centre, below, above], 0.05, Statistic::SlipsPerPath, true);
+        let m = found.measurement;
+        assert!((m.estimate - 3.75).abs() < 1e-12, "{m:?}");
+        let error = 0.5 * (3.2_f64 / 0.82 - 2.8 / 0.78);
+        assert!((m.standard_error - error).abs() < 1e-12, "{m:?} {error}");
+        let half = 12.706_204_7 * error;
+        assert!((m.high - 3.75 - half).abs() < 1e-6 && (3.75 - half - m.low).abs() < 1e-6);
+        // Only the point above scatters, by 0.2: with independent seeds the error is 0.2/0.8.
+        assert!(
+            (found.gain - (0.25 / error).powi(2)).abs() < 1e-9,
+            "{found:?}"
+        );
+    }
+}

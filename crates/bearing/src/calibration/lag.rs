@@ -176,6 +176,8 @@ impl LagProfile {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bearing::Sensor;
+    use super::super::motion::Motion;
     use super::*;
 
     /// A lag at the end of what is considered is none that was found, however likely it is.
@@ -196,5 +198,41 @@ mod tests {
             (of(3600.0, 10.0).found(), of(7200.0, 10.0).is_beyond()),
             (None, false)
         );
+    }
+
+    /// The readings of a bearing without noise, whose steel lags by 37 minutes, have this lag: it is
+    /// found between the lags of the profile. Between these, the deviance is a straight line.
+    #[test]
+    fn a_lag_without_noise_is_found_to_the_second() {
+        let times: Vec<f64> = (0..6000).map(|i| 600.0 * f64::from(i)).collect();
+        let wave = |t: &f64| {
+            let day = t / 86_400.0;
+            9.0 * (0.21 * day).sin() + 4.0 * (6.28 * day).cos() + (19.0 * day).sin()
+        };
+        let air = MeasuredRecord {
+            temperatures: times.iter().map(wave).collect(),
+            readings: vec![0.0; times.len()],
+            times,
+            ..MeasuredRecord::default()
+        };
+        let lag = 2220.0;
+        let steel = air.lagged(lag).temperatures;
+        let motion = Motion {
+            reach: 5.0,
+            jump: 1.0,
+            start: 0.0,
+        };
+        let sensor = Sensor::sheared(0.0, 3e-4, 0.1);
+        let readings = motion.follow(&steel).iter().zip(&steel);
+        let record = MeasuredRecord {
+            readings: readings.map(|(xi, t)| sensor.reading(*xi, *t)).collect(),
+            ..air
+        };
+        let slips = DetectedSlips::find(&record.lagged(lag), 1e-6).expect("slips");
+        let found = lag_profile(&record, &slips, lag);
+        assert!((found.likeliest - lag).abs() < 1.0, "{}", found.likeliest);
+        let [(from, low), (to, high)] = [found.profile[6], found.profile[7]];
+        assert_eq!([from, to], [2700.0, 3600.0]);
+        assert!((found.against(2925.0) - (0.75 * low + 0.25 * high)).abs() < 1e-9 * high);
     }
 }

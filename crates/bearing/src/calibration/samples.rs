@@ -399,6 +399,31 @@ mod tests {
         }
     }
 
+    /// Temperatures that are means over the ten minutes before their stamps belong five minutes
+    /// earlier, so readings at an instant lie 300 s later on the common time axis, where the first
+    /// mean is at its stamp.
+    #[test]
+    fn means_lie_in_the_middle_of_their_windows() {
+        let stamps = [0.0, 600.0, 1200.0, 1800.0];
+        let of =
+            |averaged| MeasuredRecord::of_means([&stamps, &stamps], [&stamps, &[7.0; 4]], averaged);
+        let seen = of([600.0, 0.0]);
+        assert_eq!(seen.thermometer(), [stamps.to_vec(), stamps.to_vec()]);
+        assert_eq!(
+            seen.samples().times,
+            stamps[..3].iter().map(|t| t + 300.0).collect::<Vec<_>>()
+        );
+        assert_eq!(seen.samples().temperatures, [300.0, 900.0, 1500.0]);
+        let seen = of([0.0, 600.0]);
+        assert_eq!(seen.thermometer()[0], stamps.map(|t| t + 300.0));
+        assert_eq!(seen.samples().times, stamps[1..]);
+        let seen = of([600.0, 600.0]);
+        assert_eq!(
+            [seen.thermometer()[0].clone(), seen.samples().times],
+            [stamps; 2]
+        );
+    }
+
     #[test]
     fn a_gap_ends_a_stretch_and_stands_for_no_time() {
         let times = [0.0, 1.0, 2.0, 3.0, 4.0, 11.0, 12.0, 14.0];

@@ -404,6 +404,7 @@ mod tests {
             assert_eq!(state.question, question());
             assert_eq!(state.paths(), (blocks.end - blocks.start) * BLOCK_SIZE);
             let SoFar { totals, spent } = &state.so_far;
+            assert_eq!(*spent, Duration::new(3, 5));
             assert_eq!(
                 to_bytes(&state.question, &totals.to_bytes(), *spent, state.rows),
                 bytes

@@ -560,7 +560,14 @@ fn a_body_in_balance_without_friction_follows_the_force() {
 /// up to the rounding of the time, and take few evaluations.
 #[test]
 fn a_steep_pulse_has_the_same_effect_at_any_time() {
-    for (width, fall, f_d) in [(3.572e-6, 1.0, 1.2), (3.367e-5, 0.7, 0.3), (1e-4, 0.9, 1.0)] {
+    for (width, fall, f_d, force) in [
+        (3.572e-6, 1.0, 1.2, "30*a"),
+        (3.367e-5, 0.7, 0.3, "30*a"),
+        (1e-4, 0.9, 1.0, "30*a"),
+        // The load alone changes, under a force that is less than friction.
+        (3.572e-6, 1.0, 1.1, "1"),
+        (1e-4, 0.9, 1.15, "1"),
+    ] {
         let events = |at: f64| {
             let pulse = |expression: &str| {
                 let times = vec![0.0, at - width, at, at + width, 2.0 * at];
@@ -576,7 +583,7 @@ fn a_steep_pulse_has_the_same_effect_at_any_time() {
             let mut model = unforced(0.0, 1.2, f_d);
             model.oscillator.damping = 0.3;
             let [load, own] =
-                [format!("max(0, 1 - {fall}*a)"), "30*a".into()].map(|text| pulse(&text));
+                [format!("max(0, 1 - {fall}*a)"), force.into()].map(|text| pulse(&text));
             let both = Force::with_friction(
                 [own.clone(), own],
                 Some([load.clone(), load]),
