@@ -2,6 +2,7 @@
 //! made for the tests.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 use stickslip::noise::{Stream, Transition};
 use stickslip_bearing::calibration::{
     Air, Calibration, CalibrationMethod, CalibrationQuestion, Imperfections, Lag, MeasuredRecord,
@@ -233,6 +234,21 @@ pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibr
     };
     seeds.map(one).collect()
 }
+
+/// The calibrations of 24 synthetic measurements with red noise (seeds 100 to 123), which the tests
+/// share.
+pub static SOUND: LazyLock<Vec<(Calibration, Values)>> =
+    LazyLock::new(|| by_slips(&RED_CAMPAIGN, 100..124));
+
+/// 300 days under steel that is 15 minutes behind the thermometer.
+const LAGGING_CAMPAIGN: Campaign = Campaign {
+    imperfections: Imperfections { lag: 900.0, ..RED },
+    ..RED_CAMPAIGN
+};
+
+/// Those of 12 synthetic measurements of such steel (seeds 520 to 531).
+pub static LAGGING: LazyLock<Vec<(Calibration, Values)>> =
+    LazyLock::new(|| by_slips(&LAGGING_CAMPAIGN, 520..532));
 
 /// The root mean square error of a quantity, relative to its truth.
 pub fn rmse(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {

@@ -1,12 +1,14 @@
 //! Forecasts of future years from measurements of 300 days, for a bearing whose true future is
 //! known.
 
-use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, WEATHER, question, record, twin_of};
+use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, SOUND, WEATHER, question, record, twin_of};
 use crate::loggers::{Logger, PLAIN, kept, kept_of};
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use stickslip::noise::{Stream, Transition};
-use stickslip_bearing::calibration::{CalibrationMethod, MeasuredRecord, calibrate};
+use stickslip_bearing::calibration::{
+    Calibration, CalibrationMethod, MeasuredRecord, Motion, calibrate,
+};
 use stickslip_bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stickslip_bearing::weather::fit;
 
@@ -102,17 +104,23 @@ fn true_slips(processes: [[f64; 2]; 2], lag: f64, years: usize) -> (f64, f64) {
 fn forecast_from(record: &MeasuredRecord, processes: usize, seed: u64) -> Option<Forecast> {
     let stop = AtomicBool::new(false);
     let found = calibrate(record, &question(CalibrationMethod::Slips), 1, &stop).ok()?;
+    forecast_by(&found, processes, seed)
+}
+
+/// The forecast from a calibration, if there is one.
+fn forecast_by(found: &Calibration, processes: usize, seed: u64) -> Option<Forecast> {
+    let stop = AtomicBool::new(false);
     let [times, temperatures] = found.record.thermometer();
     let weather = fit(
         &times,
         &temperatures,
         &PERIODS,
         processes,
-        record.averaged[0],
+        found.record.averaged[0],
     )
     .ok()?;
     forecast(
-        &found,
+        found,
         &weather,
         &ForecastQuestion { seed, ..ASKED },
         2,
@@ -138,7 +146,7 @@ fn forecast_of(seed: u64, processes: usize) -> Forecast {
 /// weather, it would be above 50.
 #[test]
 fn no_two_draws_see_the_same_weather() {
-    let forecast = forecast_of(300, 2);
+    let forecast = forecast_by(&SOUND[0].0, 2, 3).expect("a forecast");
     let (draws, years) = (20.0, 10.0);
     let slips =
         |draw: usize, year: usize| forecast.years[draw][year][ForecastQuantity::Slips as usize];

@@ -1,7 +1,7 @@
 //! Whatever memory, threads and measurements the command gets, it ends: with a result, or with one
 //! message and the exit code 1 or 2. It is never aborted, and never runs for ever.
 
-use crate::command::{self, shell, text, within};
+use crate::command::{self, hundred_days, shell, text, within};
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
@@ -37,6 +37,7 @@ fn assert_ends(output: &Output, what: &str) -> bool {
 /// of this program.
 fn grid(megabytes: &[u64], threads: &[u64]) {
     let here = tempfile::tempdir().expect("a folder");
+    let data = hundred_days(here.path());
     let (mut done, mut refused) = (0, 0);
     for mb in megabytes {
         for threads in threads {
@@ -48,9 +49,7 @@ fn grid(megabytes: &[u64], threads: &[u64]) {
                     "run {SCENARIOS}/rho025.toml --paths 3000 --scheme event-driven --set record.trajectories=3000 \
                      --set record.events=true --no-bias --threads {threads} --quiet --force -o b.h5"
                 ),
-                format!(
-                    "calibrate {EXAMPLE}/bridge.toml {EXAMPLE}/twin.csv --starts 1 --threads {threads}"
-                ),
+                format!("calibrate {EXAMPLE}/bridge.toml {data} --starts 1 --threads {threads}"),
             ] {
                 let output = shell(
                     here.path(),

@@ -1,15 +1,11 @@
 //! `mc calibrate` and `mc twin` as a person uses them: with measurements of one's own, where
 //! something cannot be known, and where the input is refused.
 
-use crate::command::{done, json, refused};
+use crate::command::{TWIN as DATA, done, hundred_days, json, refused};
 
 const SCENARIO: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../examples/bridge/bridge.toml"
-);
-const DATA: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../examples/bridge/twin.csv"
 );
 
 /// The shipped measurements: the JSON has the seven parameters, the file holds the same numbers,
@@ -107,7 +103,8 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
         fitted.contains("2.0e9") && fitted.lines().count() <= scenario.lines().count() + 1,
         "{fitted}"
     );
-    done(path, &["calibrate", "fitted.toml", DATA, "--json"]);
+    let data = hundred_days(path);
+    done(path, &["calibrate", "fitted.toml", data, "--json"]);
     refused(
         path,
         &["show", "fit.h5", "--statistics", "jump_mean"],
@@ -209,7 +206,7 @@ fn the_heading_lists_what_was_changed() {
     let changed = [
         "calibrate",
         SCENARIO,
-        DATA,
+        hundred_days(folder.path()),
         "--method",
         "slips",
         "--set",
@@ -230,12 +227,13 @@ fn without_the_shear_stiffness_forces_are_null() {
         .expect("shipped")
         .replace("[bearing]\nstiffness = 2.0e9", "[bearing]");
     std::fs::write(folder.path().join("rigid.toml"), scenario).expect("written");
+    let data = hundred_days(folder.path());
     let reported = json(&done(
         folder.path(),
         &[
             "calibrate",
             "rigid.toml",
-            DATA,
+            data,
             "--method",
             "slips",
             "--json",

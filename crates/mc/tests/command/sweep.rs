@@ -80,12 +80,12 @@ fn completed_points(path: &Path) -> u64 {
 fn an_interrupted_and_killed_sweep_resumes_identically() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    // The sweep takes a second or two, 2.5e9 steps, so that it can be interrupted.
+    // The sweep takes a second, 1.2e9 steps, so that it can be interrupted.
     let long = [
         &SMALL[..],
         &[
             "--step",
-            "0.00005",
+            "0.0001",
             "-o",
             "parts.h5",
             "--threads",

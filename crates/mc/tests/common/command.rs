@@ -32,6 +32,21 @@ pub const SCENE: &[&str] = &[
     "time.output_step=5",
 ];
 
+/// The measurements of `examples/bridge`.
+pub const TWIN: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../examples/bridge/twin.csv"
+);
+
+/// The first 100 days of these measurements, in a file of this folder, for tests of what does not
+/// depend on their length.
+pub fn hundred_days(folder: &Path) -> &'static str {
+    let text = std::fs::read_to_string(TWIN).expect("the twin");
+    let lines = text.split_inclusive('\n').take(1 + 100 * 144);
+    std::fs::write(folder.join("days.csv"), lines.collect::<String>()).expect("written");
+    "days.csv"
+}
+
 /// How often a condition is checked.
 const LOOK: Duration = Duration::from_millis(20);
 
