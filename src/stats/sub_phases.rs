@@ -87,11 +87,11 @@ mod tests {
         }
         let found = totals.summary(Some(3));
         assert_eq!(found.shares[..3], [0.5, 0.5, 0.0]);
-        let t = 4.302_652_730;
+        let t: f64 = 4.302_652_73;
         let half = 0.5 * t / (4.0 + t * t).sqrt();
         let [low, high] = found.share_ends.at(0);
         assert!((low - (0.5 - half)).abs() < 1e-8 && (high - (0.5 + half)).abs() < 1e-8);
-        let square = 3.841_458_821;
+        let square = 3.841_458_821_f64;
         let [low, high] = found.share_ends.at(2);
         assert!(low == 0.0 && (high - square / (6.0 + square)).abs() < 1e-8);
         assert_eq!(totals.summary(None).share_ends.at(2), [0.0; 2]);

@@ -165,7 +165,7 @@ mod tests {
         let found = of_steps(&batches, &pooled, 0.5).measurement();
         let width = 2.0 * 2.039_513_446 * found.standard_error;
         assert!(
-            (found.high - found.low - width).abs() <= 1.0 && width > 20.0,
+            (found.high - found.low - width).abs() <= 1.0 && width > 5.0,
             "{found:?}"
         );
     }

@@ -1263,3 +1263,39 @@ proptest! {
         }
     }
 }
+
+/// The name of a column says that its values are means, which last for the usual time between stamps.
+#[test]
+fn means_last_from_one_stamp_to_the_next() {
+    for (name, seconds) in [("temperature_Avg_degC", 1800.0), ("temperature_degC", 0.0)] {
+        let text = format!("time_h,{name}\n0,1\n0.5,2\n1,3\n1.5,2\n4,1\n");
+        let table = read_as(&layout(""), text.as_bytes()).expect("sound");
+        assert_eq!(table.columns[0].averaged, seconds, "{name}");
+    }
+}
+
+/// Among values that scatter evenly from -1/2 to 1/2, whose usual size is some 0.4, one that is 5 of
+/// these off is kept, and one that is 12 off is left out by a limit of 8.
+#[test]
+fn an_outlier_is_beyond_the_limit_that_was_given() {
+    let value = |i: u32| match i {
+        20 => 2.0,
+        40 => 4.8,
+        i => f64::from(i * 37 % 101) / 101.0 - 0.5,
+    };
+    let rows: String = (0..60).map(|i| format!("{i},{}\n", value(i))).collect();
+    let limited = Layout {
+        outliers: Some(8),
+        ..layout("")
+    };
+    let text = format!("time_h,temperature_degC\n{rows}");
+    let table = read_as(&limited, text.as_bytes()).expect("sound");
+    let kept = &table.columns[0].values;
+    assert_eq!(
+        [
+            kept.len(),
+            kept.iter().filter(|value| **value > 1.0).count()
+        ],
+        [59, 1]
+    );
+}

@@ -135,4 +135,14 @@ mod tests {
         assert_eq!(Digits::of(1e300, 0.0).show(1e300), "1.000000e300");
         assert_eq!(Digits::of(5e-324, 0.0).show(0.0), "0.000000e-324");
     }
+
+    #[test]
+    fn a_time_has_the_unit_that_suits_it() {
+        assert_eq!(
+            [0.42, 230.0, 9300.0].map(duration),
+            ["0.42 s", "3 min 50 s", "2 h 35 min"]
+        );
+        let times = [60e-6, 0.25, 39_600.0, 12.0 * 86_400.0];
+        assert_eq!(times.map(time), ["60 us", "250 ms", "11 h", "12 d"]);
+    }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::scheme::{Instant, Observer as _};
 use crate::stats::synthetic::{Path, estimate, model, observe, slip, stick, turn};
-use crate::stats::{BlockObserver, Record};
+use crate::stats::{BlockObserver, PassageLevels, Record};
 use crate::sums::coverage::Coverage;
 use rand_distr::{Distribution, Exp1, Gamma, LogNormal, StandardNormal, StandardUniform, Uniform};
 use rand_pcg::Pcg64Dxsm;

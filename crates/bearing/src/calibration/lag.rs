@@ -223,7 +223,8 @@ mod tests {
             start: 0.0,
         };
         let sensor = Sensor::sheared(0.0, 3e-4, 0.1);
-        let readings = motion.follow(&steel).iter().zip(&steel);
+        let places = motion.follow(&steel);
+        let readings = places.iter().zip(&steel);
         let record = MeasuredRecord {
             readings: readings.map(|(xi, t)| sensor.reading(*xi, *t)).collect(),
             ..air

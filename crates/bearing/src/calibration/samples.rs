@@ -399,6 +399,31 @@ mod tests {
         }
     }
 
+    /// After a gap the steel begins at the temperature of the air, and elsewhere it follows a step of
+    /// the air within one interval by the exact solution.
+    #[test]
+    fn a_lag_begins_anew_after_a_gap() {
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 11.0, 12.0];
+        let air = MeasuredRecord {
+            temperatures: vec![0.0, 0.0, 1.0, 1.0, 1.0, 5.0, 5.0],
+            ..record(&times, &[0.0; 7])
+        };
+        let steel = air.lagged(2.0).temperatures;
+        let (decay, rise) = ((-0.5_f64).exp(), 2.0 * (1.0 - (-0.5_f64).exp()));
+        let wanted = [
+            0.0,
+            0.0,
+            1.0 - rise,
+            1.0 - rise * decay,
+            1.0 - rise * decay * decay,
+            5.0,
+            5.0,
+        ];
+        for (found, wanted) in steel.iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-12, "{steel:?}");
+        }
+    }
+
     /// Temperatures that are means over the ten minutes before their stamps belong five minutes
     /// earlier, so readings at an instant lie 300 s later on the common time axis, where the first
     /// mean is at its stamp.

@@ -426,6 +426,7 @@ table! {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::MeasuredRecord;
 
     #[test]
     fn the_documentation_names_every_variable() {
@@ -443,5 +444,60 @@ mod tests {
                 variable.name
             );
         }
+    }
+
+    /// Each variable holds what its name says, for a reader that knows only the names, and the
+    /// question comes back.
+    #[test]
+    fn variables_hold_what_their_names_say() {
+        let mut calibration = Calibration {
+            record: MeasuredRecord {
+                times: vec![0.0],
+                temperatures: vec![1.0],
+                readings: vec![2.0],
+                ..MeasuredRecord::default()
+            },
+            steel: vec![1.0],
+            modelled: vec![2.0],
+            ..Calibration::default()
+        };
+        calibration.estimates = std::array::from_fn(|i| ParameterEstimate {
+            estimate: 10.0 + i as f64,
+            low: 9.0 + i as f64,
+            high: 12.0 + i as f64,
+        });
+        calibration.question.held = vec![(Quantity::Stiffness, 7.0)];
+        calibration.question.bounds = vec![(Quantity::Static, [2.0, 3.0])];
+        calibration.slips = vec![SeenSlip {
+            time: 1.0,
+            temperature: 2.0,
+            jump: 3.0,
+            is_usual: true,
+        }];
+        let dataset = StoredCalibration::of("a title", "", calibration.clone()).dataset();
+        let of = |name: &str, i: usize| {
+            let entry = dataset.entry(name).unwrap_or_else(|| panic!("{name}"));
+            <&[f64]>::try_from(&entry.column).expect("reals")[i]
+        };
+        let [stiffness, f_s] = [Quantity::Stiffness, Quantity::Static].map(|of| of as usize);
+        for (name, i, wanted) in [
+            ("estimate", f_s, 10.0 + f_s as f64),
+            ("interval_low", f_s, 9.0 + f_s as f64),
+            ("interval_high", f_s, 12.0 + f_s as f64),
+            ("held", stiffness, 7.0),
+            ("bound_low", f_s, 2.0),
+            ("bound_high", f_s, 3.0),
+            ("slip_time", 0, 1.0),
+            ("slip_temperature", 0, 2.0),
+            ("slip_jump", 0, 3.0),
+        ] {
+            assert_eq!(of(name, i), wanted, "{name}");
+        }
+        let read = StoredCalibration::read(&dataset)
+            .expect("whole")
+            .calibration;
+        assert_eq!(read.estimates, calibration.estimates);
+        assert_eq!(read.question.held, calibration.question.held);
+        assert_eq!(read.question.bounds, calibration.question.bounds);
     }
 }

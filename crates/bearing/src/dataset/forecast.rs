@@ -134,3 +134,64 @@ const PER_PERIOD: [Variable; 4] = [
 ];
 const DRAW: Variable = coordinate!("draw", Unit::None, "number of the parameter draw");
 const YEAR: Variable = coordinate!("year", Unit::None, "number of the year within a draw");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forecast::{ForecastQuantity, ForecastQuestion, Showed};
+
+    /// Each variable holds what its name says, for a reader that knows only the names.
+    #[test]
+    fn variables_hold_what_their_names_say() {
+        let level = ForecastLevel {
+            quantity: ForecastQuantity::Slips,
+            expected: 100.0,
+            expected_interval: [90.0, 110.0],
+            year_interval: [60.0, 150.0],
+        };
+        let found = Forecast {
+            question: ForecastQuestion {
+                draws: 1,
+                years: 2,
+                seed: 5,
+                level: 0.9,
+                share: 0.8,
+            },
+            likeliest: Vec::new(),
+            years: vec![vec![
+                [0.1, 90.0, 0.3, 0.4, 0.5, 0.6],
+                [0.1, 95.0, 0.3, 0.4, 0.5, 0.6],
+            ]],
+            levels: vec![level],
+            return_levels: vec![ReturnLevel {
+                years: 10.0,
+                expected: 0.02,
+                interval: [0.01, 0.03],
+            }],
+            showed: Showed {
+                slips: 80.0,
+                path: 0.04,
+                duration: 1e6,
+            },
+            usual: [50.0, 130.0],
+            redrawn: 3,
+        };
+        let dataset = forecast("a title", "", &found);
+        for (name, wanted) in [
+            ("expected", 100.0),
+            ("expected_low", 90.0),
+            ("expected_high", 110.0),
+            ("year_low", 60.0),
+            ("year_high", 150.0),
+            ("return_period", 10.0),
+            ("return_level", 0.02),
+            ("return_level_low", 0.01),
+            ("return_level_high", 0.03),
+            ("slips", 90.0),
+        ] {
+            let entry = dataset.entry(name).unwrap_or_else(|| panic!("{name}"));
+            let values = <&[f64]>::try_from(&entry.column).expect("reals");
+            assert_eq!(values[0], wanted, "{name}");
+        }
+    }
+}

@@ -186,4 +186,39 @@ mod tests {
             "{mean} {sd}"
         );
     }
+
+    /// Where friction halves, A and G are half of their means. K is that of the kappa of the same draw.
+    #[test]
+    fn a_drawn_bearing_agrees_with_itself() {
+        let mut calibration = Calibration::default();
+        calibration.question.level = 0.9;
+        calibration.question.shear_stiffness = Some(2e9);
+        for (quantity, estimate, half) in [
+            (Quantity::Dilatation, 3e-4, 0.0),
+            (Quantity::Shear, 0.1, 0.01),
+            (Quantity::Offset, 0.0, 0.0),
+            (Quantity::Reach, 8.0, 0.0),
+            (Quantity::Jump, 1.5, 0.0),
+        ] {
+            calibration.estimates[quantity as usize] = ParameterEstimate {
+                estimate,
+                low: estimate - half,
+                high: estimate + half,
+            };
+        }
+        calibration.correlations = vec![Default::default(); Quantity::ALL.len()];
+        calibration.friction_range = Some([0.5, 0.5]);
+        let draws = BearingDraws::new(&calibration);
+        let mut random = Stream::new(3, 0);
+        let mut kappas = Vec::new();
+        for _ in 0..20 {
+            let (bearing, _) = draws.draw(&mut random).expect("possible");
+            let Response { motion, sensor } = bearing.response;
+            assert_eq!([motion.reach, motion.jump], [4.0, 0.75]);
+            let kappa = sensor.still / sensor.dilatation();
+            assert!((bearing.stiffness / (2e9 * kappa) - 1.0).abs() < 1e-12);
+            kappas.push(kappa);
+        }
+        assert!(kappas.iter().any(|kappa| (kappa - 0.1).abs() > 1e-3));
+    }
 }

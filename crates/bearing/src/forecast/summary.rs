@@ -346,6 +346,7 @@ fn quantile(values: &[f64], level: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::{MeasuredRecord, Motion, Response, SeenSlip, Sensor};
     use stickslip::noise::Stream;
 
     const QUESTION: ForecastQuestion = ForecastQuestion {
@@ -575,5 +576,60 @@ mod tests {
                 "{error}"
             );
         }
+    }
+
+    /// Two years of hours with three slips, one of them double: of four slips two belong to a year. A
+    /// jump of the sensor is (1 - kappa) times that of the body.
+    #[test]
+    fn a_record_shows_its_slips_by_the_year() {
+        let hours = 2.0 * YEAR / 3600.0;
+        let times: Vec<f64> = (0..hours as usize).map(|i| 3600.0 * i as f64).collect();
+        let slip = |jump: f64| SeenSlip {
+            time: 0.0,
+            temperature: 0.0,
+            jump,
+            is_usual: true,
+        };
+        // beta = 1e-3 m/K, kappa = 1/4 and G = 2 K: slips of 2 mm, seen as 1.5 mm.
+        let calibration = Calibration {
+            record: MeasuredRecord {
+                temperatures: times.clone(),
+                readings: times.clone(),
+                times,
+                ..MeasuredRecord::default()
+            },
+            response: Response {
+                motion: Motion {
+                    reach: 5.0,
+                    jump: 2.0,
+                    start: 0.0,
+                },
+                sensor: Sensor::sheared(0.0, 1e-3, 0.25),
+            },
+            slips: vec![slip(1.5e-3), slip(-1.5e-3), slip(3e-3)],
+            ..Calibration::default()
+        };
+        let showed = Showed::of(&calibration);
+        assert_eq!(showed.duration, YEAR);
+        assert!((showed.slips - 2.0).abs() < 1e-3, "{showed:?}");
+        assert!((showed.path - 4e-3).abs() < 1e-6, "{showed:?}");
+    }
+
+    /// The largest values of two years of two draws, 1 and 3, and 12 and 16: means of 2 and 14, and
+    /// variances of 2 and 8. Gumbel's law of these moments exceeds mean + 1.30455 sd once in ten years,
+    /// so the draws are 13.8449 apart. Of this, the years of a draw explain a variance of 2.5 * 4.35928,
+    /// and the mean of both draws half of that. Student's t of one degree of freedom is 6.31375.
+    #[test]
+    fn a_return_level_is_that_of_gumbels_law() {
+        let of = |greatest: f64| [0.0, 0.0, 0.0, greatest, 0.0, 0.0];
+        let years = [vec![of(1.0), of(3.0)], vec![of(12.0), of(16.0)]];
+        let found = return_level(&years, 10.0, &QUESTION);
+        let within = 2.5 * 4.359_227;
+        let variance = 13.844_914_f64.powi(2) / 2.0 - within + within / 2.0;
+        let half = found.interval[1] - found.expected;
+        assert!(
+            (half / (6.313_752 * variance.sqrt()) - 1.0).abs() < 1e-5,
+            "{half}"
+        );
     }
 }

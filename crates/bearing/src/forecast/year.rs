@@ -239,3 +239,76 @@ pub fn year(
 fn normals(states: usize, random: &mut Stream) -> States {
     std::array::from_fn(|i| if i < states { random.normal() } else { 0.0 })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Sensor;
+    use crate::weather::Weather;
+
+    /// The year of a bearing with this A and G, at beta = 1 and kappa = 1/4, under a daily cycle of
+    /// 10 K without other weather, for steel of this lag in seconds.
+    fn under_a_cycle(reach: f64, jump: f64, lag: f64, share: f64, end: f64) -> YearAndRecord {
+        let cycle = Harmonic {
+            amplitude: 10.0,
+            angular_frequency: std::f64::consts::TAU / 86_400.0,
+            phase: 0.0,
+        };
+        let weather = Weather {
+            harmonics: vec![cycle],
+            processes: Vec::new(),
+            smoothing: 0.0,
+        };
+        let bearing = DrawnBearing {
+            response: Response {
+                motion: Motion {
+                    reach,
+                    jump,
+                    start: 0.0,
+                },
+                sensor: Sensor::sheared(0.0, 1.0, 0.25),
+            },
+            stiffness: 3.0,
+        };
+        let steel = SteelOfAYear::of(&DrawnSteel { weather, lag });
+        year(&bearing, &steel, share, end, &mut Stream::new(1, 0))
+    }
+
+    fn of(year: &YearAndRecord, quantity: ForecastQuantity) -> f64 {
+        year.year[quantity as usize]
+    }
+
+    /// The body rests at the highest temperature, from which the cycle is farther than 10 K for half
+    /// of the time. The sensor moves by kappa beta times the range of 20 K, or for a lag of a day/2 pi
+    /// by 1/sqrt(2) of it.
+    #[test]
+    fn a_body_at_rest_is_loaded_by_the_cycle() {
+        let still = under_a_cycle(40.0, 1.0, 0.0, 0.25, 0.0);
+        assert!(
+            (of(&still, ForecastQuantity::Loaded) - 0.5).abs() < 0.005,
+            "{still:?}"
+        );
+        assert!(
+            (of(&still, ForecastQuantity::Range) - 5.0).abs() < 1e-3,
+            "{still:?}"
+        );
+        assert!(
+            (of(&still, ForecastQuantity::Force) - 60.0).abs() < 0.01,
+            "{still:?}"
+        );
+        let behind = under_a_cycle(40.0, 1.0, 86_400.0 / std::f64::consts::TAU, 0.25, 0.0);
+        let range = of(&behind, ForecastQuantity::Range);
+        assert!((range - 5.0 * 0.5_f64.sqrt()).abs() < 1e-3, "{behind:?}");
+    }
+
+    /// With A = 4.2 and G = 1 a half cycle of 20 K has 12 slips of 1 K (20 - 2 * 4.2 = 11.6), so that a
+    /// day has 24, as has each day of the record.
+    #[test]
+    fn a_cycle_makes_its_slips_every_day() {
+        let found = under_a_cycle(4.2, 1.0, 0.0, 0.9, 10.0 * 86_400.0);
+        let slips = of(&found, ForecastQuantity::Slips);
+        assert!((slips - 24.0 * 365.25).abs() <= 24.0, "{found:?}");
+        assert!((found.within - 240.0).abs() <= 1.0, "{found:?}");
+        assert!((of(&found, ForecastQuantity::SlidingPath) / slips - 1.0).abs() < 1e-9);
+    }
+}

@@ -459,3 +459,76 @@ fn along<T: Element>(
     let dimensions = [shape, variable.axes].concat();
     read_sized(from, &variable.along(&dimensions, &[]), length)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two points with S = 3 and 5, and without either of two groups 3 -+ 0.1 and 5 -+ 0.3. Their
+    /// difference has an error of 0.2 with common noise and of sqrt(0.1) without, and t = 12.7062.
+    #[test]
+    fn variables_hold_what_their_names_say() {
+        let axis = SweepAxis::parse("friction.static=1.2,1.3", |_| None).expect("an axis");
+        let design = Design::of(vec![axis], false).expect("a line");
+        let scenario = Scenario::shipped("rho025").expect("shipped");
+        let scenarios = vec![scenario.clone(); 2];
+        let question = SweepQuestion::new(scenario, design, scenarios, Seeds::Common, false);
+        let point = |value: f64, off: f64, diverged_paths| {
+            let of = |statistic| {
+                estimate_of(
+                    statistic,
+                    [
+                        value,
+                        off,
+                        value - off,
+                        value + off,
+                        f64::NAN,
+                        f64::NAN,
+                        f64::NAN,
+                    ],
+                )
+            };
+            let without = [value - off, value + off].map(|value| Statistic::ALL.map(|_| value));
+            Point {
+                estimates: Statistic::ALL.map(of),
+                completed_paths: 512,
+                diverged_paths,
+                seconds: 1.5,
+                cycle: None,
+                without: without.into(),
+            }
+        };
+        let mut sweep = Sweep::new(question);
+        sweep.points = vec![Some(point(3.0, 0.1, 7)), Some(point(5.0, 0.3, 0))];
+        let dataset = Dataset::of_sweep(&sweep);
+        let column = |name: &str| {
+            &dataset
+                .entry(name)
+                .unwrap_or_else(|| panic!("{name}"))
+                .column
+        };
+        let first = |name: &str| <&[f64]>::try_from(column(name)).expect("reals")[0];
+        for (name, wanted) in [
+            ("estimate", 3.0),
+            ("interval_low", 2.9),
+            ("interval_high", 3.1),
+            ("point_seconds", 1.5),
+            ("difference", 2.0),
+            ("difference_error", 0.2),
+            ("difference_low", 2.0 - 0.2 * 12.706_204_7),
+            ("difference_high", 2.0 + 0.2 * 12.706_204_7),
+            ("difference_gain", 0.1 / 0.04),
+        ] {
+            assert!(
+                (first(name) - wanted).abs() < 1e-6,
+                "{name}: {} {wanted}",
+                first(name)
+            );
+        }
+        let count = |name: &str| <&[u64]>::try_from(column(name)).expect("counts")[0];
+        assert_eq!(
+            ["point_completed_paths", "point_diverged_paths"].map(count),
+            [512, 7]
+        );
+    }
+}

@@ -333,4 +333,56 @@ mod tests {
             );
         }
     }
+
+    /// Settings of value 1 + h^(1/2)/10, two of steps and a reference without one. Biases are those to
+    /// the reference, changes those to half the step, and the order is 1/2.
+    #[test]
+    fn variables_hold_what_their_names_say() {
+        let scenario = Scenario::shipped("rho025").expect("shipped");
+        let all = |value: f64, error: f64| vec![Number { value, error }; STATISTICS];
+        let off = |h: f64| 0.1 * h.sqrt();
+        let of = |scheme: Scheme, paths, value: f64, changes| TradeSetting {
+            scheme,
+            paths,
+            diverged: 0,
+            cost: Cost {
+                first: 2.0,
+                each: 1.0,
+            },
+            estimates: all(value, 1e-6),
+            changes,
+        };
+        let mut settings: Vec<TradeSetting> = (0..5)
+            .map(|k| {
+                let h = 0.1 * 0.5f64.powi(k);
+                let changes = all(off(h) - off(h / 2.0), 1e-7);
+                of(Kind::DiscreteVi.with(h), 100, 1.0 + off(h), changes)
+            })
+            .collect();
+        settings.push(of(Kind::EventDriven.with(1e-5), 200, 1.0, Vec::new()));
+        let reference = settings.len() - 1;
+        let trade = Trade::of_rungs(&scenario, settings, reference, Pairing::Unknown);
+        let dataset = Dataset::of_trade(&scenario, &trade.expect("sound"));
+        let first = |name: &str| {
+            let entry = dataset.entry(name).unwrap_or_else(|| panic!("{name}"));
+            <&[f64]>::try_from(&entry.column).expect("reals")[0]
+        };
+        for (name, wanted) in [
+            ("rung_step", 0.1),
+            ("rung_seconds_first", 2.0),
+            ("rung_seconds", 1.0),
+            ("rung_estimate", 1.0 + off(0.1)),
+            ("rung_standard_error", 1e-6),
+            ("rung_bias", off(0.1)),
+            ("rung_change", off(0.1) - off(0.05)),
+            ("rung_change_error", 1e-7),
+            ("scheme_order", 0.5),
+        ] {
+            assert!(
+                (first(name) - wanted).abs() < 1e-4 * wanted,
+                "{name}: {}",
+                first(name)
+            );
+        }
+    }
 }

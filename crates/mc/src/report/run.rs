@@ -472,4 +472,24 @@ mod tests {
             "said once:\n{table}"
         );
     }
+
+    /// The corrected cells are the value minus the bias, between its ends, for a program as well.
+    #[test]
+    fn corrected_cells_are_in_order() {
+        let bias = Bias {
+            estimate: 2.0,
+            uncertainty: 1.0,
+            order: None,
+        };
+        let e = Estimate {
+            statistic: Statistic::SticksPerPath,
+            estimate: 10.0,
+            standard_error: 0.5,
+            low: 9.25,
+            high: 10.75,
+            bias: Some(bias),
+        };
+        let numbers = super::corrected_cells(&e).map(|cell| cell.number);
+        assert_eq!(numbers, [8.125, 6.75, 9.25].map(Some));
+    }
 }

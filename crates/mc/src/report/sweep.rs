@@ -355,3 +355,22 @@ pub fn warnings(sweep: &Sweep) -> Vec<String> {
         .chain(hardly)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::sums::Measurement;
+
+    #[test]
+    fn the_difference_to_the_next_point_keeps_its_sign() {
+        let measurement = Measurement {
+            estimate: -2.0,
+            standard_error: 0.25,
+            low: -2.5,
+            high: -1.5,
+        };
+        let gain = 3.0;
+        let cells = to_next(Some(Paired { measurement, gain }));
+        assert_eq!(cells.map(|cell| cell.number), [-2.0, 0.25, 3.0].map(Some));
+    }
+}
