@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    /// The standard error is the interval over 2 t, up to half a step at each of its ends.
+    /// The standard error is the interval over 2 t, up to a step at each of its ends.
     #[test]
     fn the_error_of_a_quantile_of_steps_fits_its_interval() {
         let durations =
@@ -165,7 +165,7 @@ mod tests {
         let found = of_steps(&batches, &pooled, 0.5).measurement();
         let width = 2.0 * 2.039_513_446 * found.standard_error;
         assert!(
-            (found.high - found.low - width).abs() <= 1.0 && width > 5.0,
+            (found.high - found.low - width).abs() <= 2.0 && width > 20.0,
             "{found:?}"
         );
     }
