@@ -1,8 +1,10 @@
-//! The output that a page shows beside a command is what the command prints.
+//! The output that a page shows beside a command is what the command prints, and what a notebook
+//! quotes is what the package says.
 
 use super::markdown::{Page, root, spans};
 use serde_json::Value;
 use std::path::Path;
+use stickslip::config::{Override, shipped};
 
 /// A folder with copies of the scenarios, in which commands run as in the root of the repository
 /// and can write files.
@@ -40,23 +42,43 @@ fn blocks(page: &Page) -> Vec<(&str, &str)> {
     fences.filter_map(|block| block.split_once('\n')).collect()
 }
 
+/// The scenario that the first run changes, as its page says.
+fn mine() -> String {
+    let page = Page::read("docs/first-run.md").text;
+    let text = shipped("rho025").expect("a shipped scenario").text;
+    let edits = [
+        ("static = 1.2", "static = 1.4"),
+        ("end = 60.0", "end = 150.0"),
+    ];
+    edits.iter().fold(text.to_string(), |text, (from, to)| {
+        assert!(
+            page.contains(&format!("`{to}`")) && text.contains(from),
+            "{to}"
+        );
+        text.replace(&format!("\n{from}"), &format!("\n{to}"))
+    })
+}
+
 /// Wherever a block of text follows a block of commands, the commands print these lines in this
 /// order, perhaps with other lines before, between and after them.
 #[test]
-fn the_cascades_of_the_page_on_the_model() {
-    let (page, folder) = (Page::read("docs/model.md"), workplace());
-    let blocks = blocks(&page);
+fn commands_print_the_text_below_them() {
+    let folder = workplace();
+    std::fs::write(folder.path().join("mine.toml"), mine()).expect("room");
+    let pages = ["docs/model.md", "docs/first-run.md"].map(Page::read);
+    let pairs = pages.iter().flat_map(|page| {
+        let blocks = blocks(page);
+        let pairs = blocks.windows(2).map(|pair| (pair[0], pair[1]));
+        let is_shown = |pair: &((&str, _), (&str, _))| (pair.0.0, pair.1.0) == ("sh", "text");
+        pairs.filter(is_shown).collect::<Vec<_>>()
+    });
     let mut compared = 0;
-    for pair in blocks
-        .windows(2)
-        .filter(|pair| (pair[0].0, pair[1].0) == ("sh", "text"))
-    {
-        let commands = pair[0]
-            .1
-            .split(" && ")
-            .map(|command| command.split_whitespace().skip(1).collect::<Vec<_>>());
+    for pair in pairs {
+        let pair = [pair.0, pair.1];
+        let lines = pair[0].1.lines().flat_map(|line| line.split(" && "));
+        let commands = lines.filter_map(|line| line.strip_prefix("mc "));
         let printed: String = commands
-            .map(|words| printed(folder.path(), &words))
+            .map(|line| printed(folder.path(), &line.split_whitespace().collect::<Vec<_>>()))
             .collect();
         let mut lines = printed.lines();
         for shown in pair[1].1.lines() {
@@ -68,7 +90,45 @@ fn the_cascades_of_the_page_on_the_model() {
         }
         compared += 1;
     }
-    assert_eq!(compared, 3, "cascades");
+    assert_eq!(compared, 5, "blocks of text");
+}
+
+/// A notebook quotes in backticks, in five words or more, how a warning begins that the package
+/// gives for the paper's scenario at one of these steps.
+#[test]
+fn a_notebook_quotes_warnings_as_they_are_worded() {
+    let warnings: String = ["0.0025", "0.01", "0.05", "0.2"]
+        .iter()
+        .flat_map(|step| {
+            let set = [format!("time.step={step}"), "time.output_step=1".into()];
+            let set = set.map(|text| Override::set(&text).expect("well formed"));
+            let scenario = shipped("rho025")
+                .expect("shipped")
+                .parse(&set)
+                .expect("valid");
+            scenario.warnings()
+        })
+        .map(|warning| format!("{warning}\n"))
+        .collect();
+    let mut quotes = 0;
+    for notebook in ["lesson", "tutorial", "motion"] {
+        let text = Page::read(format!("examples/{notebook}.ipynb")).text;
+        let cells: Value = serde_json::from_str(&text).expect("JSON");
+        let cells = cells["cells"].as_array().expect("cells");
+        let prose = cells.iter().filter(|cell| cell["cell_type"] == "markdown");
+        let lines = prose.flat_map(|cell| cell["source"].as_array().expect("lines"));
+        for line in lines.map(|line| line.as_str().expect("a line")) {
+            let is_quote = |span: &&str| {
+                let words = span.split(' ').collect::<Vec<_>>();
+                words.len() > 4 && !["mc", "pip"].contains(&words[0])
+            };
+            for quote in spans(line).into_iter().filter(is_quote) {
+                assert!(warnings.contains(quote), "{notebook}: {quote}\n{warnings}");
+                quotes += 1;
+            }
+        }
+    }
+    assert!(quotes > 3, "quotes are recognised: {quotes}");
 }
 
 /// The whole table is compared, except for the time that the run took. Warnings are on standard
