@@ -560,10 +560,11 @@ fn air_in_file(
     text: Option<&str>,
     file: &str,
 ) -> PyResult<(Air, Option<Start>, Vec<String>)> {
-    let path = Path::new(name).parent().unwrap_or(Path::new("")).join(file);
     let shipped = text.and_then(|text| config::shipped(name).filter(|known| known.text == text));
     let built_in = shipped.and_then(|shipped| shipped.file(file));
-    let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
+    let origin = built_in.map_or(Origin::File(Path::new(file)), |text| {
+        Origin::Text(file, text)
+    });
     let read = scene
         .temperature_source
         .read(origin, ColumnQuantity::Temperature);

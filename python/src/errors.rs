@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::fmt::Display;
-use stickslip::config::{Diagnostic, ScenarioError};
+use stickslip::config::{Diagnostic, ScenarioError, Unreadable};
 use stickslip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
@@ -24,12 +24,18 @@ fn exception(
 
 /// The exception for an error in a scenario.
 pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
+    let mut message = error.to_string();
+    if let ScenarioError::Unreadable { path, cause } = error {
+        let remedy = readable(path, cause);
+        message = format!("cannot read {path}: {cause}\n  fix: {remedy}");
+    }
     let attributes = || match error {
-        ScenarioError::Unreadable {
-            path,
-            reason,
-            remedy,
-        } => [("origin", path), ("problem", reason), ("remedy", remedy)].into_py_dict(py),
+        ScenarioError::Unreadable { path, cause } => [
+            ("origin", path),
+            ("problem", &cause.to_string()),
+            ("remedy", &readable(path, cause)),
+        ]
+        .into_py_dict(py),
         // The message names all errors; the attributes are those of the first one.
         ScenarioError::Invalid(diagnostics) => {
             let Some(first) = diagnostics.first() else {
@@ -55,7 +61,22 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
             Ok(attributes)
         }
     };
-    exception(py, "ScenarioError", &error.to_string(), attributes())
+    exception(py, "ScenarioError", &message, attributes())
+}
+
+/// The remedy for a scenario that cannot be read, with the function that helps.
+fn readable(path: &str, cause: &Unreadable) -> String {
+    match cause {
+        Unreadable::Results => {
+            format!(
+                "load(\"{path}\") opens it, and its attribute `scenario` is the scenario of its results"
+            )
+        }
+        Unreadable::Missing(None) | Unreadable::Directory => {
+            cause.remedy() + ", or the name of one of scenarios()"
+        }
+        _ => cause.remedy(),
+    }
 }
 
 /// A problem with its remedy behind it. The text of some errors of the engine has its remedy already.

@@ -39,7 +39,7 @@ mod _native {
     #[pymodule_export]
     use super::run::{merge, motion, replay, run};
     #[pymodule_export]
-    use super::scenario::{Scenario, key_meant, parse, shipped};
+    use super::scenario::{Scenario, key_meant, option_meant, parse, shipped};
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
     #[pymodule_export]
@@ -53,6 +53,7 @@ mod _native {
         module.add("GIT_HASH", stickslip::engine::commit())?;
         let statistics = stickslip::stats::Statistic::ALL.map(stickslip::stats::Statistic::name);
         module.add("STATISTICS", statistics.to_vec())?;
+        module.add("OPTIONS", stickslip::config::OPTIONS.to_vec())?;
         module.add(
             "SHIPPED",
             stickslip::config::SHIPPED

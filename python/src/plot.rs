@@ -182,7 +182,7 @@ fn draw(
             (
                 argument("only", &name),
                 problem,
-                "as `mc plot --help` says".into(),
+                "choose a figure that help(stickslip.plot) names".into(),
             )
         };
         Only::named(&name, figures()).map_err(unknown)

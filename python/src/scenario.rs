@@ -178,6 +178,13 @@ pub fn key_meant(word: &str) -> Option<(String, String)> {
     config::key_meant(word)
 }
 
+/// The argument, of those with these names, that a word probably stands for.
+#[pyfunction]
+pub fn option_meant(word: &str, names: Vec<String>) -> Option<String> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    config::option_meant(word, &names).map(str::to_string)
+}
+
 /// The text of the shipped scenario with this name; None if there is no such scenario.
 #[pyfunction]
 pub fn shipped(name: &str) -> Option<&'static str> {

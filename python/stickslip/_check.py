@@ -9,7 +9,6 @@ from typing import Any
 
 from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
-from ._wording import in_python
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,5 +80,4 @@ def check(
         ArgumentError: `temperature` or one of `inputs` is not a measurement.
     """
     parsed = parse(locals())
-    warnings = {name: in_python(sentence) for name, sentence in parsed.warnings()}
-    return Check(parsed.title, parsed.toml, parsed.derived(), warnings)
+    return Check(parsed.title, parsed.toml, parsed.derived(), dict(parsed.warnings()))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._public import public
-from ._wording import in_python
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,4 +91,4 @@ def warn(sentences: list[str], level: int = 4) -> None:
     from .errors import StickSlipWarning
 
     for sentence in sentences:
-        warnings.warn(in_python(sentence), StickSlipWarning, stacklevel=level)
+        warnings.warn(sentence, StickSlipWarning, stacklevel=level)

@@ -10,6 +10,7 @@ VERSION: str
 GIT_HASH: str
 STATISTICS: list[str]
 SHIPPED: list[str]
+OPTIONS: list[tuple[str, str]]
 
 # A data set of the engine: its attributes, and for each variable its name, dimensions, values and
 # attributes.
@@ -39,6 +40,7 @@ def parse(
     are_stored: bool = False,
 ) -> Scenario: ...
 def key_meant(word: str) -> tuple[str, str] | None: ...
+def option_meant(word: str, names: Sequence[str]) -> str | None: ...
 def shipped(name: str) -> str | None: ...
 
 # A data set that is handed to the engine, in the same form.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Union
 
-from .errors import require, wrong_argument
+from .errors import mappings, require, wrong_argument
 
 if TYPE_CHECKING:
     import numpy as np
@@ -79,6 +79,11 @@ _COLUMNS = {
 def shown(own: Mapping[str, Statistic] | None) -> list[Callable[..., Any]]:
     """The functions that the engine calls. Each calls a function of the caller and checks its
     result."""
+    example = '{"slips": lambda events: events.per_path(events.kind == 1)}'
+    mappings(example, own=own)
+    for name, statistic in (own or {}).items():
+        problem, remedy = "it is not a function of the events", f"give a function, e.g. {example}"
+        require(callable(statistic), "own", f"{name}: {statistic!r}", problem, remedy)
     return [_checked(name, statistic) for name, statistic in (own or {}).items()]
 
 

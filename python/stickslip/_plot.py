@@ -13,7 +13,7 @@ from ._data import raw
 from ._public import public
 from ._run import STUDIES, of_run
 from ._scenario import ScenarioLike, Settings, parse
-from .errors import require, wrong_argument
+from .errors import mappings, require, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,6 +145,7 @@ def plot(
         ScenarioError: the scenario is invalid.
         RunError: there is nothing to draw, because every path was lost.
     """
+    mappings('{"rho": "weight of the noise"}', labels=labels)
     is_known = theme in ("light", "dark")
     require(is_known, "theme", theme, "unknown theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log, title, [*(labels or {}).items()])

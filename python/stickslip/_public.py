@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable
-from difflib import get_close_matches
+import reprlib
+from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
@@ -17,22 +17,15 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 #: Arguments that replace a key of the scenario, and the key.
-KEYS = {
-    "paths": "ensemble.paths",
-    "seed": "ensemble.seed",
-    "scheme": "scheme.kind",
-    "tolerance": "scheme.tolerance",
-    "step": "time.step",
-    "until": "time.end",
-}
+KEYS: dict[str, str] = dict(_native.OPTIONS)
 
 
 def public(function: Callable[P, R]) -> Callable[P, R]:
     """The function with these checks.
 
     Raises:
-        TypeError: an argument is unknown. The message suggests another.
-        ArgumentError: the engine refuses the type of an argument.
+        ArgumentError: an argument is unknown, for which the message suggests another, or the
+            engine refuses its type.
     """
     names = [name for name in inspect.signature(function).parameters if name != "self"]
     called = function.__qualname__.removesuffix(".__init__")
@@ -40,8 +33,8 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
     @wraps(function)
     def call(*given: P.args, **named: P.kwargs) -> R:
         for name in named.keys() - {*names}:
-            problem = f"{called}() has no argument `{name}`"
-            raise TypeError(f"{problem}\n  fix: {_instead(name, names)}")
+            problem = f"{called}() has no such argument"
+            raise wrong_argument(name, reprlib.repr(named[name]), problem, _instead(name, names))
         try:
             return function(*given, **named)
         except (TypeError, OverflowError) as error:
@@ -57,13 +50,12 @@ def public(function: Callable[P, R]) -> Callable[P, R]:
     return call
 
 
-def _instead(word: str, names: Iterable[str]) -> str:
+def _instead(word: str, names: list[str]) -> str:
     """The argument, or the key of the scenario, that a word probably stands for."""
-    alike = get_close_matches(word, names, 1)
+    meant = _native.option_meant(word, names)
+    if meant:
+        return f"write `{meant}=`"
     key, meaning = _native.key_meant(word) or ("", "")
-    alike += [argument for argument, of in KEYS.items() if of == key and argument in names]
-    if alike:
-        return f"write `{alike[0]}=`"
     if key and "set" in names:
         return f'write `set={{"{key}": ...}}` for that key of the scenario ({meaning})'
     return f"the arguments are {', '.join(names)}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union
 from . import _native, _toml
 from ._data import warn
 from ._public import KEYS
-from .errors import require, wrong_argument
+from .errors import mappings, require, wrong_argument
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,6 +73,7 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
 def _measurements(arguments: Mapping[str, Any]) -> Iterator[tuple[str, str, str, Any]]:
     """Each measurement among the arguments: its argument, its table, its quantity, and itself."""
     temperature, inputs = arguments.get("temperature"), arguments.get("inputs")
+    mappings('{"ag": (times, accelerations)}', inputs=inputs)
     if temperature is not None:
         yield "temperature", "temperature.series", "temperature", temperature
     for name, given in (inputs or {}).items():
@@ -86,6 +87,7 @@ def overrides(settings: Settings | None) -> list[tuple[str, str, str]]:
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:
     """The dotted keys with their values as TOML."""
+    mappings('{"friction.static": 1.3}', set=settings)
     return [(key, _toml.value(key, given)) for key, given in _flat("", settings or {})]
 
 
@@ -113,7 +115,7 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
     path = os.fspath(scenario)
     if "\n" in path:
         return "scenario", path
-    shipped = None if os.path.exists(path) else _native.shipped(path)
+    shipped = None if os.path.isfile(path) else _native.shipped(path)
     return path, shipped
 
 

@@ -14,7 +14,7 @@ from ._progress import Progress, shown
 from ._public import public
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time, seconds
-from .errors import require
+from .errors import mappings, require
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,6 +86,7 @@ def sweep(
     """
     given = locals()
     ready()
+    mappings('{"friction.static": [1.1, 1.2, 1.3]}', vary=vary)
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     problem = "give either `vary` or `elasticity`"
     require(bool(vary) != bool(keys), "vary", vary, problem, "give one of them")
@@ -156,6 +157,8 @@ def trade(
 
 
 def _values(key: str, values: Values) -> str:
+    remedy = f'give several, e.g. {{"{key}": [1.1, 1.2]}}, or "START:STOP:COUNT"'
+    require(hasattr(values, "__iter__"), "vary", f"{{{key!r}: {values!r}}}", "one value", remedy)
     return (
         values
         if isinstance(values, str)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import reprlib
+from collections.abc import Mapping
 from numbers import Real
 from typing import Any
-
-from ._wording import in_python
 
 __all__ = [
     "ArgumentError",
@@ -18,8 +18,7 @@ __all__ = [
 
 
 class StickSlipError(Exception):
-    """The base class of all errors of this package. The message is that of the command,
-    with arguments in place of flags.
+    """The base class of all errors of this package.
 
     Attributes:
         problem: what is wrong.
@@ -30,9 +29,9 @@ class StickSlipError(Exception):
     remedy: str = ""
 
     def __init__(self, message: str, **attributes: Any) -> None:
-        super().__init__(in_python(message))
+        super().__init__(message)
         for name, value in attributes.items():
-            setattr(self, name, in_python(value) if name in ("problem", "remedy") else value)
+            setattr(self, name, value)
 
 
 class ScenarioError(StickSlipError, ValueError):
@@ -58,7 +57,7 @@ class ScenarioError(StickSlipError, ValueError):
 
 
 class ArgumentError(StickSlipError, ValueError):
-    """An argument of a function is invalid.
+    """An argument of a function is unknown or invalid.
 
     Attributes:
         argument: the name of the argument.
@@ -107,6 +106,14 @@ def require(is_right: bool, argument: str, value: object, problem: str, remedy: 
     """Raise the exception for an invalid argument unless it is right."""
     if not is_right:
         raise wrong_argument(argument, value, problem, remedy)
+
+
+def mappings(example: str, **arguments: object) -> None:
+    """Raise the exception for an argument that is given but no dictionary like this example."""
+    for name, value in arguments.items():
+        is_right = value is None or isinstance(value, Mapping)
+        remedy = f"give a dictionary, e.g. {example}"
+        require(is_right, name, reprlib.repr(value), "it is not a dictionary", remedy)
 
 
 def within(low: float, high: float, **arguments: float) -> None:

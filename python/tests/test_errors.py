@@ -61,10 +61,10 @@ def test_a_message_names_the_argument_instead_of_a_flag(mc):
     ("arguments", "words"),
     [
         ({"paths": 0}, ["paths = 0: "]),
-        ({"step": 0.1, "scheme": "event-driven"}, ["step = 0.1: ", '`scheme="discrete-vi"`']),
+        ({"step": 0.1, "scheme": "event-driven"}, ["step = 0.1: ", '`scheme.kind = "discrete-vi"`']),
         ({"scheme": "event"}, ["scheme = event: ", 'did you mean "event-driven"']),
         ({"set": {"friction": {"sttic": 1}}}, ["set friction.sttic = 1: "]),
-        ({"set": {"friction.static.x": 1}}, ["check(scenario).toml has every key"]),
+        ({"set": {"friction.static.x": 1}}, ["set `friction.static` itself"]),
     ],
 )
 def test_a_message_about_a_scenario_speaks_of_arguments(arguments, words):
@@ -82,7 +82,7 @@ def test_a_missing_scenario_does_not_mention_the_command():
 
 
 def test_a_warning_speaks_of_arguments():
-    with pytest.warns(ss.StickSlipWarning, match='`scheme="event-driven"` has none'):
+    with pytest.warns(ss.StickSlipWarning, match='`scheme.kind = "event-driven"` has none'):
         ss.run("rho025", paths=256, bias=False, scheme="corrected-vi", step=0.05)
 
 

@@ -86,6 +86,15 @@ RUN = {"scenario": "rho025", "paths": 10, "step": 0.1}
         (lambda: ss.forecast(BRIDGE, "a.csv", draws=-3), "draws"),
         (lambda: ss.fit_temperature("a.csv", processes="two"), "processes"),
         (lambda: ss.events(xr.Dataset()), "ds"),
+        (lambda: ss.run(**RUN, set="friction.static=1.3"), "set"),
+        (lambda: ss.check("rho025", set=["friction.static"]), "set"),
+        (lambda: ss.run(**RUN, own=len), "own"),
+        (lambda: ss.run(**RUN, own={"mine": 3}), "own"),
+        (lambda: ss.run(**RUN, inputs=[1.0]), "inputs"),
+        (lambda: ss.sweep("rho025", 1.2), "vary"),
+        (lambda: ss.sweep("rho025", "friction.static=1:2:3"), "vary"),
+        (lambda: ss.sweep("rho025", {"friction.static": 1.2}), "vary"),
+        (lambda: ss.plot(xr.Dataset(), labels="rho"), "labels"),
     ],
 )
 def test_an_argument_that_the_engine_refuses_is_named(call, argument):
@@ -100,16 +109,22 @@ def test_an_argument_that_the_engine_refuses_is_named(call, argument):
         (lambda: ss.run("rho025", n=10), "write `paths=`"),
         (lambda: ss.run("rho025", h=0.1), "write `step=`"),
         (lambda: ss.run("rho025", path=10), "write `paths=`"),
-        (lambda: ss.Motion("rho025", H=0.1), "Motion() has no argument `H`\n  fix: write `step=`"),
+        (lambda: ss.Motion("rho025", H=0.1), "Motion() has no such argument\n  fix: write `step=`"),
         (lambda: ss.check("rho025", rho=0.3), 'write `set={"temperature.noise.intensity": ...}`'),
         (lambda: ss.sweep("rho025", {}, fs=1), 'write `set={"friction.static": ...}`'),
         (lambda: ss.load("a.h5", zebra=1), "the arguments are file"),
+        (lambda: ss.load(path="a.h5"), "write `file=`"),
+        (lambda: ss.plot("rho025", kind="path"), "write `only=`"),
+        (lambda: ss.run("rho025", particles=9), "write `paths=`"),
+        (lambda: ss.run("rho025", duration=9), "write `until=`"),
+        (lambda: ss.run("rho025", cores=9), "write `threads=`"),
     ],
 )
 def test_an_unknown_argument_gets_a_suggestion(call, words):
-    with pytest.raises(TypeError) as raised:
+    with pytest.raises(ss.ArgumentError) as raised:
         call()
-    assert "has no argument" in str(raised.value) and words in str(raised.value)
+    assert "has no such argument" in str(raised.value) and words in str(raised.value)
+    assert raised.value.argument and raised.value.remedy in str(raised.value)
 
 
 def test_help_names_every_figure_and_record():
