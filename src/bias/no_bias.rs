@@ -38,7 +38,7 @@ pub enum NoBias {
     /// at the compared steps.
     #[error(
         "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven reference \
-         run would take too long compared with this run; `mc trade` measures it"
+         run would take too long compared with this run; a trade measures it"
     )]
     Corrected,
     /// f_s = f_d under noise: statistics of sticks have no limit as h falls.

@@ -58,6 +58,14 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         keys::VALUE,
         Some(&temperature_source),
     );
+    let located = |table: &str, source: ColumnSource| {
+        let place = root.place_of(&format!("{table}.file"));
+        let path = |file: String| sources.path_of(&file, place).display().to_string();
+        ColumnSource {
+            file: source.file.map(path),
+            ..source
+        }
+    };
     let stem = Path::new(sources.name)
         .file_stem()
         .unwrap_or_default()
@@ -74,8 +82,8 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS),
         offset: bearing.number_or(keys::OFFSET, 0.0),
         displacement: initial.and_then(Result::ok),
-        temperature_source,
-        displacement_source,
+        temperature_source: located("temperature.series", temperature_source),
+        displacement_source: located("displacement.series", displacement_source),
         text: sources.text.to_string(),
     })
 }

@@ -1,25 +1,67 @@
 //! Errors in scenarios, with their remedies.
 
+use super::SHIPPED;
 use std::fmt;
 
 /// Why a scenario cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// The file cannot be read at all.
-    #[error("cannot read {path}: {reason}\n  fix: {remedy}")]
+    #[error("cannot read {path}: {cause}\n  fix: {}", cause.remedy())]
     Unreadable {
         /// The file.
         path: String,
-        /// The reason.
-        reason: String,
-        /// The remedy.
-        remedy: String,
+        /// Why.
+        cause: Unreadable,
     },
     /// The file can be read, but it or an override is wrong in at least one place. The errors are
     /// in the order of the file. Inconsistent values are reported only if each of them is valid by
     /// itself.
     #[error("{}", .0.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<Diagnostic>),
+}
+
+/// Why the text of a scenario cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unreadable {
+    /// There is no such file; perhaps the shipped scenario of this name is meant.
+    #[error("no such file")]
+    Missing(Option<&'static str>),
+    /// The system refuses to read it, for this reason.
+    #[error("{0}")]
+    Refused(String),
+    /// It is a directory.
+    #[error("it is a directory")]
+    Directory,
+    /// It holds results.
+    #[error("it is an HDF5 file")]
+    Results,
+    /// It is larger than any scenario.
+    #[error("it is larger than 1 MiB")]
+    TooLarge,
+    /// This line is not text.
+    #[error("line {0} is not UTF-8 text")]
+    NotText(usize),
+    /// No shipped scenario has this name.
+    #[error("no shipped scenario has this name")]
+    NotShipped,
+}
+
+impl Unreadable {
+    /// How to fix it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Unreadable::Missing(Some(name)) => {
+                format!("give the path of a scenario, a TOML file, or `{name}`, which is shipped")
+            }
+            Unreadable::NotText(_) => "save it as UTF-8, without a byte-order mark".into(),
+            Unreadable::NotShipped => {
+                let names = SHIPPED.map(|scenario| scenario.name);
+                format!("choose one of {}", names.join(", "))
+            }
+            _ => "give the path of a scenario, a TOML file".into(),
+        }
+    }
 }
 
 impl From<Box<Diagnostic>> for ScenarioError {

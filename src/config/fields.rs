@@ -6,6 +6,7 @@
 use super::error::Diagnostic;
 use super::keys::{self, Allowed, Key};
 use super::source::{Place, Sources};
+use super::synonyms::suggestion;
 use super::tree::{KeyValue, Node, Value, node_at};
 use crate::model::LARGEST;
 use std::ops::RangeInclusive;
@@ -41,7 +42,10 @@ impl ValueAt<'_> {
     /// A number or the name of a parameter, checked.
     fn number(&self, key: Key) -> Result<f64, Box<Diagnostic>> {
         let named = match &self.node.value {
-            Value::Text(name) => self.sources.named(&self.path, name).map(Some),
+            Value::Text(text) => match self.sources.duration(key, text) {
+                Some(seconds) => Ok(Some(seconds)),
+                None => self.sources.named(&self.path, text).map(Some),
+            },
             _ => Ok(None),
         };
         let allowed = key.range.words();
@@ -50,7 +54,11 @@ impl ValueAt<'_> {
         } else {
             format!("{}, ", key.symbol)
         };
-        let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
+        let or_duration = match key.is_time() {
+            true => ", or, if `units.time` = \"s\", a duration such as \"6h\"",
+            false => "",
+        };
+        let remedy = format!("give {allowed} ({symbol}{}){or_duration}", key.meaning);
         let known = named.as_ref().err().filter(|known| !known.is_empty());
         if let Some(known) = known {
             let problem = format!("is neither a number nor a parameter; it must be {allowed}");
@@ -214,17 +222,17 @@ impl<'a> Fields<'a> {
             } else {
                 format!("`{schema}`")
             };
-            let meant = keys::suggestion(schema, &entry.key);
-            let hint = meant
-                .as_ref()
-                .map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+            let meant = suggestion(schema, &entry.key);
+            let hint = meant.as_ref().map_or(String::new(), |(name, _)| {
+                format!("; did you mean `{name}`?")
+            });
             let remedy = match meant {
                 // Harmonics form an array, so the remedy shows a harmonic within its array.
-                Some(name) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
+                Some((name, _)) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
                     "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]"
                         .to_string()
                 }
-                Some(name) => format!("write `{name}`, or remove it"),
+                Some((name, note)) => format!("write `{name}`{note}, or remove it"),
                 None => "remove it".to_string(),
             };
             let problem = format!("unknown key `{}`{hint}", short(&entry.key));
@@ -541,6 +549,15 @@ impl<'a> Fields<'a> {
         })
     }
 
+    /// The name of a column, or its number, if present.
+    pub fn column_if_present(&self, key: Key) -> Option<String> {
+        self.sound(key, |at| match &at.node.value {
+            Value::Integer { digits, radix: 10 } => Ok(digits.clone()),
+            _ => at.text(char::is_control),
+        })
+        .filter(|text| !text.is_empty())
+    }
+
     /// One line of text, if present and not empty.
     pub fn line_if_present(&self, key: Key) -> Option<String> {
         Some(self.line_or(key, "")).filter(|text| !text.is_empty())
@@ -579,8 +596,12 @@ impl<'a> Fields<'a> {
         } else {
             &format!("under [{}]", self.path)
         };
+        let instead = match key.instead {
+            "" => String::new(),
+            instead => format!(", or {instead}"),
+        };
         let remedy = format!(
-            "add `{} = ...` {under}: {symbol}, {meaning}; {}",
+            "add `{} = ...` {under}: {symbol}, {meaning}; {}{instead}",
             key.name,
             key.range.words()
         );

@@ -179,7 +179,7 @@ impl Scope {
                 .any(|of| of.unused_names().all(|unused| unused != name))
         };
         let all = if is_override {
-            ", or all with `--set 'parameters={}'`"
+            ", or all with `parameters = {}`"
         } else {
             ""
         };

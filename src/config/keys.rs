@@ -68,6 +68,8 @@ pub(super) struct Key {
     pub default: &'static str,
     /// The permitted values, if the range does not give them.
     pub allowed: &'static str,
+    /// What may be written instead of a required key.
+    pub instead: &'static str,
 }
 
 impl Key {
@@ -81,6 +83,15 @@ impl Key {
 
     const fn allowed(self, allowed: &'static str) -> Key {
         Key { allowed, ..self }
+    }
+
+    /// Whether its value is a time in the unit of the scenario.
+    pub fn is_time(&self) -> bool {
+        self.unit == "time"
+    }
+
+    const fn instead(self, instead: &'static str) -> Key {
+        Key { instead, ..self }
     }
 }
 
@@ -108,6 +119,7 @@ const fn other(name: &'static str, meaning: &'static str) -> Key {
         unit: "",
         default: "",
         allowed: "",
+        instead: "",
     }
 }
 
@@ -195,9 +207,9 @@ keys! {
         FILE = other("file", "path of the data file, relative to the scenario")
             .allowed("a path");
         SERIES_TIME = other("time", "time column")
-            .default("found by its name").allowed("a name; date and time with a comma");
+            .default("found by its name").allowed("a name or a number; date and time with a comma");
         VALUE = other("value", "value column")
-            .default("found by its name").allowed("a name");
+            .default("found by its name").allowed("a name or a number");
         UNIT = other("unit", "of the values")
             .default("from the file").allowed("a unit");
         ZONE = other("zone", "time zone of stamps without one")
@@ -291,7 +303,8 @@ keys! {
         END = number("end", "t_end", "duration", NonNegative)
             .unit("time").default("the earliest last sample").allowed("0 to the earliest last sample, in whole steps");
         STEP = number("step", "h", "time step", Positive)
-            .unit("time").default("required by schemes with a step");
+            .unit("time").default("required by schemes with a step")
+            .instead("`scheme.kind = \"event-driven\"`, which has no step");
         OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Positive)
             .unit("time").default("about 120 rows").allowed("whole steps; at most 100000 rows");
     }
@@ -372,82 +385,4 @@ pub(super) fn of_table(table: &str) -> Vec<&'static str> {
 /// The names of these keys.
 pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
     keys.iter().map(|key| key.name).collect()
-}
-
-/// Other names that users write for a key, in addition to the symbol of the paper.
-const SYNONYMS: [(&str, &str); 23] = [
-    ("dilation", "oscillator.dilatation"),
-    ("gain", "oscillator.force_per_temperature"),
-    ("belt", "temperature.trend"),
-    ("slope", "temperature.trend"),
-    ("speed", "temperature.trend"),
-    ("constant", "temperature.offset"),
-    ("g", "force.expression"),
-    ("formula", "force.expression"),
-    ("fs", "friction.static"),
-    ("fd", "friction.dynamic"),
-    ("kinetic", "friction.dynamic"),
-    ("omega", "temperature.harmonics.angular_frequency"),
-    ("frequency", "temperature.harmonics.angular_frequency"),
-    ("v0", "temperature.noise.initial"),
-    ("k_bp", "bearing.stiffness"),
-    ("csv", "temperature.series.file"),
-    ("until", "time.end"),
-    ("dt", "time.step"),
-    ("burn_in", "statistics.after"),
-    ("burnin", "statistics.after"),
-    ("warmup", "statistics.after"),
-    ("n", "ensemble.paths"),
-    ("epsilon", "scheme.tolerance"),
-];
-
-/// The similarity (1 for equal words) from which a key is suggested. It is lower within a table
-/// than across tables, where words are more often similar by chance.
-const ALIKE_WITHIN: f64 = 0.75;
-const ALIKE_ACROSS: f64 = 0.85;
-
-/// The key probably meant by `key` in `table`; dotted if it belongs to another table.
-pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
-    let word = key.to_lowercase();
-    let from_here = |home: &str, name: &str| match home {
-        _ if home == table || home.is_empty() => name.to_string(),
-        home => format!("{home}.{name}"),
-    };
-    let all = || {
-        TABLES
-            .iter()
-            .flat_map(|(home, keys)| keys.iter().map(|key| (*home, key)))
-    };
-    let symbol = all().find(|(_, key)| !word.is_empty() && key.symbol.eq_ignore_ascii_case(&word));
-    if let Some((home, key)) = symbol {
-        return Some(from_here(home, key.name));
-    }
-    if let Some((_, dotted)) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word) {
-        let (home, name) = dotted.rsplit_once('.')?;
-        return Some(from_here(home, name));
-    }
-    let is_elsewhere = |(home, key): &(&str, &Key)| *home != table && key.name == word;
-    let is_alone = all().filter(is_elsewhere).count() == 1;
-    // A key of exactly this name in one other table comes before those of this table.
-    let ranked = all().filter_map(|(home, key)| {
-        let likeness = likeness(&word, key.name);
-        let rank = match home == table {
-            true if likeness >= ALIKE_WITHIN => 1,
-            false if is_alone && is_elsewhere(&(home, key)) => 2,
-            _ if likeness >= ALIKE_ACROSS => 0,
-            _ => return None,
-        };
-        Some(((rank, likeness), from_here(home, key.name)))
-    });
-    let best = ranked.max_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    best.map(|(_, key)| key)
-}
-
-/// The similarity of a word and a name, from 0 to 1. Similarity to a part of a name, such as
-/// `frequency`, counts nearly in full.
-fn likeness(word: &str, name: &str) -> f64 {
-    let parts = name
-        .split('_')
-        .map(|part| 0.95 * strsim::jaro_winkler(word, part));
-    parts.fold(strsim::jaro_winkler(word, name), f64::max)
 }

@@ -24,6 +24,7 @@ mod physics;
 mod series;
 mod shipped;
 mod source;
+mod synonyms;
 mod text;
 mod time;
 mod tree;
@@ -32,9 +33,10 @@ mod tree;
 mod tests;
 
 pub use bridge::temperature_source;
-pub use error::{Diagnostic, ScenarioError};
+pub use error::{Diagnostic, ScenarioError, Unreadable};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
+pub use synonyms::{OPTIONS, key_meant, option_meant};
 pub use text::temperature_part;
 
 use crate::model::NamedSeries;
@@ -43,24 +45,6 @@ use source::{MeasuredFrom, Sources};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-
-/// The key of a scenario probably meant by a word, such as its symbol, and its meaning, which is
-/// empty if its value is not a number.
-///
-/// ```
-/// use stickslip::config::key_meant;
-///
-/// let (key, meaning) = key_meant("rho").expect("a symbol");
-/// assert_eq!((key.as_str(), meaning.as_str()), ("temperature.noise.intensity", "rho, weight of v in T"));
-/// ```
-pub fn key_meant(word: &str) -> Option<(String, String)> {
-    let key = keys::suggestion("", word)
-        .filter(|key| key.contains('.') || keys().iter().any(|known| known.key == *key))?;
-    let meaning = symbol_and_meaning(&key).map_or_else(String::new, |(symbol, meaning)| {
-        [symbol, meaning].join(if symbol.is_empty() { "" } else { ", " })
-    });
-    Some((key, meaning))
-}
 
 /// The symbol of the paper and the meaning of a dotted key with a numeric value. The symbol is
 /// empty if the key has none.
@@ -165,51 +149,34 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     } else {
         path.display().to_string()
     };
-    let unreadable = |reason: String, remedy: String| ScenarioError::Unreadable {
+    let unreadable = |cause: Unreadable| ScenarioError::Unreadable {
         path: name.clone(),
-        reason,
-        remedy,
+        cause,
     };
-    let not_scenario =
-        || "give the path of a scenario, a TOML file; `mc init` writes one".to_string();
     if path.is_dir() {
-        return Err(unreadable("it is a directory".into(), not_scenario()));
+        return Err(unreadable(Unreadable::Directory));
     }
     let read = match is_standard_input {
         true => standard_input(),
         false => std::fs::File::open(path).and_then(read_all),
     };
-    let bytes = read.map_err(|e| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let remedy = match shipped::nearest(&stem).filter(|_| e.kind() == io::ErrorKind::NotFound) {
-            Some(name) if name == stem => {
-                format!(
-                    "`{stem}` alone is the shipped scenario, and `mc init --from {stem}` writes it"
-                )
-            }
-            Some(name) => {
-                format!("give the path of a scenario, a TOML file; `{name}` is a shipped one")
-            }
-            None => not_scenario(),
-        };
-        unreadable(e.to_string(), remedy)
+    let bytes = read.map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            unreadable(Unreadable::Missing(shipped::nearest(&stem)))
+        }
+        _ => unreadable(Unreadable::Refused(error.to_string())),
     })?;
     if bytes.starts_with(HDF5_SIGNATURE) {
-        let remedy = format!(
-            "`mc show {name}` shows the results in it, and `mc show {name} --scenario` prints their scenario"
-        );
-        return Err(unreadable("it is an HDF5 file".into(), remedy));
+        return Err(unreadable(Unreadable::Results));
     }
     if bytes.len() as u64 > MAX_FILE {
-        return Err(unreadable("it is larger than 1 MiB".into(), not_scenario()));
+        return Err(unreadable(Unreadable::TooLarge));
     }
     let text = String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
-        unreadable(
-            format!("line {line} is not UTF-8 text"),
-            "save it as UTF-8, without a byte-order mark".into(),
-        )
+        unreadable(Unreadable::NotText(line))
     })?;
     Ok((name, text))
 }
@@ -235,7 +202,7 @@ pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     let named = named
         .filter(|(place, file)| sources.data(file).is_none() || sources.is_override(Some(*place)));
     std::iter::once(path.to_owned())
-        .chain(named.map(|(_, file)| sources.path_of(file)))
+        .chain(named.map(|(place, file)| sources.path_of(file, Some(place))))
         .collect()
 }
 
@@ -256,11 +223,7 @@ impl Scenario {
             Some(found) => found.parse(&[]),
             None => Err(ScenarioError::Unreadable {
                 path: name.to_string(),
-                reason: "no shipped scenario has this name".into(),
-                remedy: format!(
-                    "choose one of {}",
-                    SHIPPED.map(|scenario| scenario.name).join(", ")
-                ),
+                cause: Unreadable::NotShipped,
             }),
         }
     }

@@ -40,11 +40,16 @@ pub struct Override {
 }
 
 impl Override {
-    /// The override of `--set key=value`. The key is dotted (`friction.static`,
+    /// The override `key=value`. The key is dotted (`friction.static`,
     /// `temperature.harmonics.0.amplitude`). The value is TOML, and a bare word is taken as a
     /// string.
     pub fn set(text: &str) -> Result<Self, ScenarioError> {
-        let shown = format!("--set {text}");
+        Self::typed(text, text)
+    }
+
+    /// The same for a text that messages show as the user typed it, e.g. with its option.
+    pub fn typed(shown: &str, text: &str) -> Result<Self, ScenarioError> {
+        let shown = shown.to_string();
         match text.split_once('=') {
             Some((key, value)) => Ok(Override {
                 shown,
@@ -52,7 +57,7 @@ impl Override {
                 value: value.trim().to_string(),
             }),
             None => {
-                let remedy = "write --set key=value, e.g. --set friction.static=1.3";
+                let remedy = "write key=value, e.g. friction.static=1.3";
                 let diagnostic = Diagnostic {
                     origin: shown,
                     problem: "there is no `=`".into(),
@@ -64,7 +69,7 @@ impl Override {
         }
     }
 
-    /// The override of a flag for a single key, such as `--paths`.
+    /// The override of an option for a single key.
     pub fn flag(flag: &str, key: &str, value: &str) -> Self {
         Override {
             shown: format!("{flag} {value}"),
@@ -100,12 +105,14 @@ impl Override {
     }
 
     /// `key = value` if the key belongs to the body or the forces on it; only the key if the value
-    /// is long.
+    /// is long. How a file is read is no change, unlike which file.
     pub(super) fn change_of_physics(&self) -> Option<String> {
-        let table = self.key.split('.').next().unwrap_or_default();
-        // The layout of a measurement is that of its file.
-        let is_layout = self.key.contains(".series.") && !self.key.ends_with(".file");
-        let is_physics = !NOT_PHYSICS.contains(&table) && !is_layout;
+        let parts: Vec<&str> = self.key.split('.').collect();
+        let is_layout = match parts[..] {
+            ["temperature" | "displacement", "series", key] | ["input", _, key] => key != "file",
+            _ => false,
+        };
+        let is_physics = !is_layout && !NOT_PHYSICS.contains(&parts[0]);
         is_physics.then(|| match self.value.len() <= LONGEST_SHOWN {
             true => format!("{} = {}", self.key, self.value),
             false => self.key.clone(),

@@ -5,6 +5,7 @@ use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Place, Sources};
+use super::tree::SECONDS;
 use crate::model::Series;
 use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
@@ -15,9 +16,6 @@ use stickslip_data::{
 
 /// The longest time between two temperatures, in seconds, if a scenario gives none: six hours.
 const DEFAULT_MAX_GAP: f64 = 21_600.0;
-
-/// The labels of `units.time` that mean seconds.
-const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
 pub(super) fn temperature(
@@ -93,7 +91,7 @@ pub(super) fn inputs(
 /// another table, if there is one.
 pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource>) -> ColumnSource {
     let given = Layout {
-        time: table.line_if_present(keys::SERIES_TIME),
+        time: table.column_if_present(keys::SERIES_TIME),
         zone: table.line_if_present(keys::ZONE),
         dates: table
             .word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word))
@@ -113,7 +111,7 @@ pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource
     };
     ColumnSource {
         file: table.line_if_present(keys::FILE),
-        column: table.line_if_present(value),
+        column: table.column_if_present(value),
         unit: table.line_if_present(keys::UNIT),
         layout: other.map_or(given.clone(), |other| given.over(&other.layout)),
     }
@@ -284,6 +282,13 @@ impl Reader<'_> {
         let text = sources
             .data(&measured.file)
             .filter(|_| !sources.is_override(place));
+        let path = sources.path_of(&measured.file, place);
+        // Where the path of a missing file is sought.
+        let missing = match sources.is_override(place) {
+            _ if text.is_some() || path.exists() => None,
+            true => Some("give the path of a file, relative to the current directory"),
+            false => Some("give the path of a file, relative to the folder of the scenario"),
+        };
         let columns = |measured: &Measured| {
             let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
             let wanted =
@@ -294,11 +299,9 @@ impl Reader<'_> {
             }];
             match text {
                 Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
-                None => {
-                    Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted)
-                }
+                None => Origin::File(&path).read(&measured.layout, &wanted),
             }
-            .map_err(unusable)
+            .map_err(|error| unusable(error, missing))
         };
         let found = columns(measured)?;
         if measured.max_gap.is_some() || !found.in_seconds || self.is_input() {
@@ -356,8 +359,9 @@ impl Reader<'_> {
 /// The problem with a file, and its remedy.
 type Wrong = (String, String);
 
-fn unusable(error: DataError) -> Wrong {
-    let remedy = error.remedy.clone();
+/// An error of a file as that of its key; `missing` is the remedy if there is no such file.
+fn unusable(error: DataError, missing: Option<&str>) -> Wrong {
+    let remedy = missing.map_or_else(|| error.remedy.clone(), str::to_string);
     let reported = DataError {
         remedy: String::new(),
         ..error
@@ -368,9 +372,12 @@ fn unusable(error: DataError) -> Wrong {
 }
 
 impl Sources<'_> {
-    /// The path of a file that the scenario or an override names, relative to the folder of the
-    /// scenario.
-    pub fn path_of(&self, file: &str) -> PathBuf {
+    /// The path of a file that is named in this place: relative to the folder of the scenario, or,
+    /// in an override, to the current directory.
+    pub fn path_of(&self, file: &str, place: Option<Place>) -> PathBuf {
+        if self.is_override(place) {
+            return PathBuf::from(file);
+        }
         Path::new(self.name)
             .parent()
             .unwrap_or(Path::new(""))

@@ -58,9 +58,9 @@ pub fn shipped(name: &str) -> Option<&'static Shipped> {
 }
 
 /// The shipped scenario that a path denotes: one without a folder or an extension that is not an
-/// existing file.
+/// existing file. A directory of the same name is not meant.
 pub fn shipped_at(path: &Path) -> Option<&'static Shipped> {
-    let is_name = path.components().count() == 1 && path.extension().is_none() && !path.exists();
+    let is_name = path.components().count() == 1 && path.extension().is_none() && !path.is_file();
     path.to_str().filter(|_| is_name).and_then(shipped)
 }
 

@@ -2,6 +2,7 @@
 
 use super::Shipped;
 use super::error::{Diagnostic, ScenarioError};
+use super::keys::Key;
 use super::overrides::Override;
 use crate::model::NamedSeries;
 use std::cell::{Cell, RefCell};
@@ -39,6 +40,8 @@ pub(super) struct Sources<'a> {
     parameters: RefCell<Vec<(String, f64)>>,
     /// The keys whose numbers name a parameter, with its name.
     named: RefCell<Vec<(String, String)>>,
+    /// Whether the unit of time is the second.
+    is_in_seconds: Cell<bool>,
 }
 
 /// Sources of measured values, each by the name of the table that describes it.
@@ -59,7 +62,7 @@ impl<'a> Sources<'a> {
         overrides: &'a [Override],
         measured_from: MeasuredFrom<'a>,
     ) -> Self {
-        let (diagnostics, has_stand_in, parameters, named) = Default::default();
+        let (diagnostics, has_stand_in, parameters, named, is_in_seconds) = Default::default();
         Sources {
             name,
             text,
@@ -70,6 +73,7 @@ impl<'a> Sources<'a> {
             has_stand_in,
             parameters,
             named,
+            is_in_seconds,
         }
     }
 
@@ -86,9 +90,16 @@ impl<'a> Sources<'a> {
         self.shipped.and_then(|shipped| shipped.file(file))
     }
 
-    /// Set the parameters.
-    pub fn set_parameters(&self, parameters: Vec<(String, f64)>) {
+    /// Set the parameters, and whether the unit of time is the second.
+    pub fn set_scope(&self, parameters: Vec<(String, f64)>, is_in_seconds: bool) {
         *self.parameters.borrow_mut() = parameters;
+        self.is_in_seconds.set(is_in_seconds);
+    }
+
+    /// The seconds in a duration such as "6h", for a key of a time in seconds.
+    pub fn duration(&self, key: Key, text: &str) -> Option<f64> {
+        let is_duration = key.is_time() && self.is_in_seconds.get();
+        is_duration.then(|| stickslip_data::seconds(text)).flatten()
     }
 
     /// The value of the parameter that the number at a key names, which is recorded; or all

@@ -1,6 +1,7 @@
 //! Tests of the reader: every shipped scenario is valid, every mistake is located, and every text
 //! that is written reads back.
 
+use super::synonyms::suggestion;
 use super::*;
 use crate::advice::Warning;
 use crate::model::{
@@ -256,9 +257,39 @@ fn the_title_lists_what_overrides_change() {
         title(text, &["friction.static=1.3", "title=mine"]).title,
         "mine"
     );
-    let of_file = ["temperature.series.value=Air", "friction.static=1.3"];
-    let changes = of_file.map(|set| Override::set(set).expect("well formed").change_of_physics());
-    assert_eq!(changes, [None, Some("friction.static = 1.3".into())]);
+    // Another file is another force; how it is read is not.
+    let change = |text| Override::set(text).unwrap().change_of_physics();
+    for key in ["input.ag", "temperature.series"] {
+        for layout in ["column=a", "value=a", "unit=g", "zone=UTC", "skip=1"] {
+            assert_eq!(change(&format!("{key}.{layout}")), None);
+        }
+        assert!(change(&format!("{key}.file=a.csv")).is_some());
+    }
+}
+
+/// A time may be a duration in a scenario in seconds, and only there.
+#[test]
+fn a_duration_is_a_time_if_the_unit_is_the_second() {
+    let set = [
+        "time.end=1min 1s",
+        "statistics.after=500ms",
+        "time.step=10ms",
+    ];
+    let in_seconds = [&["units.time=s"], &set[..]].concat();
+    let scenario = base(&in_seconds).unwrap();
+    let times = (scenario.time.end, scenario.statistics.after);
+    assert_eq!((times, scenario.scheme.step()), ((61.0, 0.5), Some(0.01)));
+    for (unit, key) in [
+        ("units.time=h", "time.end=1h"),
+        ("units.time=s", "oscillator.mass=1h"),
+    ] {
+        let diagnostic = diagnostic(base(&[unit, key]));
+        assert!(diagnostic.problem.contains("is a string"), "{diagnostic}");
+        let is_time = diagnostic
+            .remedy
+            .contains("if `units.time` = \"s\", a duration");
+        assert_eq!(is_time, key.starts_with("time"), "{diagnostic}");
+    }
 }
 
 #[test]
@@ -299,7 +330,7 @@ fn a_fault_names_line_column_key_and_value() {
 #[test]
 fn a_fault_in_an_override_names_the_override() {
     let diagnostic = diagnostic(base(&["oscillator.mass=-1"]));
-    assert_eq!(diagnostic.origin, "--set oscillator.mass=-1");
+    assert_eq!(diagnostic.origin, "oscillator.mass=-1");
     assert_eq!(
         (diagnostic.line, diagnostic.value.as_deref()),
         (None, Some("-1"))
@@ -369,17 +400,23 @@ fn unknown_keys_come_with_the_key_that_was_meant() {
         ("", "fricton", "friction"),
         ("", "rho", "temperature.noise.intensity"),
         ("time", "dt", "step"),
+        ("input", "dt", "step"),
+        ("input", "path", "file"),
+        ("input", "scale", "force.expression"),
+        ("temperature.harmonics", "period", "angular_frequency"),
+        ("statistics", "perod", "period"),
+        ("", "period", "statistics.period"),
         ("time", "outputstep", "output_step"),
         ("record", "trajectory", "trajectories"),
         ("units", "lenght", "length"),
     ] {
         assert_eq!(
-            keys::suggestion(table, wrong).as_deref(),
+            suggestion(table, wrong).map(|(key, _)| key).as_deref(),
             Some(meant),
             "{table}.{wrong}"
         );
     }
-    assert_eq!(keys::suggestion("time", "zzz"), None);
+    assert_eq!(suggestion("time", "zzz"), None);
 }
 
 /// The errors of a text with several mistakes, each as `line key`.
@@ -934,10 +971,10 @@ fn a_file_that_is_no_scenario_is_refused_with_a_way_on() {
         path
     };
     for (path, says) in [
-        (folder.path().join("absent.toml"), "mc init"),
-        (folder.path().join("shaw.toml"), "mc init --from shaw"),
+        (folder.path().join("absent.toml"), "no such file"),
+        (folder.path().join("shaw.toml"), "`shaw`, which is shipped"),
         (folder.path().to_path_buf(), "directory"),
-        (write("result.h5", b"\x89HDF\r\n\x1a\n123"), "mc show"),
+        (write("result.h5", b"\x89HDF\r\n\x1a\n123"), "an HDF5 file"),
         (
             write("latin1.toml", b"title = 'a'\n# caf\xe9\n"),
             "line 2 is not UTF-8",
@@ -1527,4 +1564,40 @@ fn parameters_have_one_scope() {
             .is_some_and(|key| key.contains("parameters")),
         "{twice}"
     );
+}
+
+/// Every other word leads to an option or a key that exists, and no word is listed twice.
+#[test]
+fn every_synonym_leads_to_a_name() {
+    let options = [
+        "paths",
+        "seed",
+        "scheme",
+        "tolerance",
+        "step",
+        "until",
+        "zone",
+    ];
+    let options = [&options[..], &["threads", "from", "output", "json", "only"]].concat();
+    let known = keys();
+    let mut words = Vec::new();
+    for (name, synonyms, _) in super::synonyms::ROWS {
+        let plain = name.replace(".harmonics.", ".harmonics.0.");
+        let is_key = known.iter().any(|known| known.key == plain);
+        assert!(is_key || options.contains(&name), "{name}");
+        for word in synonyms.iter().copied() {
+            assert!(!words.contains(&word), "{word}");
+            words.push(word);
+            let meant = option_meant(word, &options).map(str::to_string);
+            assert!(
+                meant.or(key_meant(word).map(|(key, _)| key)).is_some(),
+                "{word}"
+            );
+        }
+    }
+    // Nothing is meant by a word that is only a little like an option that does harm.
+    for word in ["cores", "format", "formula"] {
+        assert_eq!(option_meant(word, &["force"]), None, "{word}");
+    }
+    assert_eq!(option_meant("forse", &["force"]), Some("force"));
 }

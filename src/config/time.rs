@@ -95,7 +95,7 @@ fn refuse(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind, about: (&'static
     let others = Kind::ALL
         .iter()
         .filter(|other| other.has_step() != kind.has_step())
-        .map(|other| format!("`--scheme {}`", other.name()));
+        .map(|other| format!("`scheme.kind = \"{}\"`", other.name()));
     let problem = format!("is not used by the {} scheme, {why}", kind.name());
     let others = others.collect::<Vec<_>>().join(" or ");
     let remedy = format!("remove it, or choose a scheme that uses it: {others}");

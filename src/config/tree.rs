@@ -116,10 +116,17 @@ impl Value {
 /// The tree of the file with every override applied, in order.
 pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Diagnostic>> {
     let parsed = DeTable::parse(sources.text).map_err(|e| {
-        let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
-        let remedy =
-            "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
-        sources.diagnostic(place, format!("not valid TOML: {}", one_line(e.message())), remedy)
+        let place = e.span().map(|span| Place {
+            text: 0,
+            start: span.start,
+            end: span.end,
+        });
+        let remedy = "write TOML: `key = value` lines under `[table]` headers";
+        sources.diagnostic(
+            place,
+            format!("not valid TOML: {}", one_line(e.message())),
+            remedy,
+        )
     })?;
     let mut root = Node {
         place: Place {
@@ -134,9 +141,15 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Diagnostic>> {
         lay_over(&mut root, sources, i)?;
     }
     gather_parameters(&mut root);
-    sources.set_parameters(parameters(&root));
+    let unit = root.at("units.time").map(|unit| &unit.value);
+    let is_in_seconds =
+        matches!(unit, Some(Value::Text(unit)) if !unit.is_empty() && SECONDS.contains(&&**unit));
+    sources.set_scope(parameters(&root), is_in_seconds);
     Ok(root)
 }
+
+/// The labels of `units.time` that mean seconds.
+pub(super) const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Tables that may contain parameters next to their expression, as in `force.parameters`.
 const OTHER_SCOPES: [&str; 2] = ["force", "friction"];
@@ -337,7 +350,7 @@ fn child<'n>(
         }
         other => Err((
             format!("`{walked}` is {}, so there is no `{key}`", other.kind()),
-            "`mc check` prints every key of a scenario".into(),
+            format!("set `{walked}` itself"),
         )),
     }
 }
@@ -352,8 +365,12 @@ fn override_value(this: &Override, number: usize) -> Result<Value, Wrong> {
             Ok(Value::Text(text.to_string()))
         }
         Ok(value) => Ok(node(value, number).value),
-        // The value is a bare word, or a count such as 10k.
-        Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => {
+        // The value is a bare word, a count such as 10k, or a duration such as 6h.
+        Err(_)
+            if text.starts_with(|c: char| c.is_alphabetic())
+                || is_count(text)
+                || stickslip_data::seconds(text).is_some() =>
+        {
             Ok(Value::Text(text.to_string()))
         }
         Err(e) => Err((

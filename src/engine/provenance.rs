@@ -63,7 +63,9 @@ impl Program {
         ) = (self, commit());
         let is_own = version == PROGRAM_VERSION && git_hash == commit;
         (!is_own).then(|| {
-            format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({commit})")
+            format!(
+                "written by version {version} ({git_hash}); this is {PROGRAM_VERSION} ({commit})"
+            )
         })
     }
 }
@@ -78,7 +80,7 @@ impl fmt::Display for Program {
         } = self;
         write!(
             f,
-            "mc {version} ({git_hash}), {generator}, blocks of {block_size}"
+            "version {version} ({git_hash}), {generator}, blocks of {block_size}"
         )
     }
 }

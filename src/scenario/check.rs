@@ -104,7 +104,7 @@ impl Scenario {
     /// let scenario = Scenario::shipped("rho025")?;
     /// let exact = scenario.with_scheme(EventDriven { tolerance: 1e-3 })?;
     /// assert_eq!((exact.scheme.kind(), exact.scheme.step()), (Kind::EventDriven, None));
-    /// assert_eq!(exact.scheme.to_string(), "--scheme event-driven --tolerance 0.001");
+    /// assert_eq!(exact.scheme.to_string(), "event-driven tolerance 0.001");
     /// // 60 is not a whole number of steps of 0.07: refused, with the nearest that are.
     /// assert!(scenario.with_scheme(CorrectedVi { step: 0.07 }).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -192,14 +192,14 @@ impl Scheme {
     }
 }
 
-/// Writes the scheme as on the command line: `--scheme corrected-vi --step 0.005`.
+/// Writes the scheme with its parameter: `corrected-vi step 0.005`.
 impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let flag = match self.kind().parameter() {
-            Parameter::Step => "--step",
-            Parameter::Tolerance { .. } => "--tolerance",
+        let name = match self.kind().parameter() {
+            Parameter::Step => "step",
+            Parameter::Tolerance { .. } => "tolerance",
         };
-        write!(f, "--scheme {} {flag} {:?}", self.name(), self.parameter())
+        write!(f, "{} {name} {:?}", self.name(), self.parameter())
     }
 }
 
@@ -220,15 +220,15 @@ mod tests {
     }
 
     #[test]
-    fn a_scheme_is_shown_as_it_is_typed() {
-        let typed = |scheme: Scheme| scheme.to_string();
+    fn a_scheme_is_shown_with_its_parameter() {
+        let shown = |scheme: Scheme| scheme.to_string();
         assert_eq!(
-            typed(CorrectedVi { step: 0.005 }.into()),
-            "--scheme corrected-vi --step 0.005"
+            shown(CorrectedVi { step: 0.005 }.into()),
+            "corrected-vi step 0.005"
         );
         assert_eq!(
-            typed(EventDriven { tolerance: 1e-4 }.into()),
-            "--scheme event-driven --tolerance 0.0001"
+            shown(EventDriven { tolerance: 1e-4 }.into()),
+            "event-driven tolerance 0.0001"
         );
     }
 }

@@ -97,7 +97,7 @@ impl Method for QuasiStatic {
         let Oscillator {
             stiffness, damping, ..
         } = model.oscillator;
-        let remedy = "choose `--scheme event-driven`, which follows every slip";
+        let remedy = "choose `scheme.kind = \"event-driven\"`, which follows every slip";
         if model.has_load() {
             let problem = "friction depends on a load or a direction, but the quasi-static recursion needs \
                 constant friction";

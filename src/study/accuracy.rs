@@ -43,7 +43,7 @@ const ALTERNATIVES: [f64; 18] = [
 /// let scenario = Scenario::shipped("rho025")?;
 /// let wanted = Accuracy { target: 0.01, named: &[Statistic::StickDurationMean], max_time: None, threads: 2 };
 /// let (decision, _) = wanted.choose(&scenario, Limits::default())?; // measures for some seconds
-/// println!("{} --paths {}", decision.choice.scheme, decision.choice.paths);
+/// println!("{} and {} paths", decision.choice.scheme, decision.choice.paths);
 /// let outcome = Run::of(&decision.scenario).simulate()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -121,7 +121,7 @@ pub enum AccuracyError {
     },
     /// The cheapest run takes longer than allowed.
     #[error(
-        "it takes about {seconds:.0} s, for {} --paths {}, longer than the time limit (30 days by default)",
+        "it takes about {seconds:.0} s, for {} and {} paths, longer than the time limit (30 days by default)",
         choice.scheme, choice.paths
     )]
     TooLong {

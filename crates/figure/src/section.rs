@@ -11,10 +11,10 @@ use stickslip::stats::{Dimension, LimitCycle};
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, _) = subject.sweeps()?;
     let [(_, sweep)] = sweeps else {
-        return Err(Absent::Elsewhere("one sweep over one key (--vary)"));
+        return Err(Absent::Elsewhere("one sweep over one key"));
     };
     if sweep.question.design.axes().len() != 1 {
-        return Err(Absent::Elsewhere("a sweep over one key (--vary)"));
+        return Err(Absent::Elsewhere("a sweep over one key"));
     }
     let axis = &sweep.question.design.axes()[0];
     let points = axis.values.positions().into_iter().zip(&sweep.points);

@@ -5,7 +5,6 @@ use super::sheet::Sheet;
 use super::theme::Style;
 use super::words::{grouped, of_axis, of_statistic};
 use stickslip::scenario::Scenario;
-use stickslip::scheme::Scheme;
 use stickslip::stats::{Statistic, Summary};
 use stickslip::study::sweep::Sweep;
 use stickslip::study::trade::CostCurves;
@@ -88,7 +87,7 @@ impl<'a> Subject<'a> {
         let origin = |scenario: &Scenario| {
             format!(
                 "{}, seed {}",
-                setting(&scenario.scheme),
+                scenario.scheme.to_string(),
                 scenario.ensemble.seed
             )
         };
@@ -157,7 +156,7 @@ impl<'a> Subject<'a> {
     pub(super) fn path(&self) -> Result<DrawnPath<'a>, Absent> {
         match self {
             Subject::Path(path) | Subject::Run { path, .. } => Ok(*path),
-            _ => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
+            _ => Err(Absent::Elsewhere("a scenario or the result of a run")),
         }
     }
 
@@ -167,7 +166,7 @@ impl<'a> Subject<'a> {
             scenario, summary, ..
         } = self
         else {
-            return Err(Absent::Elsewhere("a file of `mc run`"));
+            return Err(Absent::Elsewhere("the result of a run"));
         };
         Ok((scenario, summary))
     }
@@ -175,7 +174,7 @@ impl<'a> Subject<'a> {
     /// The sweeps and the statistics to draw.
     pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
         let Subject::Sweep { sweeps, statistics } = self else {
-            return Err(Absent::Elsewhere("a file of `mc sweep`"));
+            return Err(Absent::Elsewhere("the result of a sweep"));
         };
         Ok((sweeps, named_or_usual(statistics, sweeps)))
     }
@@ -197,7 +196,7 @@ impl<'a> Subject<'a> {
     /// The costs that a trade has found.
     pub(super) fn trade(&self) -> Result<&'a CostCurves, Absent> {
         let Subject::Trade(costs) = self else {
-            return Err(Absent::Elsewhere("a file of `mc trade`"));
+            return Err(Absent::Elsewhere("the result of a trade"));
         };
         Ok(costs)
     }
@@ -209,14 +208,6 @@ fn text<'a>(dataset: &'a Dataset, name: &str) -> &'a str {
         Some(Attribute::Text(text)) => text,
         _ => "",
     }
-}
-
-/// A scheme with its step or tolerance, e.g. "discrete-vi step 0.01".
-fn setting(scheme: &Scheme) -> String {
-    scheme
-        .to_string()
-        .replace("--scheme ", "")
-        .replace("--", "")
 }
 
 /// A number of paths in words.
@@ -245,7 +236,7 @@ fn origin_of_sweeps(all: &[&Scenario]) -> String {
             let each = all
                 .iter()
                 .zip(&rests)
-                .map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
+                .map(|(scenario, rest)| format!("{}, {rest}", scenario.scheme));
             each.collect::<Vec<_>>().join("; ")
         }
     }

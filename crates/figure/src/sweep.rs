@@ -132,7 +132,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         .map(|(_, sweep)| sweep)
         .filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
-        return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
+        return Err(Absent::Elsewhere("a sweep over keys"));
     };
     let axis = &first.question.design.axes()[0];
     let has_same_axis = |(_, other): &(String, Sweep)| {

@@ -22,7 +22,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             Design::Grid(_) | Design::Zip(_) => None,
         })
     else {
-        return Err(Absent::Elsewhere("a sweep with --elasticity"));
+        return Err(Absent::Elsewhere("a sweep of elasticities"));
     };
     let palette = style.palette();
     let mut panels = Vec::new();

@@ -15,7 +15,7 @@ pub(super) fn many_rows(case: &Case) -> Option<String> {
         });
         format!(
             "the bands of {rows} rows take up to about {} of memory on one thread, and {} on two; \
-             increase `time.output_step` or use fewer `--threads` to reduce this",
+             increase `time.output_step` or use fewer threads to reduce this",
             bytes(one),
             bytes(two)
         )

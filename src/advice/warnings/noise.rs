@@ -29,7 +29,7 @@ pub(super) fn large_shift(case: &Case) -> Option<String> {
     (shift > LARGE_SHIFT * static_force).then(|| {
         format!(
             "the corrected stick exit lowers f_s = {} by {}, which is not small: stick durations may be off \
-             by several percent. The shift falls like sqrt(h); `--scheme event-driven` needs no correction",
+             by several percent. The shift falls like sqrt(h); `scheme.kind = \"event-driven\"` needs no correction",
             short(static_force),
             short(shift)
         )
@@ -42,11 +42,12 @@ pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
         let remedy = if step.gap() > 0.0 {
             let largest_step = step.h * (step.gap() / step.shift).powi(2);
             format!(
-                "Choose time.step below {}, or `--scheme event-driven`",
+                "Choose time.step below {}, or `scheme.kind = \"event-driven\"`",
                 short(largest_step)
             )
         } else {
-            "No step is short enough; `--scheme event-driven` needs no correction".to_string()
+            "No step is short enough; `scheme.kind = \"event-driven\"` needs no correction"
+                .to_string()
         };
         format!(
             "the corrected stick exit would lower f_s by {}, but not below f_d, and f_s - f_d is \
@@ -88,7 +89,7 @@ pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
         format!(
             "the scheme checks only once per step whether a stick has ended, so sticks are too long, by \
              roughly {} % on average. The error falls like sqrt(h) and is not part of the confidence \
-             intervals. `--scheme corrected-vi` has a smaller error, of order h, and `--scheme event-driven` \
+             intervals. `scheme.kind = \"corrected-vi\"` has a smaller error, of order h, and `scheme.kind = \"event-driven\"` \
              has none",
             percent(relative)
         )
@@ -110,7 +111,7 @@ pub(super) fn corrected_bias(case: &Case) -> Option<String> {
     (is_corrected && relative > SMALL_BIAS).then(|| {
         format!(
             "the corrected scheme makes sticks too short, by roughly {} % on average. The error falls like h \
-             and is not part of the confidence intervals. `--scheme event-driven` has none",
+             and is not part of the confidence intervals. `scheme.kind = \"event-driven\"` has none",
             percent(relative)
         )
     })

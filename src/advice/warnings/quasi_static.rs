@@ -34,8 +34,8 @@ pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
         format!(
             "the forcing is not slow: a slip lasts {}, in which the forcing changes the force by \
              about {}, while the slip releases {}. The quasi-static recursion keeps the forcing \
-             constant during a slip, so its displacements will be off by about {} %; `--scheme \
-             event-driven` has no such error",
+             constant during a slip, so its displacements will be off by about {} %; `scheme.kind = \
+             \"event-driven\"` has no such error",
             short(duration),
             short(change),
             short(released),
@@ -51,7 +51,7 @@ pub(super) fn creep(case: &Case) -> Option<String> {
     Some(format!(
         "the damped body returns too slowly to end a slip: the harmonics change the force by up to {} per \
          unit of time, and above {} the body creeps behind the temperature until the temperature turns. The \
-         quasi-static recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
+         quasi-static recursion shows sticks and slips instead; `scheme.kind = \"event-driven\"` follows the creep",
         short(slip.rate),
         short(slip.limit)
     ))

@@ -11,13 +11,7 @@ pub(super) fn repaired_series(case: &Case) -> Vec<String> {
         .iter()
         .filter(|measured| !measured.repairs.is_empty());
     repaired
-        .map(|of| {
-            format!(
-                "{} was read with repairs: {}",
-                of.file,
-                of.repairs.join("; ")
-            )
-        })
+        .map(|of| format!("{}: {}", of.file, of.repairs.join("; ")))
         .collect()
 }
 

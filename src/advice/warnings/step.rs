@@ -27,7 +27,7 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
         return Some(format!(
             "{}, so the step {} exceeds the stability limit {} there: the scheme cannot follow the force, and \
              the velocity may oscillate or grow until it overflows. Choose time.step well below the limit, \
-             or `--scheme event-driven`",
+             or `scheme.kind = \"event-driven\"`",
             stiffened.reason(),
             short(h),
             short(limit)
@@ -36,8 +36,8 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
     adds_energy(case, stiffened).then(|| {
         format!(
             "{}, where the explicit step {} adds {} % to the body's energy in every half-cycle: means may be far off, \
-             and paths may grow without bound. A step below {} adds less than {} %; `--scheme corrected-vi` adds \
-             none, and `--scheme event-driven` has no step",
+             and paths may grow without bound. A step below {} adds less than {} %; `scheme.kind = \"corrected-vi\"` adds \
+             none, and `scheme.kind = \"event-driven\"` has no step",
             stiffened.stiffest_place(),
             short(h),
             short(100.0 * libm::expm1(PI * stiffened.stiffest.natural_frequency() * h)),

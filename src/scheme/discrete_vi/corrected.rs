@@ -98,11 +98,11 @@ impl CorrectedVi {
         let limit = (LARGEST_SHIFT * f_s / monitoring_shift(model, 1.0)).powi(2);
         let remedy = if limit > 0.0 {
             format!(
-                "choose `time.step` below {:?}, or `--scheme event-driven`",
+                "choose `time.step` below {:?}, or `scheme.kind = \"event-driven\"`",
                 tidy(limit)
             )
         } else {
-            "without friction there is no stick to correct: choose `--scheme discrete-vi` or `--scheme event-driven`"
+            "without friction there is no stick to correct: choose `scheme.kind = \"discrete-vi\"` or `scheme.kind = \"event-driven\"`"
                 .into()
         };
         Err(CheckError::new(

@@ -52,8 +52,7 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), CheckError> 
     let problem = format!(
         "moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}"
     );
-    let remedy =
-        "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
+    let remedy = "set `diffusion = 0` to let v relax from v(0), raise it, or choose `scheme.kind = \"event-driven\"`";
     Err(CheckError::new(
         &[("temperature.noise.diffusion", noise.diffusion)],
         problem,
@@ -67,8 +66,7 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), CheckError> 
 pub(super) fn check_noise(model: &Model) -> Result<(), CheckError> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises; schemes with a time step support one".to_string();
-        let remedy =
-            "choose `--scheme event-driven` or `--scheme quasi-static`, or remove one of them";
+        let remedy = "choose `scheme.kind = \"event-driven\"` or `scheme.kind = \"quasi-static\"`, or remove one of them";
         return Err(CheckError::new(
             &[("temperature.noise", 2.0)],
             problem,
@@ -80,6 +78,6 @@ pub(super) fn check_noise(model: &Model) -> Result<(), CheckError> {
     }
     let problem = "`temperature.noise.pinned` = true is not supported by schemes with a time step"
         .to_string();
-    let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`";
+    let remedy = "choose `scheme.kind = \"event-driven\"` or `scheme.kind = \"quasi-static\"`";
     Err(CheckError::new(&[], problem, remedy))
 }

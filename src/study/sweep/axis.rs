@@ -148,7 +148,10 @@ impl fmt::Display for AxisError {
 
 /// The permitted forms of values.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
-const FILES: &str = "write file names separated by commas, such as a.at2,b.at2";
+const FILES: &str =
+    "write file names separated by commas, such as a.at2,b.at2, or a pattern such as *.at2";
+const FILE_KEY: &str =
+    "files are values of a key such as `input.ag.file`: write input.ag.file=a.at2,b.at2";
 
 impl SweepAxis {
     /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),
@@ -182,7 +185,7 @@ impl SweepAxis {
         }
         let key = key.text().to_string();
         let values = match table_of_file(&key) {
-            Some(_) => AxisValues::Files(list(&values, FILES, TextPart::file)?),
+            Some(_) => AxisValues::Files(files(&values)?),
             None => AxisValues::Numbers(numbers(&values)?),
         };
         let own = || {
@@ -271,10 +274,12 @@ impl<'a> TextPart<'a> {
             .filter(|x| x.is_finite());
         // The addition turns -0.0 into 0.0, because both are the same value.
         number.map(|x| x + 0.0).ok_or_else(|| {
-            self.trimmed().wrong(
-                &format!("`{}` is not a finite number", self.text().trim()),
-                VALUES,
-            )
+            let text = self.text().trim();
+            let ending = text.rsplit_once('.').map_or("", |(_, ending)| ending);
+            let is_file = text.contains(['/', '*']) || ending.starts_with(char::is_alphabetic);
+            let remedy = if is_file { FILE_KEY } else { VALUES };
+            self.trimmed()
+                .wrong(&format!("`{text}` is not a finite number"), remedy)
         })
     }
 }
@@ -301,6 +306,50 @@ fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
         [word, _, _, _] => Err(word.wrong(&format!("unknown grid `{}`", word.text()), VALUES)),
         _ => Err(values.wrong("no valid values", VALUES)),
     }
+}
+
+/// The files of a list of names and patterns.
+fn files(values: &TextPart<'_>) -> Result<Vec<String>, AxisError> {
+    let names = list(values, FILES, TextPart::file)?;
+    let mut files: Vec<String> = Vec::new();
+    for (part, name) in values.split(',').iter().zip(names) {
+        let found = match name.contains('*') {
+            true => matching(&name),
+            false => vec![name],
+        };
+        if found.is_empty() {
+            let remedy = "give names, or a pattern, relative to the current directory";
+            return Err(part.wrong("no file matches this pattern", remedy));
+        }
+        let new = |file: &String| !files.contains(file);
+        files.extend(found.into_iter().filter(new).collect::<Vec<_>>());
+    }
+    Ok(files)
+}
+
+/// The files that match a pattern, in order of their names. In the last part of its path, `*`
+/// stands for any characters.
+fn matching(pattern: &str) -> Vec<String> {
+    let at = pattern.rfind('/').map_or(0, |slash| slash + 1);
+    let (folder, pattern) = pattern.split_at(at);
+    let entries = std::fs::read_dir(if folder.is_empty() { "." } else { folder });
+    let names = entries.into_iter().flatten().flatten();
+    let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut found: Vec<String> = names
+        .filter(|name| is_like(name, pattern))
+        .map(|name| format!("{folder}{name}"))
+        .collect();
+    found.sort();
+    found
+}
+
+fn is_like(name: &str, pattern: &str) -> bool {
+    let Some((start, rest)) = pattern.split_once('*') else {
+        return name == pattern;
+    };
+    let is_rest = |name: &str| name.char_indices().any(|(i, _)| is_like(&name[i..], rest));
+    let after = name.strip_prefix(start);
+    after.is_some_and(|name| rest.is_empty() || is_rest(name))
 }
 
 fn list<'a, T: PartialEq + fmt::Display>(

@@ -88,7 +88,7 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
         let candidate = match scenario.with_scheme(scheme.with(step)) {
             Ok(candidate) => candidate,
             Err(check_error) => {
-                why = format!("--step {step:?}: {}", check_error.sentence());
+                why = format!("step {step:?}: {}", check_error.sentence());
                 continue;
             }
         };

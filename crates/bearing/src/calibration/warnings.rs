@@ -339,7 +339,7 @@ fn lag(case: &Case) -> Option<String> {
     let lag = case.calibration.lag.estimate;
     (case.calibration.question.lag == Lag::Auto && lag > 0.0).then(|| {
         format!(
-            "the steel lags {:.1} minutes behind the thermometer; this is included in the estimates; give --lag if it is known",
+            "the steel lags {:.1} minutes behind the thermometer; this is included in the estimates; give the lag if it is known",
             lag / 60.0
         )
     })
@@ -357,7 +357,7 @@ fn other_lag(case: &Case) -> Option<String> {
         .filter(|profile| profile.against(given) > CONVINCING)?;
     let [likeliest, given] = [profile.likeliest, given].map(|seconds| seconds / 60.0);
     Some(format!(
-        "a lag of {likeliest:.1} minutes fits better than {given:.1} minutes; use --lag auto"
+        "a lag of {likeliest:.1} minutes fits better than {given:.1} minutes; leave it out to estimate it"
     ))
 }
 

@@ -21,7 +21,8 @@ pub struct Measured<'a> {
 
 impl<'a> Measured<'a> {
     pub fn of(subject: &Subject<'a>) -> Result<Self, Absent> {
-        let (title, dataset) = subject.dataset(CALIBRATION_FORMAT.0, "a file of `mc calibrate`")?;
+        let (title, dataset) =
+            subject.dataset(CALIBRATION_FORMAT.0, "the result of a calibration")?;
         let of = Measured { title, dataset };
         let length = of.numbers("time").len();
         let columns = ["temperature", "displacement", "displacement_modelled"];

@@ -69,7 +69,7 @@ impl ForecastError {
             ForecastError::Unknown => "measure for longer, to constrain the parameters",
             ForecastError::NotTheRecord { .. } => {
                 "use air temperatures measured in the shade, give `averaged` if the logger stores \
-                 means, and inspect the residuals of mc calibrate"
+                 means, and inspect the residuals of the calibration"
             }
         }
     }

@@ -45,7 +45,7 @@ pub enum PartsError {
         part: String,
     },
     /// Some parts of the run were not given.
-    #[error("missing: part {missing} of the run; add them, or make them with `mc run --part`")]
+    #[error("missing: part {missing} of the run; add them, or simulate them")]
     Missing {
         /// The missing parts, such as `1/3, 3/3`.
         missing: String,

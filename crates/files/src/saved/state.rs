@@ -474,7 +474,10 @@ mod tests {
         let error = other
             .check_program(Path::new("state"))
             .expect_err("and not continued");
-        assert!(error.to_string().contains("started by mc 9"), "{error}");
+        assert!(
+            error.to_string().contains("started by version 9"),
+            "{error}"
+        );
         let newer = with(&|body| body[MAGIC.len()] = VERSION as u8 + 1).expect_err("newer");
         assert!(matches!(newer, SavedError::Newer { .. }), "{newer}");
     }

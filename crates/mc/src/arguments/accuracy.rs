@@ -84,8 +84,9 @@ fn explanation(
             percent(target)
         ),
         format!(
-            "  {} --paths {}{}",
-            choice.scheme,
+            "  --scheme {} --paths {}{}",
+            // The parameter has the name of its option.
+            choice.scheme.to_string().replacen(' ', " --", 1),
             choice.paths,
             pairs(choice)
         ),

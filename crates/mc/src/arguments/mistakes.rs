@@ -1,7 +1,8 @@
-//! Messages for two common mistakes: a file without a command, and keys of a scenario written as
-//! options.
+//! Messages for common mistakes: a file without a command, a file too many, and options with other
+//! names.
 
 use crate::output::failure::Failure;
+use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::path::Path;
 use stickslip::config;
@@ -16,24 +17,39 @@ pub fn answered(error: &clap::Error) -> Option<Failure> {
     match error.kind() {
         ErrorKind::InvalidSubcommand => file_without_verb(word(ContextKind::InvalidSubcommand)?),
         ErrorKind::UnknownArgument => {
-            let option = word(ContextKind::InvalidArg)?;
-            let name = option.strip_prefix('-')?.trim_start_matches('-');
-            // Every option that contains a letter is similar to it, as `--until` to `--n`.
-            if name.len() > 2 && error.get(ContextKind::SuggestedArg).is_some() {
-                return None;
-            }
-            let key = config::key_meant(name);
-            let remedy = key.map_or_else(
-                || "add `--help` to the command to list its options".to_string(),
-                |(key, meaning)| {
-                    format!("write `--set {key}=...` for that key of the scenario ({meaning})")
-                        .replace(" ()", "")
-                },
-            );
-            Some(Failure::usage(format!("unknown option `{option}`"), remedy))
+            let given = word(ContextKind::InvalidArg)?;
+            let all = crate::Arguments::command();
+            let mut words = std::env::args_os().skip(1);
+            unknown(given, words.find_map(|word| all.find_subcommand(word))?)
         }
         _ => None,
     }
+}
+
+/// The message for an argument that a command does not have: the option or the key that is probably
+/// meant.
+fn unknown(given: &str, command: &clap::Command) -> Option<Failure> {
+    let options: Vec<&str> = command
+        .get_arguments()
+        .filter_map(|argument| argument.get_long())
+        .collect();
+    let Some(option) = given.strip_prefix('-') else {
+        let remedy =
+            format!("write `--temperature-file {given}` for a separate file of temperatures");
+        let takes = options.contains(&"temperature-file");
+        return takes.then(|| Failure::usage(format!("one file too many: {given}"), remedy));
+    };
+    let name = option.trim_start_matches('-');
+    let key = config::key_meant(name).filter(|_| options.contains(&"set"));
+    let remedy = match (config::option_meant(name, &options), key) {
+        (Some(option), _) => format!("write `--{option}`"),
+        (None, Some((key, meaning))) => {
+            format!("write `--set {key}=...` for that key of the scenario ({meaning})")
+                .replace(" ()", "")
+        }
+        (None, None) => format!("`mc {} --help` lists its options", command.get_name()),
+    };
+    Some(Failure::usage(format!("unknown option `{given}`"), remedy))
 }
 
 /// The message for a file in the place of a verb, as in `mc mine.toml`: the verbs that take such a

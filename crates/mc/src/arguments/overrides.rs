@@ -2,7 +2,7 @@
 
 use crate::output::failure::Failure;
 use std::path::{Path, PathBuf};
-use stickslip::config::{Override, ScenarioError, input_files};
+use stickslip::config::{OPTIONS, Override, ScenarioError, input_files};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
 use stickslip::stats::{Goal, GoalError};
@@ -50,7 +50,8 @@ pub struct Settings {
 impl Settings {
     /// The changes, in order.
     pub fn list(&self) -> Result<Vec<Override>, ScenarioError> {
-        self.set.iter().map(|text| Override::set(text)).collect()
+        let typed = |text: &String| Override::typed(&format!("--set {text}"), text);
+        self.set.iter().map(typed).collect()
     }
 }
 
@@ -109,18 +110,19 @@ impl Overrides {
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
         let mut list = self.set.list()?;
-        let named = [
-            ("--paths", "ensemble.paths", &self.paths),
-            ("--seed", "ensemble.seed", &self.seed),
-            ("--scheme", "scheme.kind", &self.scheme),
-            ("--tolerance", "scheme.tolerance", &self.tolerance),
-            ("--step", "time.step", &self.step),
-        ];
-        for (flag, key, value) in named {
-            list.extend(value.iter().map(|value| Override::flag(flag, key, value)));
+        for (option, key) in OPTIONS {
+            let values = match option {
+                "paths" => self.paths.as_slice(),
+                "seed" => self.seed.as_slice(),
+                "scheme" => self.scheme.as_slice(),
+                "tolerance" => self.tolerance.as_slice(),
+                "step" => self.step.as_slice(),
+                _ => self.until.as_slice(),
+            };
+            let is_value = |text: &&String| option != "until" || !is_goal(text);
+            let values = values.iter().filter(is_value);
+            list.extend(values.map(|value| Override::flag(&format!("--{option}"), key, value)));
         }
-        let ends = self.until.iter().filter(|text| !is_goal(text));
-        list.extend(ends.map(|value| Override::flag("--until", "time.end", value)));
         Ok(list)
     }
 }

@@ -327,13 +327,8 @@ fn files_of(
     displacement: &ColumnSource,
     temperature: &ColumnSource,
 ) -> Result<(PathBuf, Option<PathBuf>), Failure> {
-    let path = |file: &String| scenario.parent().unwrap_or(Path::new("")).join(file);
-    let Some(data) = displacement
-        .file
-        .as_ref()
-        .or(temperature.file.as_ref())
-        .map(path)
-    else {
+    let path = |source: &ColumnSource| source.file.as_ref().map(PathBuf::from);
+    let Some(data) = path(displacement).or_else(|| path(temperature)) else {
         let problem = format!(
             "no measurement given, and {} names none",
             scenario.display()
@@ -342,11 +337,7 @@ fn files_of(
                       temperatures are in another file";
         return Err(Failure::usage(problem, remedy));
     };
-    let other = temperature
-        .file
-        .as_ref()
-        .map(path)
-        .filter(|file| *file != data);
+    let other = path(temperature).filter(|file| *file != data);
     Ok((data, other))
 }
 

@@ -157,10 +157,9 @@ fn measured(
     file: &str,
     scene: &BridgeScene,
 ) -> Result<(Option<Start>, Air), Failure> {
-    let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let origin = match shipped_at(scenario).and_then(|shipped| shipped.file(file)) {
         Some(text) => Origin::Text(file, text),
-        None => Origin::File(&path),
+        None => Origin::File(Path::new(file)),
     };
     let (column, start, repairs) = scene
         .temperature_source

@@ -74,7 +74,7 @@ fn taken(measured: &Measured) -> String {
         .as_ref()
         .and_then(|unit| Some((unit, input_unit(unit)?)))
     {
-        None => "unit not given; assuming SI".to_string(),
+        None => "read in SI units (no unit given)".to_string(),
         Some((_, ("", _))) => "as it is".to_string(),
         Some((_, (si, 1.0))) => format!("in {si}"),
         Some((unit, (si, ratio))) => format!("from {unit} to {si}, times {ratio}"),

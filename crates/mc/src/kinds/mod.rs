@@ -142,9 +142,6 @@ fn page<'a>(file: &Path, scenario: &'a str) -> Page<'a> {
 
 /// The file and the program that wrote it, where `other` is not this one.
 fn provenance(file: &Path, other: Option<&str>) -> Vec<(&'static str, String)> {
-    let program = other.map_or_else(crate::version, str::to_string);
-    vec![
-        ("file", file.display().to_string()),
-        ("program", format!("mc {program}")),
-    ]
+    let program = other.map_or_else(|| format!("mc {}", crate::version()), str::to_string);
+    vec![("file", file.display().to_string()), ("program", program)]
 }

@@ -9,7 +9,7 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
-use stickslip::config::{Diagnostic, ScenarioError};
+use stickslip::config::{Diagnostic, ScenarioError, Unreadable};
 use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
 
@@ -71,8 +71,31 @@ impl From<ScenarioError> for Failure {
                 .map(Diagnostic::to_string)
                 .collect::<Vec<_>>()
                 .join("\nerror: "),
-            error => error.to_string(),
+            ScenarioError::Unreadable { path, cause } => with_remedy(
+                format!("cannot read {path}: {cause}"),
+                readable(&path, &cause),
+            ),
         })
+    }
+}
+
+/// The remedy for a scenario that cannot be read, with the command that helps.
+fn readable(path: &str, cause: &Unreadable) -> String {
+    let remedy = cause.remedy();
+    match cause {
+        Unreadable::Results => format!(
+            "`mc show {path}` shows the results in it, and `mc show {path} --scenario` prints their scenario"
+        ),
+        Unreadable::Missing(_) if path.ends_with(".h5") => {
+            "give the path of an existing file".into()
+        }
+        Unreadable::Missing(Some(name)) => {
+            format!("{remedy}; `mc init --from {name}` writes a copy of it")
+        }
+        Unreadable::Missing(None) | Unreadable::Directory => {
+            format!("{remedy}; `mc init` writes one")
+        }
+        _ => remedy,
     }
 }
 

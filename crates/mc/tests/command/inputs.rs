@@ -79,7 +79,7 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
         ("time_s,acc\ns,m/s\u{b2}", &si, "in m/s2"),
         ("Time (s),acc gal", &gal, "from gal to m/s2, times 0.01"),
         ("Time (s),acc [kN]", &kilonewton, "from kN to N, times 1000"),
-        ("time_s,acc", &si, "unit not given; assuming SI"),
+        ("time_s,acc", &si, "read in SI units (no unit given)"),
     ] {
         let here = block(&csv(names, samples));
         let checked = done(here.path(), &["check", "block.toml"]);
@@ -111,7 +111,7 @@ fn a_run_warns_of_an_input_without_a_unit() {
         );
         (output.status.code(), text(&output.stderr))
     };
-    let warns = "not given; assuming SI";
+    let warns = "in SI units (no unit given";
     let (code, stderr) = said("time_s,acc", &[]);
     assert!(
         code == Some(0) && stderr.contains("warning: quake.csv") && stderr.contains(warns),

@@ -42,11 +42,11 @@ const MISTAKES: &[Mistake] = &[
     ),
     mistake(
         "run scene.toml -n 1000",
-        &["unknown option `-n`", "`--set ensemble.paths=...`"],
+        &["unknown option `-n`", "fix: write `--paths`"],
     ),
     mistake(
         "run scene.toml --h 0.1",
-        &["unknown option `--h`", "`--set time.step=...`"],
+        &["unknown option `--h`", "fix: write `--step`"],
     ),
     mistake(
         "show done.h5 --latex",
@@ -64,7 +64,37 @@ const MISTAKES: &[Mistake] = &[
         "run scene.toml other.toml",
         &["'other.toml'", "Usage: mc run"],
     ),
-    mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),
+    mistake("run scene.toml --path 10", &["`--path`", "`--paths`"]),
+    // Options as similar tools call them.
+    mistake("run scene.toml --cores 4", &["fix: write `--threads`"]),
+    mistake("run scene.toml --format json", &["fix: write `--json`"]),
+    mistake("run scene.toml --end 5", &["fix: write `--until`"]),
+    mistake("run scene.toml --duration 5", &["fix: write `--until`"]),
+    mistake("init --template shaw", &["fix: write `--from`"]),
+    mistake("run scene.toml --particles 9", &["fix: write `--paths`"]),
+    mistake("run scene.toml -p 100", &["fix: write `--paths`"]),
+    mistake("run scene.toml --dt 0.1", &["fix: write `--step`"]),
+    mistake("run scene.toml --out a.h5", &["fix: write `--output`"]),
+    mistake(
+        "calibrate scene.toml z.csv --timezone UTC",
+        &["fix: write `--zone`"],
+    ),
+    mistake(
+        "calibrate scene.toml z.csv t.csv",
+        &["t.csv", "`--temperature-file t.csv`"],
+    ),
+    mistake(
+        "run scene.toml --period 10",
+        &["`--set statistics.period=...`"],
+    ),
+    // Only options of the command are suggested.
+    mistake("show done.h5 --rho 1", &["fix: `mc show --help` lists"]),
+    mistake("report done.h5 --dt 1", &["fix: `mc report --help` lists"]),
+    mistake(
+        "verify done.h5 --seed 1",
+        &["fix: `mc verify --help` lists"],
+    ),
+    mistake("replay done.h5 --n 1", &["fix: `mc replay --help` lists"]),
     mistake(
         "show done.h5 --cite --json",
         &["'--cite'", "'--json'", "cannot be used with"],
@@ -84,10 +114,14 @@ const MISTAKES: &[Mistake] = &[
     // Mistakes in the file.
     mistake(
         "run absent.toml",
-        &["absent.toml", "No such file", "mc init"],
+        &["absent.toml", "no such file", "mc init"],
     ),
     mistake("run shaw.toml", &["shaw.toml", "mc init --from shaw"]),
     mistake("run .", &["it is a directory", "TOML file"]),
+    mistake(
+        "plot absent.h5",
+        &["absent.h5", "no such file", "an existing file"],
+    ),
     mistake("run done.h5", &["HDF5", "mc show done.h5", "--scenario"]),
     mistake("run latin.toml", &["latin.toml", "line 2", "UTF-8"]),
     mistake(
@@ -127,7 +161,46 @@ const MISTAKES: &[Mistake] = &[
         "check series.toml",
         &["series.toml:", "t.csv", "No such file"],
     ),
+    mistake(
+        "check step.toml",
+        &["`time.step`", "or `scheme.kind = \"event-driven\"`"],
+    ),
+    mistake(
+        "check period.toml",
+        &["`period`", "write `angular_frequency` = 2 pi / period"],
+    ),
+    // Mistakes in an input.
+    mistake("check dt.toml", &["`dt`; did you mean `step`"]),
+    mistake("check path.toml", &["`path`; did you mean `file`"]),
+    mistake(
+        "check scale.toml",
+        &["`scale`", "write `force.expression` with the factor in it"],
+    ),
+    mistake(
+        "check block.toml --set input.ag.step=0.01",
+        &["AT2 record", "fix: remove `step`"],
+    ),
+    mistake(
+        "check block.toml --set input.ag.unit=m/s2",
+        &["the unit `G`, but `unit` = \"m/s2\"", "fix: remove `unit`"],
+    ),
+    mistake(
+        "check block.toml --set input.ag={file=\"two.txt\",step=0.01}",
+        &["2 numbers in each line", "fix: remove `step`"],
+    ),
+    mistake(
+        "check sub/block.toml --set input.ag.file=b.AT2",
+        &["b.AT2", "relative to the current directory"],
+    ),
+    mistake(
+        "check sub/other.toml",
+        &["sub/b.AT2", "relative to the folder of the scenario"],
+    ),
     // Mistakes in values.
+    mistake(
+        "run scene.toml --until 1h",
+        &["--until 1h", "if `units.time` = \"s\", a duration"],
+    ),
     mistake(
         "run scene.toml --paths ten",
         &["--paths ten", "whole number from 1", "fix: "],
@@ -246,7 +319,7 @@ const MISTAKES: &[Mistake] = &[
         &[
             "--tolerance 1e-3",
             "set by `time.step`",
-            "--scheme event-driven",
+            "scheme.kind = \"event-driven\"",
         ],
     ),
     mistake(
@@ -345,6 +418,14 @@ const MISTAKES: &[Mistake] = &[
         "sweep scene.toml --vary friction.static=1:2",
         &["friction.static=1:2", "--vary"],
     ),
+    mistake(
+        "sweep block.toml --vary record=a.AT2",
+        &["`a.AT2` is not", "write input.ag.file=a.at2,b.at2"],
+    ),
+    mistake(
+        "sweep block.toml --vary input.ag.file=*.at2",
+        &["no file matches", "relative to the current directory"],
+    ),
     mistake("trade scene.toml --budget 0", &["'0'", "--budget", "60s"]),
     // Mistakes with measurements.
     mistake(
@@ -352,7 +433,60 @@ const MISTAKES: &[Mistake] = &[
         &["absent.csv", "No such file"],
     ),
     mistake("fit-temperature words.csv", &["words.csv", "time"]),
+    mistake(
+        "fit-temperature german.csv --zone UTC",
+        &["german.csv", "`--temperature Weg`"],
+    ),
 ];
+
+/// A block on ground that moves as the record `a.AT2`, as `block.toml` here and in `sub/`, and with
+/// other keys in its input.
+fn block(folder: &Path) {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("writes");
+    let text = "[oscillator]\nmass = 1\nstiffness = 0\ndilatation = 0\n[friction]\nstatic = 1\ndynamic = 1\n\
+                [input.ag]\nfile = \"a.AT2\"\n[force]\nexpression = \"-ag\"\n[initial]\ndisplacement = 0\n\
+                [scheme]\nkind = \"event-driven\"\n[units]\ntime = \"s\"\n";
+    let record = "PEER\nPLACE\nACCELERATION IN UNITS OF G\nNPTS= 4, DT= .01 SEC\n0.1 0.2 -0.1 0\n";
+    std::fs::create_dir(folder.join("sub")).expect("a folder");
+    for folder in ["", "sub/"] {
+        write(&format!("{folder}a.AT2"), record);
+        write(&format!("{folder}block.toml"), text);
+    }
+    write("sub/other.toml", &text.replace("a.AT2", "b.AT2"));
+    write("two.txt", "0.00 1\n0.01 -2\n0.02 3\n");
+    for key in ["dt = 0.01", "path = \"a.AT2\"", "scale = 2"] {
+        let name = key.split(' ').next().expect("a key");
+        let line = format!("[input.ag]\n{key}\n");
+        write(
+            &format!("{name}.toml"),
+            &text.replace("[input.ag]\n", &line),
+        );
+    }
+}
+
+/// A path on the command line is relative to the current directory, as a shell completes it, and one
+/// in a scenario to its folder.
+#[test]
+fn a_file_is_found_from_where_it_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    block(folder.path());
+    std::fs::create_dir(folder.path().join("rho025")).expect("a folder");
+    for line in [
+        "check sub/block.toml",
+        "check sub/block.toml --set input.ag.file=sub/a.AT2",
+        "check sub/block.toml --until 10ms",
+        "sweep sub/block.toml --paths 1 --no-bias --vary input.ag.file=*.AT2,sub/*.AT2",
+        // A directory does not hide a shipped scenario.
+        "check rho025",
+    ] {
+        let output = command::mc(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{line}: {message}");
+    }
+    let output = command::mc(folder.path(), &["show", "block-sweep.h5"]);
+    let shown = String::from_utf8_lossy(&output.stdout);
+    assert!(shown.contains("sub/a.AT2"), "{shown}");
+}
 
 /// Makes the folder in which the commands run.
 fn desk(folder: &Path) {
@@ -393,6 +527,17 @@ fn desk(folder: &Path) {
             .as_bytes(),
     );
     write("words.csv", b"When,What\nnow,warm\n");
+    write(
+        "german.csv",
+        b"Datum;Uhrzeit;Weg\n13.08.2015;00:00;1,5\n13.08.2015;00:10;1,6\n",
+    );
+    let replaced = |name: &str, from: &str, to: &str| {
+        assert!(SCENE.contains(from), "{from}");
+        write(name, SCENE.replace(from, to).as_bytes());
+    };
+    replaced("step.toml", "step = 0.01", "");
+    replaced("period.toml", "angular_frequency = 0.25", "period = 25");
+    block(folder);
     let run = command::mc(
         folder,
         &[

@@ -211,7 +211,7 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (&["run.h5", "--width", "5"], 2, "between 60 and 400"),
         (&["run.h5", "--theme", "pink"], 2, "light or dark"),
         (&["run.h5", "--path", "1"], 2, "the ensemble has 1 path\n"),
-        (&["run.h5", "--only", "trade"], 2, "a file of `mc trade`"),
+        (&["run.h5", "--only", "trade"], 2, "the result of a trade"),
         (
             &["run.h5", "--set", "friction.static=2"],
             2,
@@ -220,7 +220,7 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (
             &["scenarios/shaw.toml", "--only", "fan"],
             2,
-            "a file of `mc run`",
+            "the result of a run",
         ),
         (&["scenarios/shaw.toml", "--until", "-1"], 2, "time.end"),
         (&["scenarios/absent.toml"], 2, "absent.toml"),

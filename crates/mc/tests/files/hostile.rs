@@ -501,7 +501,7 @@ fn a_replay_of_a_file_that_was_edited_is_refused() {
     });
     let output = mc(&here, &["replay", "a.h5", "--path", "7", "-o", "r.h5"]);
     assert!(
-        text(&output.stderr).contains("written by mc 9.9"),
+        text(&output.stderr).contains("written by version 9.9"),
         "{}",
         text(&output.stderr)
     );

@@ -684,7 +684,7 @@ fn a_file_of_another_program_is_said_to_be_one() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(
-        said.contains("written by mc 9.9.9") && said.contains("the program that wrote it"),
+        said.contains("written by version 9.9.9") && said.contains("the program that wrote it"),
         "{said}"
     );
     let here = made(SCENE);
