@@ -120,7 +120,8 @@ impl MotionFold {
                 } = *segment;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
-                works.user_force += model.sliding_force(Sign::of(way), start, displacement, v) * way;
+                works.user_force +=
+                    model.sliding_force(Sign::of(way), start, displacement, v) * way;
                 return;
             }
         };

@@ -363,6 +363,7 @@ impl PathTrace {
         };
         let window = [from, scenario.time.end];
         let samples = scenario
+            .written
             .measured
             .iter()
             .flat_map(|of| sampled(&of.series, window));

@@ -11,7 +11,7 @@ use super::question::Lag;
 use super::report::{Calibration, ParameterEstimate, SCATTER};
 use super::samples::{HOUR, interval};
 use crate::warning::CalibrationWarning;
-use stickslip_report::numbers::Digits;
+use stickslip_text::numbers::Digits;
 
 /// A calibration, and the slips from which it was computed, if any were detected.
 struct Case<'a> {
