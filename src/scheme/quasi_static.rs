@@ -486,8 +486,8 @@ impl Cascade for NoisyRecursion {
         let began_at = path.motion.0;
         if observer.follows() {
             let from = macro_step.start + path.after - began_at;
-            let until =
-                (end >= macro_step.length).then(|| macro_step.start + macro_step.length - began_at);
+            let until = (end >= macro_step.length)
+                .then_some(macro_step.start + macro_step.length - began_at);
             self.slip
                 .segments(began_at, x0, direction, excess, (from, until), |segment| {
                     observer.segment(segment)

@@ -144,7 +144,7 @@ impl Segment {
         else {
             return None;
         };
-        let direction = if self.way < 0.0 { -1.0 } else { 1.0 };
+        let direction = self.direction();
         if !(direction * first > 0.0 && direction * self.at(until)[2] < 0.0) {
             return None;
         }
@@ -169,7 +169,12 @@ impl Segment {
         };
         // The polynomial of a very short segment is rounding, which this bounds.
         let most = ends + self.length * self.at(0.0)[2].abs().max(last.abs());
-        ends.max(self.at(place)[1].abs().min(most))
+        ends.max((self.direction() * self.at(place)[1]).min(most))
+    }
+
+    /// The sign of x'.
+    fn direction(&self) -> f64 {
+        if self.way < 0.0 { -1.0 } else { 1.0 }
     }
 }
 

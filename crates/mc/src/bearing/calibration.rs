@@ -110,10 +110,8 @@ impl StoredResult for StoredCalibration {
         let question = question
             .fitting(&fitted, &scene)
             .map_err(|error| wrong(&error))?;
-        let asked = Calibration {
-            question,
-            ..self.calibration.clone()
-        };
+        let mut asked = self.calibration.clone();
+        asked.question = question;
         let again = during("calibrating the bearing again", || {
             calibrate_again(&asked, threads.number(), &AtomicBool::new(false))
         });

@@ -333,7 +333,7 @@ fn a_stop_with_a_kink_does_not_depend_on_the_tolerance() {
 /// fast it settles the velocity. So does a force that is steep only near x' = 0.
 #[test]
 fn a_force_stiff_in_the_velocity_alone_takes_few_evaluations() {
-    for c in [1e3, 1e4, 1e5, 1e6, 1e7, 1e8] {
+    for c in [1e4, 1e5, 1e6, 1e7, 1e8] {
         let mut model = paper(0.25, 0.0);
         let force = constant_in_time(move |_, v| -c * v - 1e-30 * v * v * v);
         let (found, evaluations) = path_at(&general(&model, 6.0, force));
@@ -341,7 +341,7 @@ fn a_force_stiff_in_the_velocity_alone_takes_few_evaluations() {
         let off = distance(&found, &exact(&model, 6.0));
         println!("{c:e}: off by {off:e}, {evaluations} evaluations");
         assert!(
-            off < 1e-9 && evaluations < 1_000_000,
+            off < 1e-9 && evaluations < 30_000,
             "{c:e}: {off:e}, {evaluations}"
         );
     }
@@ -351,7 +351,7 @@ fn a_force_stiff_in_the_velocity_alone_takes_few_evaluations() {
     ] {
         let (_, evaluations) = path_at(&general(&paper(0.25, 0.0), 6.0, force));
         println!("{name}: {evaluations} evaluations");
-        assert!(evaluations < 1_000_000, "{name}: {evaluations}");
+        assert!(evaluations < 30_000, "{name}: {evaluations}");
     }
 }
 
