@@ -65,7 +65,7 @@
 //! - A user-defined statistic over the events and states of paths: [`stats::Tally`], computed in
 //!   parallel by [`engine::Run::tallied`].
 //! - A user-defined force, in addition to the spring: [`model::ForceLaw`], in
-//!   [`model::Model::force`].
+//!   [`model::Problem::force`].
 //! - A destination of rows and results: [`engine::Sink`].
 //! - A display of the progress of a run: [`engine::Progress`].
 //! - An observer of single paths: [`scheme::Observer`].

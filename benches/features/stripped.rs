@@ -16,7 +16,7 @@ const RUN: usize = 256;
 /// Beyond this displacement a path is lost.
 const BOUND: f64 = 1e3;
 
-/// The parameters of the step, with the names that [`stickslip::model::Model`] has.
+/// The parameters of the step, with the names that [`stickslip::model::Problem`] has.
 #[derive(Clone, Copy)]
 pub struct Scene {
     pub h: f64,

@@ -21,7 +21,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stickslip::ensemble::{BLOCK_SIZE, Plan, in_order};
-use stickslip::model::Model;
+use stickslip::model::Problem;
 use stickslip::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
 use stickslip::stats::{BlockResult, PathColumns, Record, Statistic};
 use stickslip::sums::{Merge as _, Moments};
@@ -49,7 +49,7 @@ const EVENT_COST: f64 = 20.0;
 /// A mean over paths, with the steps it is computed on.
 #[derive(Clone, Debug)]
 pub struct Multilevel {
-    model: Model,
+    model: Problem,
     end: f64,
     statistic: Statistic,
     seed: u64,
@@ -106,7 +106,7 @@ impl Multilevel {
     /// A study of `statistic`. `None` if it is not a mean over paths, without noise (one path then
     /// gives the value), with noise that the scheme cannot simulate, and if the duration is 0 or
     /// takes too many steps.
-    pub fn new(model: &Model, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
+    pub fn new(model: &Problem, end: f64, statistic: Statistic, seed: u64) -> Option<Self> {
         value_of(statistic)?;
         // The scheme simulates a single noise, and its steps do not fall on the samples that noise
         // may be pinned to.

@@ -13,7 +13,7 @@
 //! difference between the initial state x0, x'(0) and the forced motion, or from a later start at
 //! rest with |b| = f_s while the forced motion passes.
 
-use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
+use crate::model::{Complex, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem};
 use std::f64::consts::PI;
 
 /// Number of standard deviations that stationary noise does not exceed in any run of practical
@@ -25,8 +25,8 @@ const TYPICAL_SD: f64 = 3.0;
 
 /// A rough upper estimate of |x| up to `end`. With a step h it is that of the explicit scheme, and
 /// without one that of the model.
-pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
-    let Model {
+pub(super) fn expected_amplitude(model: &Problem, end: f64, step: Option<f64>) -> f64 {
+    let Problem {
         oscillator,
         friction,
         temperature,
@@ -120,8 +120,8 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
 /// per unit of time, and damping by A alpha/m. Near A_c the explicit step returns part of the
 /// energy lost to friction. A then becomes this large with a probability of about exp(-2 a A/D),
 /// which is set to one in a thousand here.
-fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
-    let Model {
+fn noise_amplitude(model: &Problem, noise: &OrnsteinUhlenbeck, end: f64, step: Option<f64>) -> f64 {
+    let Problem {
         oscillator,
         friction,
         ..

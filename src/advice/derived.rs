@@ -2,7 +2,7 @@
 
 use super::amplitude::expected_amplitude;
 use super::size::output_bytes;
-use crate::model::{Model, Noise};
+use crate::model::{OrnsteinUhlenbeck, Problem};
 use crate::scenario::{Period, Scenario};
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 
@@ -27,7 +27,7 @@ pub struct Derived {
     pub stick_band_half_width: Option<f64>,
     /// (f_s / (K beta rho sigma))^2: the time in which the noise diffuses over that half-width.
     pub stick_band_time: Option<f64>,
-    /// A of [`Model::runaway_amplitude`], if the damping is negative.
+    /// A of [`Problem::runaway_amplitude`], if the damping is negative.
     pub runaway_amplitude: Option<f64>,
     /// Limits of the step, if the scheme has a step.
     pub stability: Option<Stability>,
@@ -166,7 +166,7 @@ impl Derived {
 impl Scenario {
     /// The quantities that follow from the scenario before it is run.
     pub fn derived(&self) -> Derived {
-        let Model {
+        let Problem {
             oscillator,
             friction,
             temperature,
@@ -175,13 +175,13 @@ impl Scenario {
         let w0 = oscillator.natural_frequency();
         let force_per_kelvin = oscillator.force_per_temperature().abs();
         // Variances of independent noises add up.
-        let both = |of: fn(&Noise) -> f64| {
+        let both = |of: fn(&OrnsteinUhlenbeck) -> f64| {
             let forces = temperature
                 .effective_noises()
                 .map(|noise| force_per_kelvin * noise.intensity * of(&noise));
             forces.reduce(f64::hypot)
         };
-        let noise_force = both(Noise::stationary_sd);
+        let noise_force = both(OrnsteinUhlenbeck::stationary_sd);
         let diffusive = both(|noise| noise.diffusion).filter(|c| *c > 0.0);
         let period = self.period();
         let steps = self.steps();

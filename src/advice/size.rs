@@ -1,7 +1,7 @@
 //! Estimates of the size of the output file and of the memory of a run.
 
 use crate::ensemble::{BLOCK_SIZE, Plan};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scenario::Scenario;
 use crate::stats::column::Columns as _;
 use crate::stats::{EventColumns, ON_THE_GRID, PathColumns, TrajectoryRows};
@@ -97,7 +97,7 @@ pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
 /// ((2 f_s
 /// - 2 f_d)/(K beta rho sigma))^2.
 fn events(scenario: &Scenario) -> f64 {
-    let Model {
+    let Problem {
         oscillator,
         friction,
         temperature,

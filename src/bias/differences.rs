@@ -12,7 +12,7 @@
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::no_bias::{MIN_STEPS, NoBias};
 use crate::ensemble::{Flight, drawn, in_order_while};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{
     Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals,
@@ -88,7 +88,7 @@ impl Extrapolated {
 /// instants of the run, which changes the statistics and their bias by a share of at most 2h/t_end.
 #[derive(Clone, Debug)]
 pub struct Differences {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     levels: [Simulation; LEVELS.len()],
     h: f64,
@@ -104,7 +104,7 @@ impl Differences {
     /// The plan for a run of a scheme with a step, with this seed and number of paths.
     pub fn new(
         scheme: Scheme,
-        model: &Model,
+        model: &Problem,
         timeline: &Timeline,
         seed: u64,
         paths: u64,
@@ -281,7 +281,7 @@ impl Differences {
     /// The standard deviation of the change of the force by the noise in a step, relative to the
     /// gap: K beta rho sigma sqrt(h)/(f_s - f_d).
     fn noise_to_gap(&self) -> f64 {
-        let Model {
+        let Problem {
             oscillator,
             friction,
             temperature,

@@ -21,7 +21,7 @@ pub use no_bias::NoBias;
 #[doc(hidden)]
 pub use reference_run::ReferenceRun;
 
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Discretisation, Scheme, Timeline};
 use crate::stats::{Bias, Estimate, Record, Statistic, Summary};
 use differences::Extrapolated;
@@ -49,7 +49,7 @@ impl BiasPlan {
     /// paths.
     pub fn new(
         scheme: Scheme,
-        model: &Model,
+        model: &Problem,
         timeline: &Timeline,
         seed: u64,
         paths: u64,

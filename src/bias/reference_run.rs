@@ -7,7 +7,7 @@
 
 use super::extrapolation::is_smooth;
 use crate::ensemble::{Plan, in_order_while};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{
     DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline,
 };
@@ -67,7 +67,7 @@ const FEWEST: u64 = 32;
 /// A reference run of event-driven paths.
 #[derive(Clone, Debug)]
 pub struct ReferenceRun {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     seed: u64,
     /// The number of path-steps of the run.
@@ -84,7 +84,7 @@ impl ReferenceRun {
     /// A reference run for a run of this many paths with this step and seed. It may cost one part
     /// in `one_part_in` of the run.
     pub fn new(
-        model: &Model,
+        model: &Problem,
         timeline: &Timeline,
         h: f64,
         seed: u64,

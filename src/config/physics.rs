@@ -7,14 +7,14 @@ use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Temperature,
 };
 use crate::scenario::{AsWritten, Measured, SensorBearing, WhiteNoise};
 
 /// The model, and the sources of its parts.
 pub(super) struct Physics {
     /// White noise is not yet in it.
-    pub model: Model,
+    pub model: Problem,
     /// How it is spelled; which numbers name parameters is not known yet.
     pub written: AsWritten,
     /// For each parameter that does not occur in any expression, the error to report if no number
@@ -66,7 +66,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         unused,
     } = force(sources, root, oscillator, friction, &inputs);
     measured.extend(inputs.into_iter().map(|(input, _)| input));
-    let model = Model {
+    let model = Problem {
         oscillator,
         friction: Friction::weaker(friction),
         temperature,
@@ -173,8 +173,8 @@ pub(super) fn bearing(root: &Fields<'_>) -> Option<SensorBearing> {
     })
 }
 
-fn noise(table: &Fields<'_>) -> Noise {
-    Noise {
+fn noise(table: &Fields<'_>) -> OrnsteinUhlenbeck {
+    OrnsteinUhlenbeck {
         intensity: table.number(keys::INTENSITY),
         relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0),
         diffusion: table.number_or(keys::DIFFUSION, 1.0),

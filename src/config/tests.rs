@@ -5,7 +5,7 @@ use super::synonyms::suggestion;
 use super::*;
 use crate::advice::Warning;
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Temperature,
 };
 use crate::scenario::arbitrary::scenario;
 use crate::scenario::{Ensemble, MAX_PERIODS, MAX_ROWS, Time, Units};
@@ -84,7 +84,7 @@ fn the_paper_scenes_hold_its_parameters() {
             static_force: 1.2,
             dynamic_force: 1.0,
         };
-        let noise = Noise {
+        let noise = OrnsteinUhlenbeck {
             intensity: rho,
             relaxation_rate: 1.0,
             diffusion: 1.0,
@@ -102,7 +102,7 @@ fn the_paper_scenes_hold_its_parameters() {
             ..Temperature::default()
         };
         let [initial_displacement, initial_velocity] = [6.0, 0.0];
-        let paper = Model {
+        let paper = Problem {
             oscillator,
             friction,
             temperature,
@@ -126,7 +126,7 @@ fn defaults_are_those_of_the_documentation() {
     let scenario = Scenario::parse("here/minimal.toml", minimal, &[]).unwrap();
     assert_eq!(scenario.title, "minimal");
     assert_eq!(scenario.model.oscillator.damping, 0.0);
-    let noise = Noise {
+    let noise = OrnsteinUhlenbeck {
         intensity: 0.25,
         relaxation_rate: 1.0,
         diffusion: 1.0,
@@ -258,12 +258,12 @@ fn the_title_lists_what_overrides_change() {
         "mine"
     );
     // Another file is another force; how it is read is not.
-    let change = |text| Override::set(text).unwrap().change_of_physics();
+    let change = |text: String| Override::set(&text).unwrap().change_of_physics();
     for key in ["input.ag", "temperature.series"] {
         for layout in ["column=a", "value=a", "unit=g", "zone=UTC", "skip=1"] {
-            assert_eq!(change(&format!("{key}.{layout}")), None);
+            assert_eq!(change(format!("{key}.{layout}")), None);
         }
-        assert!(change(&format!("{key}.file=a.csv")).is_some());
+        assert!(change(format!("{key}.file=a.csv")).is_some());
     }
 }
 

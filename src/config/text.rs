@@ -2,7 +2,9 @@
 
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
-use crate::model::{Drive, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
+use crate::model::{
+    Drive, Force, Friction, InitialNoise, OrnsteinUhlenbeck, Problem, Sides, Temperature,
+};
 use crate::scenario::{
     Ensemble, Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise,
     WrittenForce,
@@ -338,7 +340,7 @@ fn units(text: &mut Written, units: &Units) {
     }
 }
 
-fn friction(text: &mut Written, model: &Model) {
+fn friction(text: &mut Written, model: &Problem) {
     let both = model.friction_by_direction();
     let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
         [forward, backward] if forward == backward => text.number(key, forward),
@@ -430,12 +432,12 @@ fn temperature(
 
 fn noise(
     text: &mut Written,
-    Noise {
+    OrnsteinUhlenbeck {
         intensity,
         relaxation_rate,
         diffusion,
         initial,
-    }: &Noise,
+    }: &OrnsteinUhlenbeck,
 ) {
     text.number(keys::INTENSITY, *intensity);
     text.number(keys::RELAXATION_RATE, *relaxation_rate);
@@ -450,7 +452,7 @@ fn noise(
     }
 }
 
-fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &Noise) {
+fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &OrnsteinUhlenbeck) {
     text.other(keys::NOISE_KIND, string("white"));
     text.number(keys::STRENGTH, white.strength);
     match white.relaxation_rate {

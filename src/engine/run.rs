@@ -7,7 +7,7 @@ use super::ending::Endings;
 use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
 use crate::ensemble::{Flaw, MOST_THREADS, Plan, check_threads, guarded};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scenario::Scenario;
 use crate::scheme::{CheckError, Scheme};
 use crate::stats::{
@@ -66,18 +66,18 @@ impl Run<'static> {
     /// ```
     /// use stickslip::prelude::*;
     ///
-    /// let model = Model::oscillator(1.0, 1.0)
+    /// let model = Problem::oscillator(1.0, 1.0)
     ///     .dilatation(6.0)
     ///     .friction(1.2, 1.0)
-    ///     .temperature(Temperature::harmonic(1.0, 0.25).with(Noise::new(0.25, 1.0, 1.0)))
+    ///     .temperature(Temperature::harmonic(1.0, 0.25).with(OrnsteinUhlenbeck::new(0.25, 1.0, 1.0)))
     ///     .force(|x, _v, _t| -0.02 * x.powi(3))
     ///     .start(6.0, 0.0);
     /// let outcome = Run::new(model).scheme(EventDriven::default()).paths(500).end(20.0).seed(1).simulate()?;
     /// println!("{}", outcome[Statistic::StickDurationMean]);
-    /// assert!(Run::new(Model::free(-1.0)).end(1.0).simulate().is_err());
+    /// assert!(Run::new(Problem::free(-1.0)).end(1.0).simulate().is_err());
     /// # Ok::<(), RunError>(())
     /// ```
-    pub fn new(model: Model) -> Self {
+    pub fn new(model: Problem) -> Self {
         Run::with(Cow::Owned(Scenario::new(model, 0.0)))
     }
 }

@@ -20,7 +20,7 @@ pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
 pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
-use crate::model::{Event, Model};
+use crate::model::{Event, Problem};
 use crate::noise;
 use crate::scheme::{Observer, Segment, Simulate as _, Simulation, Timeline, Unresolved};
 use crate::stats::{AuxiliaryObserver, BlockObserver, BlockResult, Record, RunTotals, Summary};
@@ -129,7 +129,7 @@ impl Observer for SeenLast {
 
 impl Plan {
     /// The model that is simulated.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &Problem {
         self.simulation.model()
     }
 

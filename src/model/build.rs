@@ -1,26 +1,27 @@
 //! Building a model step by step.
 
 use super::{
-    Drive, Force, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+    Drive, Force, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem,
+    Temperature,
 };
 
 /// A model is built from one of the bodies below, with what acts on it. The forces of all of them
 /// add up, as do several temperatures.
 ///
 /// ```
-/// use stickslip::model::{Model, Noise, Temperature};
+/// use stickslip::model::{Problem, OrnsteinUhlenbeck, Temperature};
 ///
-/// let model = Model::oscillator(1.0, 1.0)
+/// let model = Problem::oscillator(1.0, 1.0)
 ///     .friction(1.2, 1.0)
-///     .temperature(Temperature::harmonic(1.0, 0.25).with(Noise::new(0.25, 1.0, 1.0)))
+///     .temperature(Temperature::harmonic(1.0, 0.25).with(OrnsteinUhlenbeck::new(0.25, 1.0, 1.0)))
 ///     .force(|x, _v, _t| -0.02 * x.powi(3));
 /// assert_eq!(model.total_force(0.0, 1.0, 2.0, 0.0), 1.0 - 2.0 - 0.16);
 /// ```
-impl Model {
+impl Problem {
     /// A body of mass m on a spring of stiffness K, whose rest position is the temperature T, a
-    /// length here; [`Model::dilatation`] makes it beta T. There is no friction yet, and x(0) = 0.
+    /// length here; [`Problem::dilatation`] makes it beta T. There is no friction yet, and x(0) = 0.
     pub fn oscillator(mass: f64, stiffness: f64) -> Self {
-        Model {
+        Problem {
             oscillator: Oscillator {
                 mass,
                 stiffness,
@@ -41,7 +42,7 @@ impl Model {
     /// The same body on a belt of this speed, seen from the belt: the support of the spring moves
     /// at that speed.
     pub fn belt(mass: f64, stiffness: f64, speed: f64) -> Self {
-        Model::oscillator(mass, stiffness).temperature(Temperature {
+        Problem::oscillator(mass, stiffness).temperature(Temperature {
             trend: speed,
             ..Temperature::default()
         })
@@ -49,12 +50,12 @@ impl Model {
 
     /// A body of mass m without a spring, on which the temperature acts as a force.
     pub fn free(mass: f64) -> Self {
-        Model::oscillator(mass, 0.0).force_per_temperature(1.0)
+        Problem::oscillator(mass, 0.0).force_per_temperature(1.0)
     }
 
     /// A body without a spring that a constant force pushes, such as m g sin(angle) on an incline.
     pub fn incline(mass: f64, force: f64) -> Self {
-        Model::free(mass).temperature(Temperature {
+        Problem::free(mass).temperature(Temperature {
             offset: force,
             ..Temperature::default()
         })
@@ -66,7 +67,7 @@ impl Model {
             static_force,
             dynamic_force,
         };
-        Model { friction, ..self }
+        Problem { friction, ..self }
     }
 
     /// Damping alpha, a force per velocity; the damping force is 2 alpha x'.
@@ -101,7 +102,7 @@ impl Model {
     /// A force that is a [`super::ForceLaw`] or an [`super::Expression`]. It replaces an earlier
     /// one.
     pub fn law(self, force: Force) -> Self {
-        Model {
+        Problem {
             force: Some(force),
             ..self
         }
@@ -109,7 +110,7 @@ impl Model {
 
     /// x(0), a length, and x'(0), a length per time; the body starts at rest at 0 otherwise.
     pub fn start(self, displacement: f64, velocity: f64) -> Self {
-        Model {
+        Problem {
             initial_displacement: displacement,
             initial_velocity: velocity,
             ..self
@@ -150,8 +151,8 @@ impl From<Harmonic> for Temperature {
     }
 }
 
-impl From<Noise> for Temperature {
-    fn from(noise: Noise) -> Self {
+impl From<OrnsteinUhlenbeck> for Temperature {
+    fn from(noise: OrnsteinUhlenbeck) -> Self {
         Temperature {
             noises: vec![noise],
             ..Temperature::default()
@@ -159,10 +160,10 @@ impl From<Noise> for Temperature {
     }
 }
 
-impl Noise {
+impl OrnsteinUhlenbeck {
     /// rho v(t) with dv = -theta v dt + sigma dW and v(0) = 0.
     pub fn new(intensity: f64, relaxation_rate: f64, diffusion: f64) -> Self {
-        Noise {
+        OrnsteinUhlenbeck {
             intensity,
             relaxation_rate,
             diffusion,

@@ -1,6 +1,6 @@
 //! The largest numbers that a model may contain or lead to.
 
-use super::{Friction, Model};
+use super::{Friction, Problem};
 use crate::lanes::InstructionSet;
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 /// below the smallest double.
 const FARTHEST_SD: f64 = 40.0;
 
-impl Model {
+impl Problem {
     /// The largest |g(x0, 0, t)| up to `end` with its time: that at many times and at all kinks,
     /// where g depends on time; 0 where there is no g or where it is not a number.
     pub fn largest_at_start(&self, end: f64) -> (f64, f64) {
@@ -62,7 +62,7 @@ impl Model {
     /// With z <= -1 it does not swing back, and A is f_d/K, the limit of q without bound: every
     /// slip runs away.
     pub fn runaway_amplitude(&self, added: f64) -> Option<f64> {
-        let Model {
+        let Problem {
             oscillator,
             friction: Friction { dynamic_force, .. },
             ..
@@ -83,7 +83,7 @@ impl Model {
     /// The size of a displacement up to `end`, to an order of magnitude: that of a spring that the
     /// static friction holds, or of a body that it accelerates.
     pub fn length_scale(&self, end: f64) -> f64 {
-        let Model {
+        let Problem {
             oscillator,
             friction,
             ..
@@ -104,7 +104,7 @@ impl Model {
     /// some distance of beta T, whose mean has a constant slope. None without a spring, without
     /// dissipation, with a user-defined force, or with a measured T.
     pub fn long_run_drift(&self) -> Option<f64> {
-        let Model {
+        let Problem {
             oscillator,
             friction,
             temperature,

@@ -54,13 +54,13 @@ pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
 pub use step_response::SETTLED;
 pub use step_response::StepResponse;
-pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
+pub use temperature::{Harmonic, InitialNoise, OrnsteinUhlenbeck, Temperature};
 
 use crate::lanes::InstructionSet;
 
 /// The physical model: one oscillator, its friction, its temperature and its initial displacement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct Problem {
     /// Mass, stiffness, damping, and how the temperature drives the body.
     pub oscillator: Oscillator,
     /// The two Coulomb thresholds.
@@ -76,7 +76,7 @@ pub struct Model {
     pub initial_velocity: f64,
 }
 
-impl Model {
+impl Problem {
     /// b(x, x', t) at this temperature: the sum of all forces except friction.
     pub fn total_force(
         &self,

@@ -32,7 +32,7 @@
 
 use super::complex::Complex;
 use super::impulse_response::ImpulseResponse;
-use super::{Model, Oscillator, Sign};
+use super::{Oscillator, Problem, Sign};
 
 /// One term Re[F e^{z t}] of the forcing K beta T / m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ pub struct SlipState {
 impl ForcedOscillator {
     /// The model without its diffusion: the harmonics, and v relaxing from `noise_start` if that is
     /// not zero.
-    pub fn new(model: &Model, noise_start: f64) -> Self {
+    pub fn new(model: &Problem, noise_start: f64) -> Self {
         let oscillator = model.oscillator;
         let w0 = oscillator.natural_frequency();
         let gain = oscillator.force_per_temperature() / oscillator.mass;

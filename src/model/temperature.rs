@@ -18,7 +18,7 @@ pub struct Harmonic {
 
 /// One noise of the temperature, rho v(t) with dv = -theta v dt + sigma dW.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
+pub struct OrnsteinUhlenbeck {
     /// rho >= 0, the weight of v in T, in units of temperature (v is a pure number).
     pub intensity: f64,
     /// theta > 0, the relaxation rate, per unit of time.
@@ -38,7 +38,7 @@ pub enum InitialNoise {
     Stationary,
 }
 
-impl Noise {
+impl OrnsteinUhlenbeck {
     /// sigma / sqrt(2 theta), the stationary standard deviation of v.
     pub fn stationary_sd(&self) -> f64 {
         self.diffusion / (2.0 * self.relaxation_rate).sqrt()
@@ -78,7 +78,7 @@ pub struct Temperature {
     /// The noises as they are given, independent of each other, two at most. Two noises allow for
     /// one correlation time of hours and one of days. A noise that is zero at all times is kept
     /// here, but not in [`Temperature::effective_noises`].
-    pub noises: Vec<Noise>,
+    pub noises: Vec<OrnsteinUhlenbeck>,
 }
 
 /// The largest number of cycles of the slowest harmonic in the search for the forcing period.
@@ -97,7 +97,7 @@ impl Temperature {
 
     /// The noises that are not zero at all times; only these are simulated. Without any, no random
     /// number is drawn.
-    pub fn effective_noises(&self) -> impl Iterator<Item = Noise> {
+    pub fn effective_noises(&self) -> impl Iterator<Item = OrnsteinUhlenbeck> {
         self.noises
             .iter()
             .copied()
@@ -106,7 +106,7 @@ impl Temperature {
 
     /// The first of [`Temperature::effective_noises`]. It is the only one unless
     /// [`Temperature::has_two_noises`].
-    pub fn effective_noise(&self) -> Option<Noise> {
+    pub fn effective_noise(&self) -> Option<OrnsteinUhlenbeck> {
         self.effective_noises().next()
     }
 

@@ -1,17 +1,19 @@
 //! The paper's oscillator, for the unit tests of all modules.
 
-use super::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use super::{
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Temperature,
+};
 
 /// The parameters of the paper's section 3.1, with this forcing frequency and this intensity of the
 /// noise. Without noise if the intensity is zero.
-pub(crate) fn paper(w: f64, rho: f64) -> Model {
-    let noise = Noise {
+pub(crate) fn paper(w: f64, rho: f64) -> Problem {
+    let noise = OrnsteinUhlenbeck {
         intensity: rho,
         relaxation_rate: 1.0,
         diffusion: 1.0,
         initial: InitialNoise::At(0.0),
     };
-    Model {
+    Problem {
         oscillator: Oscillator {
             mass: 1.0,
             stiffness: 1.0,

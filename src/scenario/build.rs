@@ -1,7 +1,7 @@
 //! Building a scenario without a text.
 
 use super::{Ensemble, Scenario, Statistics, Time};
-use crate::model::{Drive, InitialNoise, Model};
+use crate::model::{Drive, InitialNoise, Problem};
 use crate::scheme::{CheckError, EventDriven, Scheme};
 use crate::stats::{Record, Units};
 
@@ -14,7 +14,7 @@ pub(crate) const DEFAULT_SEED: u64 = 1;
 impl Scenario {
     /// A scenario of this model from 0 to t_end, a time: 10 000 paths of the event-driven scheme,
     /// from the seed 1, on an output grid of about 120 rows.
-    pub fn new(model: Model, end: f64) -> Self {
+    pub fn new(model: Problem, end: f64) -> Self {
         let scheme = EventDriven::default().into();
         Scenario {
             title: String::new(),
@@ -48,7 +48,7 @@ impl Scenario {
     }
 
     fn check_ranges(&self) -> Result<(), CheckError> {
-        let Model {
+        let Problem {
             oscillator,
             temperature,
             ..

@@ -4,8 +4,8 @@ use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature,
-    can_be_computed_with,
+    Drive, Friction, Harmonic, InitialNoise, LARGEST, OrnsteinUhlenbeck, Problem, Series,
+    Temperature, can_be_computed_with,
 };
 use crate::scheme::{CheckError, Scheme, divergence_bound};
 use stickslip_text::numbers::short;
@@ -159,7 +159,7 @@ impl Statistics {
 }
 
 /// f_d <= f_s, in each direction.
-fn friction(model: &Model) -> Option<CheckError> {
+fn friction(model: &Problem) -> Option<CheckError> {
     let [forward, backward] = model.friction_by_direction();
     let is_forward = forward.dynamic_force > forward.static_force;
     let Friction {
@@ -180,7 +180,7 @@ fn friction(model: &Model) -> Option<CheckError> {
 }
 
 /// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
-fn noise(noise: &Noise) -> Option<CheckError> {
+fn noise(noise: &OrnsteinUhlenbeck) -> Option<CheckError> {
     let sd = noise.stationary_sd();
     if can_be_computed_with(&[noise.intensity * sd, sd])
         && (noise.diffusion == 0.0 || sd.is_normal())
@@ -214,8 +214,8 @@ fn third_noise(temperature: &Temperature) -> Option<CheckError> {
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
-fn forces(model: &Model, end: f64) -> Option<CheckError> {
-    let Model {
+fn forces(model: &Problem, end: f64) -> Option<CheckError> {
+    let Problem {
         oscillator,
         initial_displacement,
         ..
@@ -289,7 +289,7 @@ fn forces(model: &Model, end: f64) -> Option<CheckError> {
 }
 
 /// The phases of all harmonics keep their digits up to t_end.
-fn phases(model: &Model, end: f64) -> Option<CheckError> {
+fn phases(model: &Problem, end: f64) -> Option<CheckError> {
     for (i, harmonic) in model
         .temperature
         .harmonics
@@ -366,7 +366,7 @@ fn pinned(temperature: &Temperature) -> Option<CheckError> {
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
-fn check_extent(model: &Model, end: f64) -> Option<CheckError> {
+fn check_extent(model: &Problem, end: f64) -> Option<CheckError> {
     // The bound is that of motion without friction, because friction does not drive the body.
     // Negative damping does, but friction may confine the motion, and paths that run away are
     // counted.

@@ -2,7 +2,7 @@
 //! ensemble.
 //!
 //! ```text
-//! Scenario   title, Model, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
+//! Scenario   title, Problem, Bearing, Time, Scheme, Statistics, Ensemble, Record, Units
 //! time       duration and output grid, and whether they go with a scheme's step
 //! check      whether all values are consistent
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
@@ -47,7 +47,7 @@ pub use written::{AsWritten, INPUT, Measured, TEMPERATURE_SERIES, WrittenForce};
 
 pub use crate::stats::Units;
 
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::Scheme;
 use crate::stats::Record;
 
@@ -58,7 +58,7 @@ pub struct Scenario {
     /// The question of the scenario, one line.
     pub title: String,
     /// Oscillator, friction, temperature and x(0).
-    pub model: Model,
+    pub model: Problem,
     /// The sensor at the bearing, if there is one.
     pub bearing: Option<SensorBearing>,
     /// Duration and output grid.

@@ -1,6 +1,6 @@
 //! White noise of the temperature, approximated by a fast Ornstein-Uhlenbeck process.
 
-use crate::model::{Friction, InitialNoise, Model, Noise};
+use crate::model::{Friction, InitialNoise, OrnsteinUhlenbeck, Problem};
 use crate::scheme::{CheckError, Scheme};
 
 /// White noise sqrt(2 D) xi(t) of the temperature, with xi of unit intensity.
@@ -23,7 +23,12 @@ impl WhiteNoise {
     /// # Errors
     ///
     /// If theta is not given and the scheme has no tolerance to determine it.
-    pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, CheckError> {
+    pub fn simulated(
+        &self,
+        model: &Problem,
+        scheme: Scheme,
+        end: f64,
+    ) -> Result<OrnsteinUhlenbeck, CheckError> {
         let strength = ("temperature.noise.strength", self.strength);
         let memory = self.memory_of_body(model);
         if memory.is_none() && self.relaxation_rate.is_none() {
@@ -48,7 +53,7 @@ impl WhiteNoise {
                           `relaxation_rate = 100`";
             return Err(CheckError::new(&[strength], problem, remedy));
         };
-        Ok(Noise {
+        Ok(OrnsteinUhlenbeck {
             intensity: (2.0 * self.strength).sqrt(),
             relaxation_rate,
             diffusion: relaxation_rate,
@@ -57,7 +62,7 @@ impl WhiteNoise {
     }
 
     /// Under white noise the force on a body at rest exceeds every threshold immediately.
-    pub(super) fn check_error(&self, model: &Model) -> Option<CheckError> {
+    pub(super) fn check_error(&self, model: &Problem) -> Option<CheckError> {
         let rubs = |friction: &Friction| friction.static_force > friction.dynamic_force;
         let of = model.friction_by_direction().into_iter().find(rubs)?;
         let problem = format!(
@@ -77,7 +82,7 @@ impl WhiteNoise {
     /// The correlation time of the noise relative to the velocity relaxation time of the body,
     /// which is the order of magnitude of the relative error of statistics; none if the latter is
     /// unknown.
-    pub fn share(&self, model: &Model) -> Option<f64> {
+    pub fn share(&self, model: &Problem) -> Option<f64> {
         let memory = self
             .memory_of_body(model)
             .filter(|memory| memory.is_finite())?;
@@ -87,7 +92,7 @@ impl WhiteNoise {
     /// The shortest velocity relaxation time of the body: by friction, c^2 D/f_d^2; by the spring,
     /// sqrt(m/K); by damping, m/(2 alpha). User-defined forces are not included; without any other
     /// force the time is unknown.
-    fn memory_of_body(&self, model: &Model) -> Option<f64> {
+    fn memory_of_body(&self, model: &Problem) -> Option<f64> {
         let oscillator = &model.oscillator;
         let force = oscillator.force_per_temperature();
         let times = [

@@ -69,7 +69,7 @@ macro_rules! schemes {
             }
 
             /// The scheme on this model, observed on this timeline.
-            pub fn simulation(self, model: &Model, timeline: &Timeline) -> Simulation {
+            pub fn simulation(self, model: &Problem, timeline: &Timeline) -> Simulation {
                 match self {
                     $(Scheme::$Scheme(scheme) => Simulation::$Scheme(Box::new(scheme.simulation(model, timeline))),)+
                 }
@@ -81,24 +81,24 @@ macro_rules! schemes {
             }
 
             /// The limit beyond which slips grow without bound; none for a scheme without a step.
-            pub fn stability(self, model: &Model) -> Option<Stability> {
+            pub fn stability(self, model: &Problem) -> Option<Stability> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.stability(model),)+ }
             }
 
             /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal
             /// under noise; usually none.
-            pub fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
+            pub fn resolution(self, model: &Problem, timeline: &Timeline) -> Option<Resolution> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.resolution(model, timeline),)+ }
             }
 
             /// Checks whether the scheme can simulate this model up to `end`.
-            pub fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
+            pub fn check(self, model: &Problem, end: f64) -> Result<(), CheckError> {
                 match self { $(Scheme::$Scheme(scheme) => scheme.check(model, end),)+ }
             }
         }
 
         impl Simulate for Simulation {
-            fn model(&self) -> &Model {
+            fn model(&self) -> &Problem {
                 match self { $(Simulation::$Scheme(simulation) => simulation.model(),)+ }
             }
 

@@ -1,7 +1,7 @@
 //! The definition of a scheme ([`Method`]), and its simulation of a model ([`Simulate`]).
 
 use super::{CheckError, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
-use crate::model::Model;
+use crate::model::Problem;
 
 /// A scheme with its one parameter, and its properties. Each scheme is a type in its own file that
 /// implements this trait. The list in [`crate::scheme`] makes the enums of all schemes from these
@@ -25,24 +25,24 @@ pub trait Method: Copy {
     fn parameter(self) -> f64;
 
     /// The scheme on this model, observed on this timeline.
-    fn simulation(self, model: &Model, timeline: &Timeline) -> Self::Simulation;
+    fn simulation(self, model: &Problem, timeline: &Timeline) -> Self::Simulation;
 
     /// How its discretisation error can be measured.
     fn discretisation(self) -> Discretisation;
 
     /// The limit beyond which slips grow without bound; none for a scheme without a step.
-    fn stability(self, _model: &Model) -> Option<Stability> {
+    fn stability(self, _model: &Problem) -> Option<Stability> {
         None
     }
 
     /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal under
     /// noise; usually none.
-    fn resolution(self, _model: &Model, _timeline: &Timeline) -> Option<Resolution> {
+    fn resolution(self, _model: &Problem, _timeline: &Timeline) -> Option<Resolution> {
         None
     }
 
     /// Checks whether the scheme can simulate this model up to `end`.
-    fn check(self, _model: &Model, _end: f64) -> Result<(), CheckError> {
+    fn check(self, _model: &Problem, _end: f64) -> Result<(), CheckError> {
         Ok(())
     }
 }
@@ -51,7 +51,7 @@ pub trait Method: Copy {
 /// seed and of its number alone.
 pub trait Simulate: Sized {
     /// The model that is simulated.
-    fn model(&self) -> &Model;
+    fn model(&self) -> &Problem;
 
     /// The instants at which the paths are observed.
     fn timeline(&self) -> &Timeline;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Scheme       how to simulate: a scheme with its one parameter, a step or a tolerance
-//!   -> Simulation   the scheme on one Model, observed on one Timeline
+//!   -> Simulation   the scheme on one Problem, observed on one Timeline
 //!        -> Observer    receives the events of the paths, and their states at the instants of the
 //!                       timeline
 //! ```
@@ -42,7 +42,7 @@ pub use segment::{Along, Course, Segment};
 pub use stability::Stability;
 pub use timeline::{Instant, Timeline};
 
-use crate::model::{Event, Model};
+use crate::model::{Event, Problem};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
@@ -51,7 +51,7 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// list of paths that are simulated. Methods that an observer does not implement do nothing.
 ///
 /// ```
-/// use stickslip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
+/// use stickslip::model::{Drive, Event, EventKind, Friction, Harmonic, Problem, Oscillator, Temperature};
 /// use stickslip::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
 ///
 /// /// When each path first slips.
@@ -64,7 +64,7 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// }
 ///
 /// let harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }];
-/// let model = Model {
+/// let model = Problem {
 ///     oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(6.0) },
 ///     friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
 ///     temperature: Temperature { harmonics, ..Temperature::default() },

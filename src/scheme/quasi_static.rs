@@ -51,7 +51,7 @@ use super::{
     Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
     Segment, Simulate, Timeline,
 };
-use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
+use crate::model::{Event, EventKind, Oscillator, Phase, Problem, Sign, StepResponse};
 use crate::noise::AddressedDraws;
 use std::convert::Infallible;
 
@@ -84,7 +84,7 @@ impl Method for QuasiStatic {
         self.tolerance
     }
 
-    fn simulation(self, model: &Model, timeline: &Timeline) -> QuasiStaticSimulation {
+    fn simulation(self, model: &Problem, timeline: &Timeline) -> QuasiStaticSimulation {
         QuasiStaticSimulation::new(model, timeline, self.tolerance)
     }
 
@@ -93,7 +93,7 @@ impl Method for QuasiStatic {
     }
 
     /// The recursion treats a slip as one swing of the spring, which ends at rest.
-    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
+    fn check(self, model: &Problem, end: f64) -> Result<(), CheckError> {
         let Oscillator {
             stiffness, damping, ..
         } = model.oscillator;
@@ -148,7 +148,7 @@ impl Method for QuasiStatic {
 /// The quasi-static scheme on one model.
 #[derive(Clone, Debug)]
 pub struct QuasiStaticSimulation {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     exits: Exits,
 }
@@ -268,8 +268,8 @@ impl Swing {
 impl QuasiStaticSimulation {
     /// The scheme on a model, observed at the stops of a timeline. `tolerance` governs the noisy
     /// exits as in the event-driven scheme.
-    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
-        let Model {
+    pub fn new(model: &Problem, timeline: &Timeline, tolerance: f64) -> Self {
+        let Problem {
             oscillator,
             friction,
             ..
@@ -576,7 +576,7 @@ impl ObservedSegment for SwingSegment<'_> {
 }
 
 impl Simulate for QuasiStaticSimulation {
-    fn model(&self) -> &Model {
+    fn model(&self) -> &Problem {
         &self.model
     }
 

@@ -12,7 +12,7 @@ pub enum Stability {
     /// The damping is negative, so the amplitude grows above the one at which friction dissipates
     /// the energy that the damping adds, also with the explicit step.
     Growing {
-        /// A of [`Model::runaway_amplitude`](crate::model::Model::runaway_amplitude), a length.
+        /// A of [`Problem::runaway_amplitude`](crate::model::Problem::runaway_amplitude), a length.
         critical_amplitude: f64,
     },
     /// The explicit step of an underdamped oscillator, alpha^2 < K m, is stable below a limit.

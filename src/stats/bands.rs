@@ -2,7 +2,7 @@
 
 use super::deterministic::Deterministic;
 use super::{Band, Bands, QUANTILE_LEVELS};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::bins::Shape;
 use crate::sums::interval::{ErrorLaw, Measured};
@@ -193,7 +193,7 @@ impl Merge for BandCounts {
 impl BandCounts {
     /// Counts of no paths. The centres of the sketches are values that many paths may share: x0,
     /// where every path starts and where a path that never slips stays, and the velocity zero.
-    pub fn empty(model: &Model, rows: usize) -> Self {
+    pub fn empty(model: &Problem, rows: usize) -> Self {
         let [least, most] = VALUES_PER_SKETCH;
         let values = (VALUES_TOGETHER / (VARIABLES * rows)).clamp(least, most);
         let bins = (values / 2).max(least);

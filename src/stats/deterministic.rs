@@ -3,7 +3,7 @@
 //! If all paths of a random scenario agree on a number by chance, its interval allows for other
 //! paths to differ ([`crate::sums::range`]). If they cannot differ, it is a single point.
 
-use crate::model::{InitialNoise, Model, Noise};
+use crate::model::{InitialNoise, OrnsteinUhlenbeck, Problem};
 use crate::scheme::Timeline;
 
 /// The numbers that are the same for all paths of a scene.
@@ -24,8 +24,8 @@ pub(crate) struct Deterministic {
 }
 
 impl Deterministic {
-    pub fn of(model: &Model, timeline: &Timeline) -> Self {
-        let Model {
+    pub fn of(model: &Problem, timeline: &Timeline) -> Self {
+        let Problem {
             oscillator,
             friction,
             temperature,
@@ -33,7 +33,7 @@ impl Deterministic {
             initial_velocity,
             ..
         } = model;
-        let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
+        let is_given = |noise: OrnsteinUhlenbeck| matches!(noise.initial, InitialNoise::At(_));
         let has_initial_velocity = *initial_velocity != 0.0;
         let start = has_initial_velocity
             || oscillator.force_per_temperature() == 0.0
@@ -69,14 +69,14 @@ mod tests {
     };
 
     /// x0 = 6 and K = beta = 1, so that b(0) = v(0)/4 - 6.
-    fn scene(static_force: f64, dynamic_force: f64, initial: InitialNoise) -> Model {
-        let noise = Noise {
+    fn scene(static_force: f64, dynamic_force: f64, initial: InitialNoise) -> Problem {
+        let noise = OrnsteinUhlenbeck {
             intensity: 0.25,
             relaxation_rate: 1.0,
             diffusion: 1.0,
             initial,
         };
-        Model {
+        Problem {
             friction: Friction {
                 static_force,
                 dynamic_force,
@@ -89,7 +89,7 @@ mod tests {
         }
     }
 
-    fn deterministic(model: &Model, timeline: &Timeline) -> Vec<Statistic> {
+    fn deterministic(model: &Problem, timeline: &Timeline) -> Vec<Statistic> {
         let deterministic = Deterministic::of(model, timeline);
         Statistic::ALL
             .into_iter()

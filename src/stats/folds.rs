@@ -12,7 +12,7 @@ use super::motion::MotionFold;
 use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodSums;
 use super::totals::PhaseSums;
-use crate::model::{Event, Model};
+use crate::model::{Event, Problem};
 use crate::scheme::{Instant, Segment, Snapshot, Timeline};
 use crate::sums::Replicate;
 use std::borrow::Cow;
@@ -22,14 +22,14 @@ pub(super) struct PathFolds {
     pub paths: Vec<PathFold>,
     pub laws: Option<Vec<LawFold>>,
     pub motion: Option<Vec<MotionFold>>,
-    pub model: Model,
+    pub model: Problem,
     timeline: Timeline,
     pub record: Record,
 }
 
 impl PathFolds {
     /// This many paths at rest at x0.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, count: usize) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline, record: &Record, count: usize) -> Self {
         let path = PathFold::starting_at(model.initial_displacement).counted_after(timeline.after);
         let path = path.moving(model.initial_velocity != 0.0);
         PathFolds {

@@ -14,7 +14,7 @@ use super::folds::PathFolds;
 use super::periods::PeriodFold;
 use super::totals::PhaseSums;
 use super::{AuxiliaryObserver, Record, Statistic, Totals};
-use crate::model::{Event, Model};
+use crate::model::{Event, Problem};
 use crate::scheme::{Instant, Observer, Segment, Snapshot, Timeline};
 use crate::sums::Merge;
 use crate::sums::Replicate;
@@ -33,7 +33,7 @@ pub type GroupValues = [f64; Statistic::ALL.len()];
 pub struct Grouping {
     timeline: Timeline,
     unit: Replicate,
-    model: Model,
+    model: Problem,
     record: Record,
 }
 
@@ -80,7 +80,7 @@ impl Groups {
 impl Grouping {
     /// A grouping for runs of this model on this timeline, whose independent units are paths or
     /// pairs, and which measure what `record` asks for.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Replicate) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline, record: &Record, unit: Replicate) -> Self {
         Grouping {
             timeline: *timeline,
             unit,

@@ -25,7 +25,7 @@
 //! it lies between the states at the end of the burn-in and at the end, which are those at steps.
 
 use super::path::PathFold;
-use crate::model::{Model, Sign};
+use crate::model::{Problem, Sign};
 use crate::scheme::{Along, Instant, Segment, Timeline};
 
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
@@ -72,7 +72,7 @@ const NODES: [[f64; 2]; 5] = [
 
 impl MotionFold {
     /// A path at x0 and x'(0).
-    pub fn starting_at(model: &Model, timeline: &Timeline) -> Self {
+    pub fn starting_at(model: &Problem, timeline: &Timeline) -> Self {
         let x = model.initial_displacement;
         let works = Works {
             stored: [stored(model, x, model.initial_velocity); 2],
@@ -95,7 +95,7 @@ impl MotionFold {
     }
 
     /// Add the part of a segment of the motion that lies on the timeline.
-    pub fn segment(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
+    pub fn segment(&mut self, model: &Problem, timeline: &Timeline, segment: &Segment) {
         let [from, to] = counted_part(timeline, segment);
         if segment.start < timeline.end {
             self.largest[1] = self.largest[1].max(segment.largest_speed(to));
@@ -156,7 +156,7 @@ impl MotionFold {
     }
 
     /// Add only the work of friction with a load of a segment of the motion.
-    pub fn friction(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
+    pub fn friction(&mut self, model: &Problem, timeline: &Timeline, segment: &Segment) {
         let parts = counted_part(timeline, segment);
         if self.counts(segment, parts) {
             self.works.friction += friction_work(model, segment, parts);
@@ -174,7 +174,7 @@ impl MotionFold {
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
     /// without a load, and is given that with one.
-    pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
+    pub fn at(&mut self, model: &Problem, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
             Instant::Counting => {
                 (self.is_counted, self.works.stored[0]) = (true, stored(model, x, v))
@@ -219,7 +219,7 @@ fn integrals([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// The work of friction with a load on a part of a segment. All nodes are computed at once.
-fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
+fn friction_work(model: &Problem, segment: &Segment, parts: [f64; 2]) -> f64 {
     let Segment {
         start,
         length,
@@ -253,7 +253,7 @@ fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
 
 /// The work of damping in a jump at a constant T, which stands for a motion that goes on forever:
 /// what the other forces give and the body loses.
-fn rest_of_swing(model: &Model, segment: &Segment, temperature: f64) -> f64 {
+fn rest_of_swing(model: &Problem, segment: &Segment, temperature: f64) -> f64 {
     let Segment {
         start,
         displacement,
@@ -270,7 +270,7 @@ fn rest_of_swing(model: &Model, segment: &Segment, temperature: f64) -> f64 {
 }
 
 /// Kinetic energy and that of the spring.
-fn stored(model: &Model, x: f64, v: f64) -> f64 {
+fn stored(model: &Problem, x: f64, v: f64) -> f64 {
     0.5 * (model.oscillator.mass * v * v + model.oscillator.stiffness * x * x)
 }
 

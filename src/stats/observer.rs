@@ -10,7 +10,7 @@ use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
 use super::{BlockResult, BlockRows, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
-use crate::model::{Event, Model, Sign};
+use crate::model::{Event, Problem, Sign};
 use crate::scheme::{Instant, Observer, Segment, Snapshot, Timeline};
 use crate::sums::Replicate;
 
@@ -49,7 +49,7 @@ impl BlockObserver {
     /// is at rest at x0, in its first static phase. The two paths of a pair must follow one another
     /// in the list.
     pub fn new(
-        model: &Model,
+        model: &Problem,
         timeline: &Timeline,
         record: &Record,
         paths: &[u64],

@@ -3,7 +3,7 @@
 
 use super::totals::PhaseSums;
 use super::{Counts, Estimate, Record, Statistic, Sums, Totals};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::Timeline;
 use crate::sums::{Codec, Damaged, Reader};
 use crate::sums::{Merge, Overlap, Tree};
@@ -61,7 +61,7 @@ impl<X: Merge> Merge for (Sums, X) {
 
 impl RunTotals {
     /// The totals of no blocks.
-    pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
+    pub fn empty(model: &Problem, timeline: &Timeline, record: &Record) -> Self {
         RunTotals::with((), model, timeline, record)
     }
 
@@ -74,7 +74,7 @@ impl RunTotals {
 
 impl<X: Merge + Clone> RunTotals<X> {
     /// The totals of no blocks, with empty user-defined sums.
-    pub fn with(own: X, model: &Model, timeline: &Timeline, record: &Record) -> Self {
+    pub fn with(own: X, model: &Problem, timeline: &Timeline, record: &Record) -> Self {
         RunTotals {
             timeline: *timeline,
             empty: (Sums::empty(model, timeline, record), own),

@@ -22,7 +22,7 @@
 //! more than independent Gaussian paths would have.
 
 use super::{Fluctuations, Line, Spectrum};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, batch_of};
@@ -130,7 +130,7 @@ sums_of_fields!(SpectrumSums {
 
 impl SpectrumSums {
     /// The sums of no paths.
-    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
+    pub fn empty(model: &Problem, timeline: &Timeline) -> Self {
         SpectrumSums {
             powers: vec![0.0; BATCHES * VARIABLES * Segments::of(timeline).frequencies()],
             weights: [0.0; BATCHES],

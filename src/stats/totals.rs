@@ -16,7 +16,7 @@ use super::periods::PeriodSums;
 use super::spectrum::SpectrumSums;
 use super::sub_phases::SubPhaseTotals;
 use super::{Distribution, Estimate, FirstSticks, Record, Statistic, Summary, Transient};
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::batches::BATCHES;
 use crate::sums::codec::{Codec, Damaged, Reader, sums, sums_of_fields};
@@ -132,7 +132,7 @@ impl Codec for Diverged {
 
 impl Sums {
     /// The sums of no paths.
-    pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
+    pub fn empty(model: &Problem, timeline: &Timeline, record: &Record) -> Self {
         Sums {
             phases: PhaseSums::empty(timeline, record),
             bands: BandSums::empty(timeline.rows()),
@@ -145,7 +145,7 @@ impl Sums {
 
 impl Counts {
     /// The counts of no paths.
-    pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
+    pub fn empty(model: &Problem, timeline: &Timeline, record: &Record) -> Self {
         // The largest duration and length that are to be expected, roughly.
         let [time, length] = [timeline.end, model.length_scale(timeline.end)];
         let scale = |law: PhaseLaw| if law.is_of_time() { time } else { length };
@@ -227,7 +227,7 @@ impl Counts {
 
 impl Totals {
     /// The totals of no paths.
-    pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
+    pub fn empty(model: &Problem, timeline: &Timeline, record: &Record) -> Self {
         Totals {
             timeline: *timeline,
             sums: Sums::empty(model, timeline, record),

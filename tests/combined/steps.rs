@@ -16,7 +16,7 @@ use super::scene::{Scene, ask};
 use crate::common::Keep;
 use stickslip::engine::Run;
 use stickslip::lanes::InstructionSet;
-use stickslip::model::{Event, EventKind, Force, HarmonicClock, Model, Sign};
+use stickslip::model::{Event, EventKind, Force, HarmonicClock, Problem, Sign};
 use stickslip::noise::{LaneStreams, MIRROR, Transition};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
@@ -54,7 +54,7 @@ struct Path {
 
 struct Loop<'a> {
     scene: &'a Scene,
-    model: Model,
+    model: Problem,
     h: f64,
     /// T without noise at every step.
     temperature: Vec<f64>,

@@ -15,7 +15,7 @@ use stickslip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
 use stickslip::sums::{Merge as _, Replicate};
 
 /// The model of a shipped scenario.
-pub fn shipped_model(name: &str) -> Model {
+pub fn shipped_model(name: &str) -> Problem {
     Scenario::parse(name, shipped(name).expect("shipped").text, &[])
         .expect("sound")
         .model
@@ -23,7 +23,7 @@ pub fn shipped_model(name: &str) -> Model {
 
 /// The model of the paper with forcing frequency `w` and noise of intensity `rho`; without noise if
 /// `rho` is zero.
-pub fn paper(w: f64, rho: f64) -> Model {
+pub fn paper(w: f64, rho: f64) -> Problem {
     let mut model = shipped_model("rho025");
     model.temperature.harmonics[0].angular_frequency = w;
     model.temperature.noises[0].intensity = rho;
@@ -85,7 +85,7 @@ impl Observer for Keep {
 
 /// The statistics of the first `paths` paths of a scheme, which is given as its function
 /// `simulate`, on two threads.
-pub fn summary_of<S>(model: &Model, timeline: &Timeline, paths: u64, simulate: S) -> Summary
+pub fn summary_of<S>(model: &Problem, timeline: &Timeline, paths: u64, simulate: S) -> Summary
 where
     S: Fn(&[u64], &mut BlockObserver) -> Vec<usize> + Sync,
 {
@@ -124,7 +124,7 @@ where
 
 /// The statistics of the event-driven scheme.
 pub fn event_driven_summary(
-    model: &Model,
+    model: &Problem,
     timeline: &Timeline,
     tolerance: f64,
     seed: u64,

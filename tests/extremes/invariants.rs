@@ -29,7 +29,7 @@
 //! - discrete schemes have the same events for any output grid (in the survey itself): exactly
 
 use stickslip::lanes::InstructionSet;
-use stickslip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
+use stickslip::model::{Event, EventKind, InitialNoise, Oscillator, Problem, Sign};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
 
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Checks the invariants on the paths of one scenario.
 pub struct Watch {
-    model: Model,
+    model: Problem,
     scheme: Kind,
     end: f64,
     step: f64,
@@ -270,7 +270,7 @@ impl Watch {
     }
 
     fn check_recursion(&self, lane: &Lane, time: f64, x: f64) -> Result<(), String> {
-        let Model {
+        let Problem {
             oscillator,
             friction,
             ..

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use stickslip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
 use stickslip::engine::Run;
 use stickslip::ensemble::Plan;
-use stickslip::model::{Drive, InitialNoise, Model, Noise};
+use stickslip::model::{Drive, InitialNoise, OrnsteinUhlenbeck, Problem};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{
     CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline,
@@ -45,7 +45,7 @@ const AT_STEP: [AtStep; 6] = [
     AtStep { h: 0.001, values: [(0.476148, 0.00032), (15.8587, 0.012), (1.30339, 0.00045), (0.205501, 0.00025), (0.140213, 0.00011)] },
 ];
 
-fn timeline(model: &Model) -> Timeline {
+fn timeline(model: &Problem) -> Timeline {
     Timeline {
         end: 60.0,
         output_step: 60.0,
@@ -87,7 +87,7 @@ const EXISTING: usize = 20;
 /// The biases that a run of the discrete scheme, corrected or not, reports with the rows of the
 /// shipped scene, which are a part of its cost. No row is needed here, so none is simulated.
 fn reported(
-    model: &Model,
+    model: &Problem,
     scheme: Scheme,
     seed: u64,
     paths: u64,
@@ -103,7 +103,7 @@ fn reported(
         .expect("none diverges")
 }
 
-fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
+fn run(model: &Problem, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
     let simulation = scheme.simulation(model, &timeline(model));
     let record = Record::NOTHING;
     Plan {
@@ -360,7 +360,7 @@ fn each_bias_falls_with_the_step_as_its_order_says() {
         (2.0, 20.0, 12.8, displacement),
         (1.5, 12.0, 19.2, &[PeriodDisplacementCorrelation]),
     ] {
-        let model = Model {
+        let model = Problem {
             initial_displacement: x0,
             ..paper(frequency, 0.25)
         };
@@ -489,7 +489,7 @@ fn the_bias_of_a_median_that_jumps_is_covered() {
 /// equal), and where its paths are too few. The bias is then estimated from the three steps.
 #[test]
 fn the_steps_give_the_bias_where_the_reference_run_cannot() {
-    let referenced = |model: &Model, h: f64, paths: u64| {
+    let referenced = |model: &Problem, h: f64, paths: u64| {
         let run = run(model, plain(h), 1, paths, 2);
         ReferenceRun::new(model, &timeline(model), h, 1, paths, 20).estimate(
             &run,
@@ -511,7 +511,7 @@ fn the_steps_give_the_bias_where_the_reference_run_cannot() {
         .relaxation_rate = 1e6;
     let mut close = model.clone();
     close.friction.static_force = 1.0 + 1e-9;
-    let is_close = |model: &Model| model.friction.static_force < 1.1;
+    let is_close = |model: &Problem| model.friction.static_force < 1.1;
     for model in [fast, close] {
         assert_eq!(referenced(&model, 0.01, 10_000), None);
         if is_close(&model) {
@@ -581,7 +581,7 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noises = vec![Noise {
+    model.temperature.noises = vec![OrnsteinUhlenbeck {
         intensity: 1.0,
         relaxation_rate,
         diffusion,
@@ -770,7 +770,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn where_there_is_no_estimate_the_reason_is_given() {
     let (model, quiet) = (paper(0.25, 0.25), paper(0.25, 0.0));
-    let try_with = |model: &Model, h, paths| {
+    let try_with = |model: &Problem, h, paths| {
         Differences::new(plain(h), model, &timeline(model), 1, paths).map(|_| ())
     };
     assert_eq!(

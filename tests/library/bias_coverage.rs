@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use stickslip::bias::BiasPlan;
 use stickslip::ensemble::Plan;
-use stickslip::model::{Drive, Harmonic, InitialNoise, Model};
+use stickslip::model::{Drive, Harmonic, InitialNoise, Problem};
 use stickslip::scheme::{
     CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline,
 };
@@ -22,7 +22,7 @@ const STEPS: [f64; 3] = [0.02, 0.01, 0.005];
 const PATHS: [u64; 2] = [10_000, 2000];
 const SEEDS: std::ops::RangeInclusive<u64> = 201..=220;
 
-fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
+fn run(model: &Problem, scheme: Scheme, seed: u64, paths: u64) -> Summary {
     let timeline = Timeline {
         end: 60.0,
         output_step: 60.0,
@@ -40,7 +40,7 @@ fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Summary {
 }
 
 /// The biases that a run with the rows of the shipped scene reports.
-fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
+fn reported(model: &Problem, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statistic, Bias)> {
     let timeline = Timeline {
         end: 60.0,
         output_step: 0.5,
@@ -55,7 +55,7 @@ fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64) -> Vec<(Statis
 /// Weak noise and nearly equal frictions: sticks are either short or long, and a step misses many
 /// of the short ones. At h = 0.01 most of the sticks that are seen are long, and their median is
 /// 1.55. At zero step most are short, and the median is 0.40.
-fn two_humps(static_force: f64, intensity: f64) -> Model {
+fn two_humps(static_force: f64, intensity: f64) -> Problem {
     let mut model = paper(0.25, intensity);
     let oscillator = &mut model.oscillator;
     (oscillator.mass, oscillator.stiffness) = (0.3, 0.2);
@@ -68,7 +68,7 @@ fn two_humps(static_force: f64, intensity: f64) -> Model {
 
 /// The shipped scene, two scenes with two kinds of sticks, and six scenes drawn at random around
 /// the shipped one.
-fn scenes() -> Vec<(String, Model)> {
+fn scenes() -> Vec<(String, Problem)> {
     let mut scenes = vec![
         ("rho025".to_string(), paper(0.25, 0.25)),
         ("two humps".to_string(), two_humps(1.02, 0.1)),

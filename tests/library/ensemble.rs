@@ -18,7 +18,7 @@ use stickslip::stats::{
 };
 use stickslip::sums::Merge as _;
 
-fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
+fn plan(model: Problem, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline {
         end,
         output_step: end / 10.0,
@@ -28,7 +28,7 @@ fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     plan_on(&model, &timeline, h, paths)
 }
 
-fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
+fn plan_on(model: &Problem, timeline: &Timeline, h: f64, paths: u64) -> Plan {
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(model, timeline);
     Plan {
         simulation,
@@ -309,7 +309,7 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
         dynamic_force: 0.01,
     };
     model.temperature = Temperature {
-        noises: vec![Noise {
+        noises: vec![OrnsteinUhlenbeck {
             intensity: 1.0,
             relaxation_rate: 1e-9,
             diffusion: 1e-5,

@@ -6,7 +6,7 @@ mod method;
 use crate::common::{estimate, event_driven_summary, paper};
 use method::{Multilevel, Outcome};
 use std::sync::atomic::AtomicBool;
-use stickslip::model::{Friction, InitialNoise, Noise};
+use stickslip::model::{Friction, InitialNoise, OrnsteinUhlenbeck};
 use stickslip::scheme::Timeline;
 use stickslip::stats::Statistic;
 
@@ -145,7 +145,7 @@ fn levels_share_no_path() {
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noises = vec![Noise {
+    model.temperature.noises = vec![OrnsteinUhlenbeck {
         intensity: 1.0,
         relaxation_rate,
         diffusion,

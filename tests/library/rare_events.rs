@@ -7,7 +7,7 @@
 
 use crate::common::paper;
 use stickslip::ensemble::{BLOCK_SIZE, Plan};
-use stickslip::model::Model;
+use stickslip::model::Problem;
 use stickslip::scheme::{DEFAULT_TOLERANCE, EventDriven, Scheme, Timeline};
 use stickslip::stats::{Estimate, Record, Statistic, Totals};
 use stickslip::sums::Merge as _;
@@ -43,7 +43,7 @@ fn plan(
     ): Scene,
     seed: u64,
 ) -> Plan {
-    let mut model: Model = paper(frequency, intensity);
+    let mut model: Problem = paper(frequency, intensity);
     model.temperature.harmonics[0].amplitude = amplitude;
     model.oscillator.damping = damping;
     model.initial_displacement = x0;

@@ -9,7 +9,7 @@ use crate::common::{Keep, paper, timeline};
 use std::collections::HashSet;
 use stickslip::config::shipped;
 use stickslip::engine::Replay;
-use stickslip::model::{Event, InitialNoise, Model, Noise};
+use stickslip::model::{Event, InitialNoise, OrnsteinUhlenbeck, Problem};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _,
@@ -24,7 +24,7 @@ fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
     })
 }
 
-fn kept(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: &[u64]) -> Keep {
+fn kept(scheme: Scheme, model: &Problem, timeline: &Timeline, seed: u64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
     let lost = scheme
         .simulation(model, timeline)
@@ -34,7 +34,7 @@ fn kept(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: &[
 }
 
 /// The noisy scene of the paper with this noise.
-fn with_noise(noise: Noise) -> Model {
+fn with_noise(noise: OrnsteinUhlenbeck) -> Problem {
     let mut model = paper(0.25, noise.intensity);
     model.temperature.noises = vec![noise];
     model
@@ -94,7 +94,7 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
     let line = timeline(9.0 * lag, lag);
     for scheme in schemes(0.05) {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
-            let model = with_noise(Noise {
+            let model = with_noise(OrnsteinUhlenbeck {
                 intensity: rho,
                 relaxation_rate: theta,
                 diffusion: sigma,
@@ -154,7 +154,7 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
 #[test]
 fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     let initial = InitialNoise::At(2.0);
-    let noise = Noise {
+    let noise = OrnsteinUhlenbeck {
         intensity: 0.3,
         relaxation_rate: 1.0,
         diffusion: 1.0,
@@ -189,7 +189,7 @@ fn every_bit_of_path_number_and_seed_counts() {
     let neighbours: Vec<u64> = std::iter::once(number)
         .chain((0..64).map(|bit| number ^ (1 << bit)))
         .collect();
-    let noise = Noise {
+    let noise = OrnsteinUhlenbeck {
         intensity: 0.25,
         relaxation_rate: 1.0,
         diffusion: 1.0,

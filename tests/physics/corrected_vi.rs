@@ -4,7 +4,7 @@
 use crate::common::{Keep, paper, reference};
 use std::sync::LazyLock;
 use stickslip::ensemble::Plan;
-use stickslip::model::{Drive, EventKind, Friction, Model};
+use stickslip::model::{Drive, EventKind, Friction, Problem};
 use stickslip::scheme::{
     CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit,
     monitoring_shift,
@@ -17,7 +17,7 @@ fn run(h: f64, paths: u64, corrected: bool) -> Vec<(f64, f64)> {
 }
 
 fn estimates(
-    model: Model,
+    model: Problem,
     h: f64,
     paths: u64,
     corrected: bool,
@@ -115,8 +115,8 @@ fn at_a_fine_step_one_percent_is_left() {
 }
 
 /// The noisy scene with f_s = 1 + `gap` and f_d = 1.
-fn with_gap(gap: f64) -> Model {
-    Model {
+fn with_gap(gap: f64) -> Problem {
+    Problem {
         friction: Friction {
             static_force: 1.0 + gap,
             dynamic_force: 1.0,

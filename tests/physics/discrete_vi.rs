@@ -14,7 +14,7 @@ use stickslip::noise::{Stream, standard_normal};
 use stickslip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline};
 use stickslip::stats::Record;
 
-fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
+fn simulate(model: &Problem, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());
     let lost = DiscreteSimulation::new(model, &timeline(end, output_step), h)
         .simulate(1, paths, &mut keep);
@@ -267,7 +267,7 @@ fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
         .first_mut()
         .expect("has noise")
         .intensity = 0.0;
-    let run = |model: &Model, seed: u64| {
+    let run = |model: &Problem, seed: u64| {
         let mut keep = Keep::lanes(3);
         DiscreteSimulation::new(model, &timeline(60.0, 0.1), 0.01).simulate(
             seed,
@@ -544,7 +544,7 @@ fn a_path_that_is_not_a_number_has_diverged() {
 #[test]
 fn steps_fed_by_finer_ones_see_the_same_noise() {
     let mut model = paper(0.25, 2.0);
-    let noise = Noise {
+    let noise = OrnsteinUhlenbeck {
         intensity: 2.0,
         relaxation_rate: 2.0,
         diffusion: 1.5,

@@ -9,7 +9,7 @@
 use crate::common::{estimate, event_driven_summary, paper, reference, shipped_model};
 use stickslip::model::{
     Complex, Drive, Event, EventKind, Expression, Force, Friction, Harmonic, ImpulseResponse,
-    InitialNoise, Model, Noise, Sign, Temperature,
+    InitialNoise, OrnsteinUhlenbeck, Problem, Sign, Temperature,
 };
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind,
@@ -53,7 +53,7 @@ impl Observer for Recorder {
     }
 }
 
-fn noiseless_events(model: &Model, end: f64) -> Vec<Event> {
+fn noiseless_events(model: &Problem, end: f64) -> Vec<Event> {
     let mut recorder = Recorder::default();
     let failed = EventDrivenSimulation::new(model, &timeline(end), DEFAULT_TOLERANCE).simulate(
         0,
@@ -336,7 +336,7 @@ fn every_event_of_the_paper_s_noiseless_scenes_is_exact() {
 }
 
 /// The scene of tests/reference/cascade.py with this name, and its t_end.
-fn reference_scene(name: &str) -> (Model, f64) {
+fn reference_scene(name: &str) -> (Problem, f64) {
     let (damping, f_d, f_s, x0, harmonics, end): (_, _, _, _, &[(f64, f64, f64)], _) = match name {
         "underdamped" => (0.125, 1.0, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
         "critical" => (1.0, 0.5, 1.2, 6.0, &[(1.0, 0.25, 0.0)], 60.0),
@@ -519,7 +519,7 @@ fn relaxation_without_diffusion_is_one_more_exponential() {
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
-        noises: vec![Noise {
+        noises: vec![OrnsteinUhlenbeck {
             intensity: 0.5,
             relaxation_rate: 0.5,
             diffusion: 0.0,
@@ -591,7 +591,7 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
             let mut model = paper(0.25, 0.0);
             model.oscillator.drive = Drive::Dilatation(dilatation);
-            model.temperature.noises = vec![Noise {
+            model.temperature.noises = vec![OrnsteinUhlenbeck {
                 intensity: rho,
                 relaxation_rate: theta,
                 diffusion: sigma,
@@ -884,7 +884,7 @@ impl Observer for Folds {
     }
 }
 
-fn folds(model: &Model, line: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Vec<Fold> {
+fn folds(model: &Problem, line: &Timeline, tolerance: f64, seed: u64, paths: u64) -> Vec<Fold> {
     let scheme = EventDrivenSimulation::new(model, line, tolerance);
     let mut all = Vec::new();
     for first in (0..paths).step_by(256) {
@@ -1093,7 +1093,7 @@ fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
     }
 }
 
-fn path_events(model: &Model, end: f64, seed: u64, numbers: &[u64]) -> Vec<Vec<Event>> {
+fn path_events(model: &Problem, end: f64, seed: u64, numbers: &[u64]) -> Vec<Vec<Event>> {
     let mut recorder = Recorder::default();
     let line = Timeline {
         end,
@@ -1340,7 +1340,7 @@ fn under_weak_noise_rows_show_the_noise_that_moves_the_body() {
 /// Moments of the states at one instant, each with its standard error: of x, x', T and of whether
 /// the path is static, of the noise where it is static, and of x' where it slips.
 fn seen_moments(
-    model: &Model,
+    model: &Problem,
     tolerance: f64,
     times: &[f64],
     seed: u64,
@@ -1587,7 +1587,7 @@ fn units_do_not_matter_path_by_path() {
         period: None,
         after: 0.0,
     };
-    let events = |model: &Model, unit| {
+    let events = |model: &Problem, unit| {
         let mut recorder = Recorder::default();
         let numbers: Vec<u64> = (0..100).collect();
         EventDrivenSimulation::new(model, &line(unit), DEFAULT_TOLERANCE).simulate(
@@ -1841,7 +1841,7 @@ fn quasi_static_holds_on_the_viaduct_not_under_fast_forcing() {
         period: None,
         after: 0.0,
     };
-    let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Model, line: &Timeline| {
+    let fold = |numbers: std::ops::Range<u64>, quasi: bool, model: &Problem, line: &Timeline| {
         let numbers: Vec<u64> = numbers.collect();
         let mut observer = Folds(vec![Fold::default(); numbers.len()]);
         let failed = if quasi {

@@ -34,7 +34,7 @@ struct Work {
 }
 
 impl Work {
-    fn new(model: &Model, lanes: usize) -> Self {
+    fn new(model: &Problem, lanes: usize) -> Self {
         Work {
             dynamic_force: model.friction.dynamic_force,
             is_slipping: vec![false; lanes],
@@ -70,13 +70,13 @@ impl Observer for Work {
 
 /// m = K = 1, no damping, x0 = 0, and noise of relaxation rate theta whose force has the spectral
 /// density `intensity` at zero frequency: (K beta rho sigma/theta)^2.
-fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
+fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Problem {
     let mut model = paper(0.25, 1.0);
     model.friction = friction;
     model.initial_displacement = 0.0;
     let rho = theta * intensity.sqrt() / model.oscillator.rest_position(1.0);
     model.temperature = Temperature {
-        noises: vec![Noise {
+        noises: vec![OrnsteinUhlenbeck {
             intensity: rho,
             relaxation_rate: theta,
             diffusion: 1.0,
@@ -87,7 +87,7 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
     model
 }
 
-fn works(model: &Model, end: f64, seed: u64, paths: u64) -> Work {
+fn works(model: &Problem, end: f64, seed: u64, paths: u64) -> Work {
     let scheme = EventDrivenSimulation::new(model, &timeline(end, end), DEFAULT_TOLERANCE);
     let mut all = Work::new(model, 0);
     for first in (0..paths).step_by(250) {
@@ -185,7 +185,7 @@ fn fast_noise_does_the_work_of_white_noise_against_friction() {
 }
 
 /// The scene under x -> -x, T -> -T.
-fn mirrored(model: &Model) -> Model {
+fn mirrored(model: &Problem) -> Problem {
     let mut mirrored = model.clone();
     mirrored.initial_displacement = -model.initial_displacement;
     mirrored
@@ -193,7 +193,7 @@ fn mirrored(model: &Model) -> Model {
         .harmonics
         .iter_mut()
         .for_each(|h| h.amplitude = -h.amplitude);
-    if let Some(Noise {
+    if let Some(OrnsteinUhlenbeck {
         initial: InitialNoise::At(v),
         ..
     }) = mirrored.temperature.noises.first_mut()
@@ -203,7 +203,7 @@ fn mirrored(model: &Model) -> Model {
     mirrored
 }
 
-fn kept(model: &Model, seed: u64, paths: u64) -> Keep {
+fn kept(model: &Problem, seed: u64, paths: u64) -> Keep {
     let mut keep = Keep::lanes(paths as usize);
     let numbers: Vec<u64> = (0..paths).collect();
     let scheme = EventDrivenSimulation::new(model, &timeline(60.0, 0.7), DEFAULT_TOLERANCE);
@@ -461,13 +461,13 @@ fn without_friction_velocity_zeros_are_as_many_as_rice_says() {
 #[test]
 fn noise_that_hardly_relaxes_takes_bounded_work() {
     let simulated = |theta: f64, is_quasi_static: bool| {
-        let noise = Noise {
+        let noise = OrnsteinUhlenbeck {
             intensity: 1.0,
             relaxation_rate: theta,
             diffusion: 1.0,
             initial: InitialNoise::At(0.0),
         };
-        let model = Model {
+        let model = Problem {
             oscillator: Oscillator {
                 mass: 1.0,
                 stiffness: 1.0,

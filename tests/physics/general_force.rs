@@ -310,7 +310,7 @@ fn a_body_without_a_spring_falls() {
         } else {
             (10.0 + (-20.0 * gamma).exp_m1() / (2.0 * gamma)) / (2.0 * gamma)
         };
-        let end = |scheme: Scheme, model: &Model| {
+        let end = |scheme: Scheme, model: &Problem| {
             let mut keep = Keep::lanes(1);
             scheme
                 .simulation(model, &timeline(10.0, 10.0))

@@ -1,7 +1,7 @@
 //! Measured inputs of force and load, against an independent program, a closed form, and the same
 //! force written out.
 
-use crate::common::{Keep, timeline};
+use crate::common::Keep;
 use std::f64::consts::PI;
 use stickslip::config::Override;
 use stickslip::model::{Event, EventKind, NamedSeries, Series};

@@ -15,7 +15,7 @@ use stickslip::stats::{Statistic, Summary};
 
 /// A bearing with this damping ratio. x0 is 5.9, because from 6 jumps of 0.4 would meet the
 /// extremum of the forcing to the last digit.
-fn damped(zeta: f64, w: f64) -> Model {
+fn damped(zeta: f64, w: f64) -> Problem {
     let mut model = paper(w, 0.0);
     model.oscillator.damping = zeta;
     model.initial_displacement = 5.9;
@@ -42,7 +42,7 @@ struct Slips {
     duration: f64,
 }
 
-fn kept(model: &Model, line: &Timeline, is_quasi_static: bool) -> Keep {
+fn kept(model: &Problem, line: &Timeline, is_quasi_static: bool) -> Keep {
     let mut keep = Keep::lanes(1);
     let failed = if is_quasi_static {
         QuasiStaticSimulation::new(model, line, DEFAULT_TOLERANCE).simulate(1, &[0], &mut keep)
@@ -54,7 +54,7 @@ fn kept(model: &Model, line: &Timeline, is_quasi_static: bool) -> Keep {
 }
 
 /// The slips in two periods of the forcing, event-driven and quasi-static.
-fn slips(model: &Model) -> [Slips; 2] {
+fn slips(model: &Problem) -> [Slips; 2] {
     let end = 2.0 * TAU / model.temperature.harmonics[0].angular_frequency;
     [false, true].map(|is_quasi_static| {
         let events = kept(model, &timeline(end, end), is_quasi_static)
@@ -246,10 +246,10 @@ const FALSE_ALARM: f64 = 3.9;
 
 /// The forcing with a noise whose relaxation rate is proportional to its frequency: theta = 10 w,
 /// and a standard deviation of the force of 0.3.
-fn slow_noise(zeta: f64, w: f64) -> Model {
+fn slow_noise(zeta: f64, w: f64) -> Problem {
     let mut model = damped(zeta, w);
     let theta = 10.0 * w;
-    model.temperature.noises = vec![Noise {
+    model.temperature.noises = vec![OrnsteinUhlenbeck {
         intensity: 0.05,
         relaxation_rate: theta,
         diffusion: (2.0 * theta).sqrt(),
@@ -336,7 +336,7 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
 /// the lattice of whole numbers.
 #[test]
 fn a_start_outside_the_stick_band_swings_from_its_force() {
-    let model = |x0: f64, temperature: Temperature| Model {
+    let model = |x0: f64, temperature: Temperature| Problem {
         oscillator: Oscillator {
             mass: 1.0,
             stiffness: 1.0,
@@ -416,13 +416,13 @@ fn a_start_outside_the_stick_band_swings_from_its_force() {
 #[test]
 fn a_stationary_noise_starts_from_the_force_it_has() {
     let theta = 1e-6;
-    let noise = Noise {
+    let noise = OrnsteinUhlenbeck {
         intensity: 1.0,
         relaxation_rate: theta,
         diffusion: 3.0 * (2.0 * theta).sqrt(),
         initial: InitialNoise::Stationary,
     };
-    let model = Model {
+    let model = Problem {
         oscillator: Oscillator {
             mass: 1.0,
             stiffness: 1.0,

@@ -3,20 +3,20 @@
 //!
 //! The fast kernel must give the same cascade from the same normals.
 
-use stickslip::model::{Event, EventKind, InitialNoise, Model, Sign};
+use stickslip::model::{Event, EventKind, InitialNoise, Problem, Sign};
 use stickslip::noise::Transition;
 
 /// Simulates one path for `steps` steps of length `h`. If there is noise, `normal` is called for
 /// one standard normal number per step, and once before the first step for a stationary start.
 /// Events are passed to `on_event`. Returns x and x' at the end.
 pub fn reference_path(
-    model: &Model,
+    model: &Problem,
     h: f64,
     steps: u64,
     mut normal: impl FnMut() -> f64,
     mut on_event: impl FnMut(Event),
 ) -> (f64, f64) {
-    let Model {
+    let Problem {
         oscillator,
         friction,
         temperature,

@@ -12,14 +12,14 @@ use stickslip::scheme::*;
 const TOLERANCE: f64 = 1e-3;
 
 /// The model with this series instead of its harmonics.
-fn measured(mut model: Model, times: Vec<f64>, values: Vec<f64>) -> Model {
+fn measured(mut model: Problem, times: Vec<f64>, values: Vec<f64>) -> Problem {
     model.temperature.harmonics.clear();
     model.temperature.series = Some(Arc::new(Series::new(times, values).expect("a series")));
     model
 }
 
 /// The model with T(t) given by n + 1 samples that are `step` apart.
-fn sampled(model: Model, n: usize, step: f64, temperature: impl Fn(f64) -> f64) -> Model {
+fn sampled(model: Problem, n: usize, step: f64, temperature: impl Fn(f64) -> f64) -> Problem {
     let times: Vec<f64> = (0..=n).map(|i| i as f64 * step).collect();
     let values = times.iter().map(|&t| temperature(t)).collect();
     measured(model, times, values)
@@ -53,16 +53,16 @@ fn a_finely_sampled_cosine_does_what_the_harmonic_does() {
         let fine = sampled(model.clone(), 30_000, 1e-3, |t| (0.25 * t).cos());
         let line = timeline(30.0, 0.5);
         let event_driven =
-            |model: &Model| events(&EventDrivenSimulation::new(model, &line, TOLERANCE));
+            |model: &Problem| events(&EventDrivenSimulation::new(model, &line, TOLERANCE));
         let quasi_static =
-            |model: &Model| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
+            |model: &Problem| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
         let wanted = event_driven(&model);
         assert!(wanted.len() >= 4, "{wanted:?}");
         assert_alike(&event_driven(&fine), &wanted, 3e-7);
         assert_alike(&quasi_static(&fine), &quasi_static(&model), 3e-7);
         let coarse = sampled(model.clone(), 3_000, 1e-2, |t| (0.25 * t).cos());
         for is_corrected in [false, true] {
-            let discrete = |model: &Model| match is_corrected {
+            let discrete = |model: &Problem| match is_corrected {
                 false => events(&DiscreteSimulation::new(model, &line, 0.01)),
                 true => events(&DiscreteSimulation::corrected(model, &line, 0.01)),
             };
@@ -115,7 +115,8 @@ fn a_ramp_ends_sticks_and_slips_where_a_hand_finds_it() {
         &found,
         1e-10,
     );
-    let quasi_static = |model: &Model| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
+    let quasi_static =
+        |model: &Problem| events(&QuasiStaticSimulation::new(model, &line, TOLERANCE));
     assert_alike(&quasi_static(&cut), &quasi_static(&ramp), 1e-10);
 }
 

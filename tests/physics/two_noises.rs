@@ -7,7 +7,7 @@ use crate::common::{Keep, paper};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
-use stickslip::model::{Drive, EventKind, Friction, InitialNoise, Model, Noise};
+use stickslip::model::{Drive, EventKind, Friction, InitialNoise, OrnsteinUhlenbeck, Problem};
 use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse,
     QuasiStaticSimulation, Simulate, Timeline,
@@ -15,8 +15,8 @@ use stickslip::scheme::{
 
 const FALSE_ALARM: f64 = 4.5;
 
-fn noise(relaxation_rate: f64, diffusion: f64, initial: InitialNoise) -> Noise {
-    Noise {
+fn noise(relaxation_rate: f64, diffusion: f64, initial: InitialNoise) -> OrnsteinUhlenbeck {
+    OrnsteinUhlenbeck {
         intensity: 1.0,
         relaxation_rate,
         diffusion,
@@ -135,7 +135,7 @@ impl stickslip::scheme::Observer for End {
 }
 
 /// A body without harmonics, with K beta = 1 and f_s = 1.
-fn still(fast: Noise, slow: Noise) -> Model {
+fn still(fast: OrnsteinUhlenbeck, slow: OrnsteinUhlenbeck) -> Problem {
     let mut model = paper(0.25, 1.0);
     model.oscillator.drive = Drive::Dilatation(1.0);
     model.friction = Friction {
@@ -244,7 +244,7 @@ fn two_noises_of_one_memory_are_one() {
     let one = paper(0.25, 0.25);
     let mut two = one.clone();
     two.temperature.noises = [0.15, 0.2]
-        .map(|intensity| Noise {
+        .map(|intensity| OrnsteinUhlenbeck {
             intensity,
             ..one.temperature.noises[0]
         })

@@ -14,7 +14,7 @@ use super::{
     sheet, solid,
 };
 use std::ops::Range;
-use stickslip::model::{Drive, Model, Sign};
+use stickslip::model::{Drive, Problem, Sign};
 use stickslip::scenario::Measured;
 use stickslip::stats::Dimension;
 use stickslip_data::input_unit;
@@ -453,7 +453,7 @@ fn mark_events(
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
-fn friction_force(trace: &PathTrace, model: &Model) -> Vec<[f64; 2]> {
+fn friction_force(trace: &PathTrace, model: &Problem) -> Vec<[f64; 2]> {
     let dry = |sign: f64, s: &StateAt| {
         model.sliding_friction(Sign::of(sign), s.time, s.displacement, s.velocity)
     };

@@ -4,7 +4,7 @@ use super::Absent;
 use super::subject::DrawnPath;
 use std::ops::Range;
 use stickslip::engine::Replay;
-use stickslip::model::{Model, Series, Sign};
+use stickslip::model::{Problem, Series, Sign};
 use stickslip::scheme::{Along, Segment};
 
 /// The state of a path at one instant.
@@ -93,7 +93,7 @@ pub fn sampled(series: &Series, [from, end]: [f64; 2]) -> Vec<[f64; 2]> {
 
 /// What is known of a path between its rows.
 struct Between<'a> {
-    model: &'a Model,
+    model: &'a Problem,
     /// The motion in its slips.
     motion: Vec<Segment>,
     /// The times of the rows, and the temperature there.
@@ -141,7 +141,7 @@ impl Between<'_> {
 
 impl DrawnPhase {
     /// Puts what the scheme knows of the motion between the first instant and the last one.
-    fn follow(&mut self, motion: &[Segment], model: &Model) {
+    fn follow(&mut self, motion: &[Segment], model: &Problem) {
         let ([Some(first), Some(last)], Some((_, sign))) =
             ([self.samples.first(), self.samples.last()], self.slip)
         else {
@@ -163,7 +163,7 @@ impl DrawnPhase {
 }
 
 /// The state at a place in a segment of a sub-phase in this direction.
-fn state(segment: &Segment, part: f64, sign: f64, model: &Model) -> StateAt {
+fn state(segment: &Segment, part: f64, sign: f64, model: &Problem) -> StateAt {
     let [way, velocity, acceleration] = segment.at(part);
     // The polynomial may turn by its rounding before the sub-phase does.
     let velocity = sign * (sign * velocity).max(0.0);
@@ -197,7 +197,7 @@ fn state(segment: &Segment, part: f64, sign: f64, model: &Model) -> StateAt {
 }
 
 /// The force of the spring or, where there is a user-defined force, the whole of b.
-fn shown(model: &Model, time: f64, temperature: f64, [x, velocity]: [f64; 2]) -> f64 {
+fn shown(model: &Problem, time: f64, temperature: f64, [x, velocity]: [f64; 2]) -> f64 {
     model.total_force(
         time,
         temperature,

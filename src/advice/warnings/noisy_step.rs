@@ -1,7 +1,7 @@
 //! A step under noise.
 
 use crate::advice::derived::Derived;
-use crate::model::{Friction, Model};
+use crate::model::{Friction, Problem};
 use crate::scheme::monitoring_shift;
 
 /// A mean overshoot above this share of f_s makes a stick exit meaningless.
@@ -22,7 +22,7 @@ pub(super) struct NoisyStep {
 
 impl NoisyStep {
     /// None without noise, and none without friction, where there are no sticks.
-    pub fn of(model: &Model, derived: &Derived, h: f64) -> Option<Self> {
+    pub fn of(model: &Problem, derived: &Derived, h: f64) -> Option<Self> {
         let crossing_time = derived.stick_band_time.filter(|time| *time > 0.0)?;
         let friction_ratio = derived.friction_ratio?;
         Some(NoisyStep {

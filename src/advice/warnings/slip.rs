@@ -1,6 +1,6 @@
 //! A slip of the quasi-static recursion.
 
-use crate::model::{Model, StepResponse};
+use crate::model::{Problem, StepResponse};
 
 /// A slip of the recursion, and the change of the forcing during it.
 pub(super) struct Slip {
@@ -19,8 +19,8 @@ pub(super) struct Slip {
 }
 
 impl Slip {
-    pub fn of(model: &Model) -> Self {
-        let Model {
+    pub fn of(model: &Problem) -> Self {
+        let Problem {
             oscillator,
             friction,
             temperature,

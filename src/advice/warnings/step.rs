@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::force;
 use super::steepness::Stiffened;
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
 use stickslip_text::numbers::short;
@@ -146,7 +146,7 @@ pub(super) fn against_forcing(case: &Case) -> Vec<String> {
     let Some(h) = case.step else {
         return Vec::new();
     };
-    let Model {
+    let Problem {
         temperature, force, ..
     } = &case.scenario.model;
     let harmonics = temperature

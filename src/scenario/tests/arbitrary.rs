@@ -2,10 +2,11 @@
 
 use super::limits::MAX_PHASE;
 use super::{
-    Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units,
+    AsWritten, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time,
+    Units,
 };
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature,
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Temperature,
 };
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::{PassageLevels, Record};
@@ -26,9 +27,9 @@ fn label() -> impl Strategy<Value = String> {
 
 prop_compose! {
     fn noise()(intensity in size(), relaxation_rate in size(), diffusion in size(), v0 in proptest::option::of(signed()))
-        -> Noise {
+        -> OrnsteinUhlenbeck {
         let initial = v0.map_or(InitialNoise::Stationary, InitialNoise::At);
-        Noise { intensity, relaxation_rate, diffusion, initial }
+        OrnsteinUhlenbeck { intensity, relaxation_rate, diffusion, initial }
     }
 }
 
@@ -42,9 +43,9 @@ prop_compose! {
         noises in proptest::collection::vec(noise(), 0..3),
         initial_displacement in signed(),
         initial_velocity in prop_oneof![3 => Just(0.0), 1 => signed()],
-    ) -> Model {
+    ) -> Problem {
         let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
-        Model {
+        Problem {
             oscillator: Oscillator { mass, stiffness, damping, drive },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
             temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, noises },
@@ -86,12 +87,6 @@ prop_compose! {
         let mut scenario = Scenario {
             title,
             model,
-            measured: Vec::new(),
-            parameters: Vec::new(),
-            named: Vec::new(),
-            is_balanced: false,
-            white_noise: None,
-            written_force: None,
             bearing: bearing.map(|(stiffness, offset)| SensorBearing { stiffness, offset }),
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
@@ -99,6 +94,7 @@ prop_compose! {
             ensemble: Ensemble { paths, seed, antithetic: paths % 4 == 2 },
             record: Record { paths: keep_paths, events, trajectories, laws: events, density: keep_paths, spectrum: events, energy: keep_paths, levels },
             units: Units { time, length, force, temperature },
+            written: AsWritten::default(),
         };
         let end = scenario.time.end;
         for harmonic in &mut scenario.model.temperature.harmonics {

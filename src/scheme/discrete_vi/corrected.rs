@@ -7,7 +7,7 @@
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
-use crate::model::{Drive, Friction, Model};
+use crate::model::{Drive, Friction, Problem};
 use crate::scheme::{
     Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
 };
@@ -39,7 +39,7 @@ impl Method for CorrectedVi {
         self.step
     }
 
-    fn simulation(self, model: &Model, timeline: &Timeline) -> DiscreteSimulation {
+    fn simulation(self, model: &Problem, timeline: &Timeline) -> DiscreteSimulation {
         DiscreteSimulation::corrected(model, timeline, self.step)
     }
 
@@ -51,7 +51,7 @@ impl Method for CorrectedVi {
     /// alpha h/m, c = (h w0)^2. Both lie within the unit circle if and only if 2 a + c < 4. Without
     /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows
     /// like that of the body.
-    fn stability(self, model: &Model) -> Option<Stability> {
+    fn stability(self, model: &Problem) -> Option<Stability> {
         let (w0, gamma) = (
             model.oscillator.natural_frequency(),
             model.oscillator.damping_rate(),
@@ -67,7 +67,7 @@ impl Method for CorrectedVi {
         })
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
+    fn check(self, model: &Problem, end: f64) -> Result<(), CheckError> {
         limits::check_noise(model)?;
         limits::check_step(model, self.step, end)?;
         self.check_shift(model)?;
@@ -82,7 +82,7 @@ const LARGEST_SHIFT: f64 = 0.5;
 impl CorrectedVi {
     /// Checks that the shift is small compared with f_s, because the correction of the stick exit
     /// is only the first term of an expansion.
-    fn check_shift(self, model: &Model) -> Result<(), CheckError> {
+    fn check_shift(self, model: &Problem) -> Result<(), CheckError> {
         let (f_s, shift) = (
             model.friction.static_force,
             monitoring_shift(model, self.step),
@@ -121,8 +121,8 @@ const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
 /// sqrt(h). With a threshold that is lower by this shift, the exit time agrees with that of
 /// continuous monitoring up to o(sqrt(h)) (Broadie, Glasserman, Kou, Math. Finance 7 (1997); for
 /// moving barriers Gobet, Menozzi, Stoch. Proc. Appl. 120 (2010)).
-pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
-    let Model {
+pub fn monitoring_shift(model: &Problem, h: f64) -> f64 {
+    let Problem {
         oscillator,
         temperature,
         ..
@@ -142,7 +142,7 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
 /// The force at which the corrected scheme leaves a stick: f_s minus [`monitoring_shift`], but
 /// never below f_d. A body released at |b| < f_d would be moved by |b| - f_d, against b, although
 /// friction holds it in place. So the part of the shift that exceeds f_s - f_d is not corrected.
-pub fn corrected_exit(model: &Model, h: f64) -> f64 {
+pub fn corrected_exit(model: &Problem, h: f64) -> f64 {
     let Friction {
         static_force,
         dynamic_force,

@@ -1,13 +1,13 @@
 //! The steps that can be computed with doubles: the products of a step with mass, forces and noise
 //! must be doubles with all their digits.
 
-use crate::model::{InitialNoise, Model, can_be_computed_with};
+use crate::model::{InitialNoise, Problem, can_be_computed_with};
 use crate::noise::Transition;
 use crate::scheme::CheckError;
 
 /// Checks that h/m and its products with the friction forces are finite, and not so small that
 /// digits are lost.
-pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), CheckError> {
+pub(super) fn check_step(model: &Problem, h: f64, end: f64) -> Result<(), CheckError> {
     let h_over_m = h / model.oscillator.mass;
     let usable = |x: f64| x == 0.0 || x.is_normal();
     let thresholds = [model.friction.static_force, model.friction.dynamic_force];
@@ -32,7 +32,7 @@ pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), CheckErr
 
 /// Checks that v can be counted in increments of one step: the increments must be doubles with all
 /// their digits, and so must v(0) in units of them.
-pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), CheckError> {
+pub(super) fn check_increments(model: &Problem, h: f64) -> Result<(), CheckError> {
     let Some(noise) = model
         .temperature
         .effective_noise()
@@ -63,7 +63,7 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), CheckError> 
 /// Checks that the noise is one process that runs on from step to step. The kernels carry one v per
 /// path, and would be slower for every scene if they carried two. Nor do the steps end at the
 /// samples at which noise may be pinned.
-pub(super) fn check_noise(model: &Model) -> Result<(), CheckError> {
+pub(super) fn check_noise(model: &Problem) -> Result<(), CheckError> {
     if model.temperature.has_two_noises() {
         let problem = "there are two noises; schemes with a time step support one".to_string();
         let remedy = "choose `scheme.kind = \"event-driven\"` or `scheme.kind = \"quasi-static\"`, or remove one of them";

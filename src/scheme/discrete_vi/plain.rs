@@ -5,7 +5,7 @@
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
-use crate::model::{Model, Oscillator};
+use crate::model::{Oscillator, Problem};
 use crate::scheme::{
     Appearance, CheckError, Discretisation, Method, Parameter, Stability, Timeline,
 };
@@ -36,7 +36,7 @@ impl Method for DiscreteVi {
         self.step
     }
 
-    fn simulation(self, model: &Model, timeline: &Timeline) -> DiscreteSimulation {
+    fn simulation(self, model: &Problem, timeline: &Timeline) -> DiscreteSimulation {
         DiscreteSimulation::new(model, timeline, self.step)
     }
 
@@ -57,7 +57,7 @@ impl Method for DiscreteVi {
     /// alpha < 0        the body itself grows, and the step adds K h/2 to -alpha
     /// K = alpha = 0    nothing grows but by the force
     /// ```
-    fn stability(self, model: &Model) -> Option<Stability> {
+    fn stability(self, model: &Problem) -> Option<Stability> {
         let Oscillator {
             stiffness: k,
             damping: alpha,
@@ -86,7 +86,7 @@ impl Method for DiscreteVi {
         })
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
+    fn check(self, model: &Problem, end: f64) -> Result<(), CheckError> {
         limits::check_noise(model)?;
         limits::check_step(model, self.step, end)?;
         limits::check_increments(model, self.step)

@@ -3,7 +3,7 @@
 use super::kernel::{Kernel, Paths, RUN, Turn};
 use super::reading::GridReader;
 use crate::lanes::InstructionSet;
-use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
+use crate::model::{HarmonicClock, InitialNoise, LARGEST, Problem};
 use crate::noise::LaneStreams;
 use crate::scheme::{Along, Instant, Observer, Segment, Simulate, Simulated, Snapshot, Timeline};
 
@@ -22,7 +22,7 @@ const FARTHEST_NOISE_SDS: f64 = 10.0;
 /// The discrete variational inequality on one model with one step, corrected or not.
 #[derive(Clone, Debug)]
 pub struct DiscreteSimulation {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     h: f64,
     clock: HarmonicClock,
@@ -36,7 +36,7 @@ pub struct DiscreteSimulation {
 impl DiscreteSimulation {
     /// The scheme with steps of length `h`. Each stop of the timeline is observed at the t_n that
     /// is nearest to it.
-    pub fn new(model: &Model, timeline: &Timeline, h: f64) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline, h: f64) -> Self {
         DiscreteSimulation {
             model: model.clone(),
             timeline: *timeline,
@@ -50,7 +50,7 @@ impl DiscreteSimulation {
     }
 
     /// The corrected scheme ([`super::CorrectedVi`]) with steps of length `h`.
-    pub fn corrected(model: &Model, timeline: &Timeline, h: f64) -> Self {
+    pub fn corrected(model: &Problem, timeline: &Timeline, h: f64) -> Self {
         DiscreteSimulation {
             is_corrected: true,
             ..DiscreteSimulation::new(model, timeline, h)
@@ -121,7 +121,7 @@ impl DiscreteSimulation {
 }
 
 impl Simulate for DiscreteSimulation {
-    fn model(&self) -> &Model {
+    fn model(&self) -> &Problem {
         &self.model
     }
 
@@ -358,8 +358,8 @@ impl<'a> Walk<'a> {
 /// The range of motion under a user-defined force is unknown. With one, its largest value at x0 and
 /// rest is part of the force, a typical length is part of x, and the bound is a million times the
 /// result, at most 1e100.
-pub fn divergence_bound(model: &Model, end: f64) -> f64 {
-    let Model {
+pub fn divergence_bound(model: &Problem, end: f64) -> f64 {
+    let Problem {
         oscillator,
         friction,
         ..

@@ -41,7 +41,7 @@ pub(super) use scalar::{Cascade, ObservedSegment, Path, PathObserver, Propagatio
 pub(super) use work::{Resolved, WorkLeft};
 
 use super::{Appearance, CheckError, Discretisation, Method, Parameter, Timeline};
-use crate::model::{Model, can_be_computed_with};
+use crate::model::{Problem, can_be_computed_with};
 
 /// The event-driven scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Method for EventDriven {
         self.tolerance
     }
 
-    fn simulation(self, model: &Model, timeline: &Timeline) -> EventDrivenSimulation {
+    fn simulation(self, model: &Problem, timeline: &Timeline) -> EventDrivenSimulation {
         EventDrivenSimulation::new(model, timeline, self.tolerance)
     }
 
@@ -88,11 +88,11 @@ impl Method for EventDriven {
         }
     }
 
-    fn resolution(self, model: &Model, timeline: &Timeline) -> Option<Resolution> {
+    fn resolution(self, model: &Problem, timeline: &Timeline) -> Option<Resolution> {
         self.simulation(model, timeline).resolution()
     }
 
-    fn check(self, model: &Model, end: f64) -> Result<(), CheckError> {
+    fn check(self, model: &Problem, end: f64) -> Result<(), CheckError> {
         check_friction(model, end)
     }
 }
@@ -102,7 +102,7 @@ impl Method for EventDriven {
 ///
 /// These schemes compute when the noise moves b past f_s, which takes a time of order (f_s/s)^2. So
 /// the squares of both forces, their product and their ratio must be representable.
-pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), CheckError> {
+pub(super) fn check_friction(model: &Problem, end: f64) -> Result<(), CheckError> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {

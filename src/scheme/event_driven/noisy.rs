@@ -19,7 +19,7 @@ use super::scalar::{Propagation, ScalarPaths};
 use super::vectorised::Vectorised;
 use super::work::{OWN_FORCE, Simulated};
 use crate::lanes::InstructionSet;
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Observer, Timeline};
 use std::cell::RefCell;
 
@@ -51,7 +51,7 @@ const FEW: usize = 8;
 
 impl Noisy {
     /// The scheme for a scene with noise.
-    pub fn new(model: &Model, timeline: &Timeline, rules: &StepRules) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline, rules: &StepRules) -> Self {
         let mut scene = Scene::new(model);
         scene.friction.static_force += rules.added_gap(&scene);
         let body = scene.oscillator;

@@ -6,13 +6,13 @@ use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, WithUnfeltNois
 use super::noisy::Noisy;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
-use crate::model::Model;
+use crate::model::Problem;
 use crate::scheme::{Observer, Simulate, Timeline};
 
 /// The event-driven scheme on one model.
 #[derive(Clone, Debug)]
 pub struct EventDrivenSimulation {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     chosen: Chosen,
     resolution: Option<Resolution>,
@@ -31,7 +31,7 @@ enum Chosen {
 impl EventDrivenSimulation {
     /// The scheme on a model, observed at the stops of a timeline, with relative discretisation
     /// errors of about `tolerance`. Without noise there is no discretisation error.
-    pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
         let (chosen, resolution) = if scene.felt_noise(timeline.end).is_some() {
             let rules = StepRules::new(tolerance);
@@ -66,7 +66,7 @@ impl EventDrivenSimulation {
 }
 
 impl Simulate for EventDrivenSimulation {
-    fn model(&self) -> &Model {
+    fn model(&self) -> &Problem {
         &self.model
     }
 

@@ -1,14 +1,14 @@
 //! A user-defined force g(x, x', t), with the instructions that evaluate it, or none.
 
 use crate::lanes::InstructionSet;
-use crate::model::{Force, Hold, Model, Sign};
+use crate::model::{Force, Hold, Problem, Sign};
 
 /// The g of a scene; 0 where there is none.
 #[derive(Clone, Debug)]
 pub struct UserForce(Option<(Force, InstructionSet)>);
 
 impl UserForce {
-    pub fn of(model: &Model) -> Self {
+    pub fn of(model: &Problem) -> Self {
         UserForce(
             model
                 .force

@@ -2,7 +2,7 @@
 
 use super::deterministic::Deterministic;
 use super::{BlockObserver, BlockResult, Estimate, PassageLevels, Record, Statistic, Summary};
-use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
+use crate::model::{Drive, Event, EventKind, Friction, Oscillator, Problem, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use crate::sums::Replicate;
 
@@ -37,8 +37,8 @@ impl Deterministic {
 }
 
 /// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
-pub fn model() -> Model {
-    Model {
+pub fn model() -> Problem {
+    Problem {
         oscillator: Oscillator {
             mass: 1.0,
             stiffness: 1.0,

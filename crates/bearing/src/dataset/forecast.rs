@@ -157,7 +157,6 @@ mod tests {
                 level: 0.9,
                 share: 0.8,
             },
-            likeliest: Vec::new(),
             years: vec![vec![
                 [0.1, 90.0, 0.3, 0.4, 0.5, 0.6],
                 [0.1, 95.0, 0.3, 0.4, 0.5, 0.6],
@@ -172,9 +171,15 @@ mod tests {
                 slips: 80.0,
                 path: 0.04,
                 duration: 1e6,
+                is_comparable: true,
             },
             usual: [50.0, 130.0],
             redrawn: 3,
+        };
+        let found = BearingForecast {
+            calibration: Default::default(),
+            weather: Default::default(),
+            forecast: found,
         };
         let dataset = forecast("a title", "", &found);
         for (name, wanted) in [

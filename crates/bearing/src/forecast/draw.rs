@@ -187,7 +187,7 @@ mod tests {
         );
     }
 
-    /// Where friction halves, A and G are half of their means. K is that of the kappa of the same draw.
+    /// What is known exactly is drawn as it is. K is that of the kappa of the same draw.
     #[test]
     fn a_drawn_bearing_agrees_with_itself() {
         let mut calibration = Calibration::default();
@@ -207,14 +207,13 @@ mod tests {
             };
         }
         calibration.correlations = vec![Default::default(); Quantity::ALL.len()];
-        calibration.friction_range = Some([0.5, 0.5]);
         let draws = BearingDraws::new(&calibration);
         let mut random = Stream::new(3, 0);
         let mut kappas = Vec::new();
         for _ in 0..20 {
             let (bearing, _) = draws.draw(&mut random).expect("possible");
             let Response { motion, sensor } = bearing.response;
-            assert_eq!([motion.reach, motion.jump], [4.0, 0.75]);
+            assert_eq!([motion.reach, motion.jump], [8.0, 1.5]);
             let kappa = sensor.still / sensor.dilatation();
             assert!((bearing.stiffness / (2e9 * kappa) - 1.0).abs() < 1e-12);
             kappas.push(kappa);

@@ -243,7 +243,7 @@ fn normals(states: usize, random: &mut Stream) -> States {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::Sensor;
+    use crate::calibration::{Course, Motion, Sensor};
     use crate::weather::Weather;
 
     /// The year of a bearing with this A and G, at beta = 1 and kappa = 1/4, under a daily cycle of
@@ -268,6 +268,8 @@ mod tests {
                 },
                 sensor: Sensor::sheared(0.0, 1.0, 0.25),
             },
+            course: Course::default(),
+            scatter: 0.0,
             stiffness: 3.0,
         };
         let steel = SteelOfAYear::of(&DrawnSteel { weather, lag });

@@ -153,15 +153,15 @@ mod tests {
     use super::*;
     use crate::calibration::Air;
     use std::f64::consts::TAU;
-    use stickslip::model::{Harmonic, InitialNoise, Noise, Temperature};
+    use stickslip::model::{Harmonic, InitialNoise, OrnsteinUhlenbeck, Temperature};
     use stickslip::noise::Stream;
 
     const DAY: f64 = 86_400.0;
     const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
 
-    fn noise(sd: f64, memory: f64) -> Noise {
+    fn noise(sd: f64, memory: f64) -> OrnsteinUhlenbeck {
         let rate = 1.0 / memory;
-        Noise {
+        OrnsteinUhlenbeck {
             intensity: sd,
             relaxation_rate: rate,
             diffusion: (2.0 * rate).sqrt(),

@@ -3,7 +3,7 @@
 use crate::linear::{Matrix, times as product};
 use crate::warning::named;
 use std::f64::consts::TAU;
-use stickslip::model::{Harmonic, InitialNoise, Noise, Temperature};
+use stickslip::model::{Harmonic, InitialNoise, OrnsteinUhlenbeck, Temperature};
 use stickslip::noise::Stream;
 
 /// One Ornstein-Uhlenbeck process of the weather.
@@ -34,6 +34,7 @@ pub struct Cycle {
 
 /// A model of a temperature in the form of a scenario, with the errors of all its parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(test, derive(Default))]
 pub struct WeatherFit {
     /// Number of samples.
     pub samples: usize,
@@ -75,6 +76,7 @@ pub struct Weather {
 
 /// Estimates with normal errors.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(test, derive(Default))]
 pub(super) struct Estimates {
     pub values: Vec<f64>,
     /// The Cholesky factor of the covariance of the errors.
@@ -229,7 +231,7 @@ impl WeatherFit {
         let noises = processes.into_iter().map(|(rate, variance)| {
             // v has the standard deviation 1, so rho is the standard deviation of the temperature.
             let (intensity, diffusion) = (variance.sqrt(), (2.0 * rate).sqrt());
-            Noise {
+            OrnsteinUhlenbeck {
                 intensity,
                 relaxation_rate: rate,
                 diffusion,

@@ -6,9 +6,7 @@ use crate::loggers::{Logger, PLAIN, kept, kept_of};
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use stickslip::noise::{Stream, Transition};
-use stickslip_bearing::calibration::{
-    Calibration, CalibrationMethod, MeasuredRecord, Motion, calibrate,
-};
+use stickslip_bearing::calibration::{Calibration, CalibrationMethod, MeasuredRecord, calibrate};
 use stickslip_bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stickslip_bearing::weather::fit;
 

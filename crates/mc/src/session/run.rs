@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stickslip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
 use stickslip::ensemble::{BLOCK_SIZE, Flaw};
-use stickslip::model::Model;
+use stickslip::model::Problem;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Unresolved;
 use stickslip::stats::Statistic;
@@ -276,7 +276,7 @@ impl<'a> Session<'a> {
 
     /// The message where every path was lost.
     fn all_lost(&self, outcome: &Outcome) -> String {
-        let Model {
+        let Problem {
             force, oscillator, ..
         } = &self.scenario.model;
         let first = outcome.summary.diverged.first();

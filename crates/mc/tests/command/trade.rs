@@ -6,7 +6,7 @@ use crate::reference;
 use std::path::Path;
 use std::sync::LazyLock;
 use std::time::Duration;
-use stickslip::model::{InitialNoise, Model};
+use stickslip::model::{InitialNoise, Problem};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stickslip::stats::Statistic;
@@ -450,7 +450,7 @@ fn without_noise_one_path_is_the_answer() {
 #[test]
 fn one_path_is_the_answer_where_the_noise_does_not_diffuse() {
     let mut scenario = shipped("rho025");
-    let Model {
+    let Problem {
         temperature,
         initial_displacement,
         ..

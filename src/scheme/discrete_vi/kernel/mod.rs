@@ -4,7 +4,7 @@ mod forced;
 
 use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::model::{Force, Model, Sign, Temperature};
+use crate::model::{Force, Problem, Sign, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
 use std::f64::consts::SQRT_2;
 
@@ -45,8 +45,8 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    fn new(model: &Model, h: f64, is_corrected: bool, noise: &NoiseScale) -> Self {
-        let Model {
+    fn new(model: &Problem, h: f64, is_corrected: bool, noise: &NoiseScale) -> Self {
+        let Problem {
             oscillator,
             friction,
             ..
@@ -206,7 +206,7 @@ pub(super) struct Kernel {
 
 impl Kernel {
     pub(super) fn new(
-        model: &Model,
+        model: &Problem,
         h: f64,
         refinement: usize,
         is_corrected: bool,

@@ -15,7 +15,8 @@ use super::stick_band::{Limit, Limits};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
 use crate::model::{
-    Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature,
+    Complex, Friction, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Series, Sign,
+    Temperature,
 };
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
@@ -75,7 +76,7 @@ impl Scene {
     }
 
     /// The constants of a model. Without noise in its temperature, n = 0 throughout.
-    pub fn new(model: &Model) -> Self {
+    pub fn new(model: &Problem) -> Self {
         let oscillator = model.oscillator;
         let gain = oscillator.force_per_temperature();
         let mut harmonics: Vec<_> = model
@@ -341,7 +342,7 @@ impl Scene {
 }
 
 /// One noise, measured as a force. `gain` is K beta.
-pub fn one_noise(noise: &Noise, gain: f64) -> OneNoise {
+pub fn one_noise(noise: &OrnsteinUhlenbeck, gain: f64) -> OneNoise {
     let force = gain * noise.intensity;
     let initial = match noise.initial {
         InitialNoise::At(v) => (force * v, 0.0),

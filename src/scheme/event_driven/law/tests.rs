@@ -2,12 +2,12 @@
 
 use super::first_stop::{KnownStep, SlipVelocity};
 use crate::model::tests::paper;
-use crate::model::{Drive, Model};
+use crate::model::{Drive, Problem};
 use crate::noise::AddressedDraws;
 
 /// A stick in which the noise is the only force, b = n: K = beta = rho = sigma = 1, x0 = 0, with
 /// this relaxation rate.
-pub fn noise_alone(static_force: f64, relaxation_rate: f64) -> Model {
+pub fn noise_alone(static_force: f64, relaxation_rate: f64) -> Problem {
     let mut model = paper(0.25, 1.0);
     model.oscillator.drive = Drive::Dilatation(1.0);
     model.temperature.harmonics.clear();

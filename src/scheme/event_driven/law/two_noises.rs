@@ -23,7 +23,7 @@
 //! which leaves an error of 0.13 % of n1 in the middle of a macro step.
 
 use super::scene::one_noise;
-use crate::model::Noise;
+use crate::model::OrnsteinUhlenbeck;
 use crate::noise::{AddressedDraws, Transition};
 
 /// Two noises, measured as forces.
@@ -46,7 +46,7 @@ const SHORTER: f64 = 5.0;
 
 impl TwoNoises {
     /// Two noises, where `gain` is the force per unit of temperature.
-    pub fn new(noises: [Noise; 2], gain: f64) -> Self {
+    pub fn new(noises: [OrnsteinUhlenbeck; 2], gain: f64) -> Self {
         TwoNoises(noises.map(|noise| one_noise(&noise, gain)))
     }
 

@@ -19,7 +19,7 @@ use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::path_segment::{End, PathSegment, PathSegments};
 use crate::model::{
-    Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign,
+    Complex, Event, EventKind, ForcedOscillator, InitialNoise, Phase, Problem, Series, Sign,
     SlipFlow, can_be_computed_with,
 };
 use crate::scheme::columns::Seen;
@@ -28,7 +28,7 @@ use crate::scheme::{Segment, Timeline};
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
 pub struct Noiseless {
-    pub model: Model,
+    pub model: Problem,
     pub timeline: Timeline,
     body: ForcedOscillator,
     /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
@@ -61,7 +61,7 @@ pub struct SegmentStart {
 impl Noiseless {
     /// The scheme for a scene without noise, with sigma = 0 (then v relaxes from its initial value)
     /// or with noise that is too weak to change the motion (then the mean of v relaxes).
-    pub fn new(model: &Model, timeline: &Timeline) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline) -> Self {
         let noise_start = match model.temperature.effective_noise().map(|n| n.initial) {
             Some(InitialNoise::At(v)) => v,
             // The mean of the stationary law.
@@ -236,7 +236,7 @@ impl Noiseless {
 
     /// Whether |K (beta T - x)| <= f_s for all phases of the forcing.
     fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
-        let Model {
+        let Problem {
             oscillator,
             temperature,
             ..

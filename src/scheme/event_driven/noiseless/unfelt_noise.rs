@@ -6,7 +6,7 @@
 //! or in its stationary law. Its exact transition from one instant to the next is added to the T of
 //! every snapshot.
 
-use crate::model::{Event, InitialNoise, Model, Noise};
+use crate::model::{Event, InitialNoise, OrnsteinUhlenbeck, Problem};
 use crate::noise::{Stream, Transition};
 use crate::scheme::{Instant, Observer, Segment, Snapshot};
 
@@ -15,7 +15,7 @@ use crate::scheme::{Instant, Observer, Segment, Snapshot};
 pub struct WithUnfeltNoise<'a> {
     observer: &'a mut dyn Observer,
     /// None if the temperature has no diffusion.
-    noise: Option<Noise>,
+    noise: Option<OrnsteinUhlenbeck>,
     lanes: Vec<Lane>,
     /// The time of the last snapshot.
     time: f64,
@@ -24,8 +24,11 @@ pub struct WithUnfeltNoise<'a> {
 
 impl<'a> WithUnfeltNoise<'a> {
     /// The observer of these paths of a model.
-    pub fn new(model: &Model, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> Self {
-        let noise = model.temperature.effective_noise().filter(Noise::is_random);
+    pub fn new(model: &Problem, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> Self {
+        let noise = model
+            .temperature
+            .effective_noise()
+            .filter(OrnsteinUhlenbeck::is_random);
         let start = |noise| {
             paths
                 .iter()
@@ -50,7 +53,7 @@ struct Lane {
 }
 
 impl Lane {
-    fn start(noise: &Noise, mut draws: Stream) -> Self {
+    fn start(noise: &OrnsteinUhlenbeck, mut draws: Stream) -> Self {
         let fluctuation = match noise.initial {
             InitialNoise::At(_) => 0.0,
             InitialNoise::Stationary => noise.stationary_sd() * draws.normal(),

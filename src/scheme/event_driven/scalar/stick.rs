@@ -342,7 +342,7 @@ mod tests {
     use super::super::observation::NullObserver;
     use super::*;
     use crate::model::tests::paper;
-    use crate::model::{Harmonic, Model};
+    use crate::model::{Harmonic, Problem};
     use crate::noise::{AddressedDraws, Transition};
     use crate::scheme::event_driven::law::{
         DEFAULT_TOLERANCE, StepGrid, StepRules, macro_step_length,
@@ -353,7 +353,7 @@ mod tests {
     /// The time and the side of the first exit from the initial stick of each path, started at n =
     /// `noise`.
     fn exits(
-        model: &Model,
+        model: &Problem,
         noise: f64,
         kappa: f64,
         horizon: f64,

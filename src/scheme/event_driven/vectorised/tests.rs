@@ -5,7 +5,7 @@ use super::super::scalar::ScalarPaths;
 use super::Vectorised;
 use crate::lanes::InstructionSet;
 use crate::model::tests::paper;
-use crate::model::{Event, Harmonic, Model};
+use crate::model::{Event, Harmonic, Problem};
 use crate::noise::MIRROR;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
@@ -39,7 +39,7 @@ impl Observer for Everything {
     }
 }
 
-fn scenes() -> Vec<(&'static str, Model)> {
+fn scenes() -> Vec<(&'static str, Problem)> {
     let mut damped = paper(0.25, 0.25);
     damped.oscillator.damping = 0.2;
     let mut three = paper(0.25, 0.4);

@@ -24,7 +24,7 @@ use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::SlipMotion;
 use super::slip_search::first_stop;
 use super::stick_search::{Held, SearchSteps, first_exit};
-use crate::model::{Event, EventKind, Model, Phase, Sign, let_go};
+use crate::model::{Event, EventKind, Phase, Problem, Sign, let_go};
 use crate::scheme::columns::Seen;
 use crate::scheme::{Segment, Timeline};
 
@@ -55,7 +55,7 @@ const FEWEST: f64 = 64.0;
 /// The cascade of a general force without noise, to a tolerance far below the reported precision.
 #[derive(Clone, Debug)]
 pub struct GeneralNoiseless {
-    model: Model,
+    model: Problem,
     timeline: Timeline,
     forces: Forces,
     /// The sticks of a scene without g, for a g that does not depend on time; none if b does not
@@ -87,7 +87,7 @@ pub struct SegmentStart {
 
 impl GeneralNoiseless {
     /// The scheme for a scene whose motion does not depend on noise.
-    pub fn new(model: &Model, timeline: &Timeline) -> Self {
+    pub fn new(model: &Problem, timeline: &Timeline) -> Self {
         let oscillator = model.oscillator;
         let forces = Forces::new(model);
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();

@@ -3,7 +3,7 @@
 
 use super::super::super::user_force::UserForce;
 use super::super::exact_time::ExactTime;
-use crate::model::{Complex, ForcingTerm, Hold, InitialNoise, Model, Oscillator, Series, Sign};
+use crate::model::{Complex, ForcingTerm, Hold, InitialNoise, Oscillator, Problem, Series, Sign};
 use std::sync::Arc;
 
 /// All forces on the body but friction.
@@ -36,7 +36,7 @@ pub struct LocalTemperature {
 
 impl Forces {
     /// The forces of a model without its diffusion.
-    pub fn new(model: &Model) -> Self {
+    pub fn new(model: &Problem) -> Self {
         let harmonics = model.temperature.harmonics.iter().map(|h| ForcingTerm {
             amplitude: Complex::unit(h.phase) * h.amplitude,
             rate: Complex::new(0.0, h.angular_frequency),
@@ -56,7 +56,7 @@ impl Forces {
             .chain(relaxing)
             .filter(|term| term.amplitude.abs() > 0.0)
             .collect();
-        let Model {
+        let Problem {
             oscillator,
             temperature,
             ..

@@ -3,8 +3,8 @@ use super::GeneralNoiseless;
 use crate::lanes::Lanes;
 use crate::model::tests::paper;
 use crate::model::{
-    Event, EventKind, Expression, Force, ForceLaw, Friction, Harmonic, InitialNoise, Model,
-    NamedSeries, Noise, Series, Sign,
+    Event, EventKind, Expression, Force, ForceLaw, Friction, Harmonic, InitialNoise, NamedSeries,
+    OrnsteinUhlenbeck, Problem, Series, Sign,
 };
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -85,9 +85,9 @@ fn of_time(g: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Force {
 }
 
 /// The scheme with this force.
-fn general(model: &Model, end: f64, force: Force) -> GeneralNoiseless {
+fn general(model: &Problem, end: f64, force: Force) -> GeneralNoiseless {
     GeneralNoiseless::new(
-        &Model {
+        &Problem {
             force: Some(force),
             ..model.clone()
         },
@@ -102,11 +102,11 @@ fn path_at(cascade: &GeneralNoiseless) -> (OnePath, u64) {
     (path, simulated.evaluations)
 }
 
-fn path(model: &Model, end: f64, force: Force) -> OnePath {
+fn path(model: &Problem, end: f64, force: Force) -> OnePath {
     path_at(&general(model, end, force)).0
 }
 
-fn exact(model: &Model, end: f64) -> OnePath {
+fn exact(model: &Problem, end: f64) -> OnePath {
     let mut path = OnePath::default();
     assert!(
         Noiseless::new(model, &timeline(end))
@@ -158,7 +158,7 @@ fn distance(found: &OnePath, wanted: &OnePath) -> f64 {
 }
 
 /// A scene without forcing.
-fn unforced(x0: f64, static_force: f64, dynamic_force: f64) -> Model {
+fn unforced(x0: f64, static_force: f64, dynamic_force: f64) -> Problem {
     let mut model = paper(0.25, 0.0);
     model.temperature.harmonics.clear();
     model.friction = Friction {
@@ -170,7 +170,7 @@ fn unforced(x0: f64, static_force: f64, dynamic_force: f64) -> Model {
 }
 
 /// Scenes that have a closed form, with the end of each.
-fn scenes() -> Vec<(String, Model, f64)> {
+fn scenes() -> Vec<(String, Problem, f64)> {
     let mut scenes = Vec::new();
     for w in [0.25, 0.5, 1.0, 1.7] {
         for damping in [0.0, 0.125, 1.0, 3.0] {
@@ -185,7 +185,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
             }
         }
     }
-    let mut add = |name: &str, change: &dyn Fn(&mut Model)| {
+    let mut add = |name: &str, change: &dyn Fn(&mut Problem)| {
         let mut model = paper(0.25, 0.0);
         change(&mut model);
         scenes.push((name.to_owned(), model, 60.0));
@@ -217,7 +217,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
             phase: 0.4,
         });
         let initial = InitialNoise::At(0.8);
-        m.temperature.noises = vec![Noise {
+        m.temperature.noises = vec![OrnsteinUhlenbeck {
             intensity: 0.5,
             relaxation_rate: 0.3,
             diffusion: 0.0,
@@ -527,7 +527,7 @@ fn long_runs_keep_their_digits() {
         ("rounded", of_time(|t| 1e-30 * t.sin())),
     ] {
         let (found, evaluations) = path_at(&GeneralNoiseless::new(
-            &Model {
+            &Problem {
                 force: Some(g),
                 ..model.clone()
             },
