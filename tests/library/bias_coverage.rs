@@ -2,7 +2,8 @@
 //! rules of the estimate were not made for.
 //!
 //! `cargo test --release --test library bias_coverage:: -- --ignored --nocapture` prints the table.
-//! Last result: 1.2 to 1.4 % of all estimates are off by more, at most 4.5 % of any statistic.
+//! Last result, with five seeds and a fifth of the paths of the truth: 1.9 % of all estimates are off
+//! by more, at most 4.0 % of any statistic and 4.8 % in any scene.
 
 use crate::common::paper;
 use rand_distr::{Distribution as _, Uniform};
@@ -127,8 +128,8 @@ type Count = (usize, usize);
 /// %. For each statistic and setting, the misses must be below the mean of that binomial
 /// distribution plus 3.7 of its standard deviations, e.g. 19 of 180. False-alarm rate: 1e-4 for
 /// each of 250 settings, so one false alarm in 40 runs. With half the uncertainty 30 % are missed,
-/// 54 of 180. All estimates together must have less than half of the stated share, because most
-/// uncertainties are conservative.
+/// 54 of 180. All estimates together must have at most 4 %, because some uncertainties are
+/// conservative.
 #[test]
 #[ignore = "a measurement of some minutes"]
 fn no_statistic_is_missed_more_often_than_stated() {
@@ -224,5 +225,5 @@ fn no_statistic_is_missed_more_often_than_stated() {
     let (missed, reported) = counts
         .values()
         .fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
-    assert!(40 * missed <= reported, "{missed} of {reported}");
+    assert!(25 * missed <= reported, "{missed} of {reported}");
 }
