@@ -252,7 +252,7 @@ fn a_bad_override_is_named() {
     let set = |text: &str| Desk::new().mc(&["check", "scene.toml", "--set", text]);
     set("friction.static").refused(&[
         "--set friction.static: there is no `=`",
-        "fix: write --set key=value",
+        "fix: write key=value",
     ]);
     set("friction.statc=1").refused(&["--set friction.statc=1: ", "did you mean `static`?"]);
     set("friction.static=abc").refused(&["--set friction.static=abc: ", "is a string", "fix: "]);
@@ -821,7 +821,7 @@ fn a_scheme_is_answered_with_what_it_takes() {
     check(&["--scheme", "event-driven", "--step", "0.1"]).refused(&[
         "--step 0.1: ",
         "has no time step",
-        "--scheme",
+        "scheme.kind = ",
     ]);
     check(&[
         "--scheme",

@@ -185,12 +185,7 @@ fn two_loggers_say_what_one_file_says() {
         path,
         &[&base[..], &columns].concat(),
         2,
-        &[
-            "air.csv",
-            "gauge.csv",
-            "--temperature-zone UTC",
-            "--zone UTC",
-        ],
+        &["air.csv", "gauge.csv", "--zone UTC"],
     );
     let two = json(&done(path, &[&base[..], &columns, &rest].concat()));
     let one = json(&done(

@@ -116,8 +116,13 @@ fn a_notebook_quotes_warnings_as_they_are_worded() {
         let cells: Value = serde_json::from_str(&text).expect("JSON");
         let cells = cells["cells"].as_array().expect("cells");
         let prose = cells.iter().filter(|cell| cell["cell_type"] == "markdown");
-        let lines = prose.flat_map(|cell| cell["source"].as_array().expect("lines"));
-        for line in lines.map(|line| line.as_str().expect("a line")) {
+        let text: String = prose
+            .map(|cell| match &cell["source"] {
+                Value::Array(lines) => lines.iter().filter_map(Value::as_str).collect(),
+                text => text.as_str().unwrap_or_default().to_string() + "\n",
+            })
+            .collect();
+        for line in text.lines() {
             let is_quote = |span: &&str| {
                 let words = span.split(' ').collect::<Vec<_>>();
                 words.len() > 4 && !["mc", "pip"].contains(&words[0])
