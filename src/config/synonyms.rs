@@ -152,7 +152,7 @@ pub(super) fn suggestion(table: &str, word: &str) -> Option<(String, &'static st
     };
     let dotted = |(name, _, note): &Row| {
         let (home, last) = name.rsplit_once('.')?;
-        let is_here = keys::of_table(table).contains(&last);
+        let is_here = !table.is_empty() && keys::of_table(table).contains(&last);
         Some((from_here(if is_here { table } else { home }, last), *note))
     };
     let row = row(&word).and_then(dotted);

@@ -735,7 +735,7 @@ fn a_force_that_cannot_be_used_is_named() {
         &[Override::set("force.expression=-x^3").unwrap()],
     ));
     assert!(
-        diagnostic.remedy.contains("`--set 'parameters={}'`"),
+        diagnostic.remedy.contains("all with `parameters = {}`"),
         "{diagnostic}"
     );
 }
@@ -1003,9 +1003,9 @@ fn the_name_of_a_shipped_scenario_stands_for_its_file() {
         .unwrap();
     assert_eq!(named("bridge").unwrap(), parsed);
     for (name, says) in [
-        ("rho25", "`rho025` is a shipped one"),
-        ("nowhere/rho025", "`rho025` alone"),
-        ("xyz", "a TOML file; `mc init`"),
+        ("rho25", "`rho025`, which is shipped"),
+        ("nowhere/rho025", "`rho025`, which is shipped"),
+        ("xyz", "give the path of a scenario, a TOML file"),
     ] {
         let message = named(name).unwrap_err().to_string();
         assert!(message.contains(says), "{message}");
