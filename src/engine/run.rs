@@ -59,7 +59,7 @@ pub struct SoFar {
 /// A time limit is divided accordingly.
 const BIAS_SHARE: f64 = 0.15;
 
-impl Run<'static> {
+impl Run<'_> {
     /// A run of this model until t = 0: [`Run::end`] sets its end, and the methods below what else
     /// differs from [`Scenario::new`].
     ///

@@ -191,6 +191,7 @@ input.ag = { file = "pulse-0.3.csv", unit = "g" }
 initial.displacement = 0
 scheme.kind = "event-driven"
 END
+    sed 's/-m\*ag/-m*s*ag/; s/m = 1000 }/m = 1000, s = 1 }/' floor.toml > block.toml
     mc trade rho025.toml --budget 1s -o trade.h5
     mc calibrate bridge.toml data.csv --method slips -o fit.h5
     mc fit-temperature data.csv -o weather.toml; cat bearing.toml weather.toml > year.toml
@@ -289,7 +290,10 @@ impl Workplace {
             // The scenario of the bridge names its record.
             let is_read = is_named
                 || name == "data.csv" && words.contains(&"bridge.toml")
-                || name.starts_with("pulse-") && words.contains(&"floor.toml");
+                || name.starts_with("pulse-")
+                    && ["floor.toml", "block.toml"]
+                        .iter()
+                        .any(|scene| words.contains(scene));
             if entry.is_file() && is_read && !written.contains(&name) && !here.exists() {
                 std::fs::copy(&entry, &here).expect("copied");
             }
