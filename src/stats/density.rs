@@ -201,9 +201,6 @@ impl DensityFold {
     /// Add a segment of the motion: the time that it spends in each bin. A step is in the bin of
     /// its start.
     pub fn segment(&mut self, lane: usize, segment: &Segment) {
-        if segment.length == 0.0 {
-            return;
-        }
         let counted = counted_part(&self.timeline, segment);
         if let Along::Step { .. } = segment.along {
             let state = [segment.displacement, segment.velocity[0]];
