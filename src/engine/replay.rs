@@ -63,8 +63,11 @@ impl Replay {
     pub fn enlarged(scenario: &Scenario, path: u64, from: f64) -> Self {
         let mut scenario = scenario.clone();
         let shown = scenario.time.end - from;
-        // Of a path without any length, the quotient is not a number.
-        let enlargement = (scenario.time.end / shown).max(1.0).min(MOST_ENLARGED);
+        let enlargement = if scenario.time.end > 0.0 {
+            (scenario.time.end / shown).clamp(1.0, MOST_ENLARGED)
+        } else {
+            1.0
+        };
         let (output_step, rows) = finest_grid(&scenario, enlargement as usize);
         scenario.time.output_step = output_step;
         let record = Record {

@@ -56,7 +56,8 @@ fn numbers_of_statistics_are_under_their_names() {
             .map_or([None; 3], known)
             .map(|number| number.unwrap_or(f64::NAN))
     };
-    let numbers: [(&str, &dyn Fn(&Estimate) -> f64); 9] = [
+    type Number<'a> = &'a dyn Fn(&Estimate) -> f64;
+    let numbers: [(&str, Number); 9] = [
         ("estimate", &|e| e.estimate),
         ("standard_error", &|e| e.standard_error),
         ("interval_low", &|e| e.low),

@@ -223,7 +223,8 @@ fn interleaved_series_are_refused_with_their_column() {
 #[test]
 fn labels_that_alternate_with_the_time_are_no_sensors() {
     let week = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
-    let of: [(&str, usize, &dyn Fn(usize) -> String); 7] = [
+    type Label<'a> = &'a dyn Fn(usize) -> String;
+    let of: [(&str, usize, Label); 7] = [
         ("hours", 3, &|i| (i % 24).to_string()),
         ("slot", 3, &|i| format!("S{}", i / 3 % 8)),
         ("weekday", 24, &|i| week[i / 24 % 7].into()),

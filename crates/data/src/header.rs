@@ -56,12 +56,12 @@ pub(super) struct NotFound<'a> {
     pub likely: Option<Opened<'a>>,
 }
 
-impl From<DataError> for NotFound<'_> {
+impl From<DataError> for Box<NotFound<'_>> {
     fn from(error: DataError) -> Self {
-        NotFound {
+        Box::new(NotFound {
             error,
             likely: None,
-        }
+        })
     }
 }
 
@@ -72,7 +72,7 @@ pub(super) fn open<'a>(
     bytes: &'a [u8],
     layout: &Layout,
     wanted: &[Wanted<'_>],
-) -> Result<Opened<'a>, NotFound<'a>> {
+) -> Result<Opened<'a>, Box<NotFound<'a>>> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
         let problem = if layout.skip.is_some() && !bytes.is_empty() {
@@ -125,7 +125,7 @@ pub(super) fn open<'a>(
     };
     let likely = sought(file, &lines, best, layout).likely(wanted);
     let likely = likely.map(|found| opened(best, found));
-    Err(NotFound { error, likely })
+    Err(Box::new(NotFound { error, likely }))
 }
 
 /// The first row of a file without names, whose columns are identified by their numbers.

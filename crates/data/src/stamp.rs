@@ -183,7 +183,7 @@ fn month(word: &str) -> Option<i16> {
     ];
     let lower = word.to_lowercase();
     let is_month = |begins: &&str| begins.split(' ').any(|begin| lower.starts_with(begin));
-    let place = MONTHS.iter().position(|begins| is_month(&begins))?;
+    let place = MONTHS.iter().position(is_month)?;
     Some(place as i16 + 1)
 }
 

@@ -84,13 +84,8 @@ type Sweeps<'a> = (&'a [(String, Sweep)], Vec<Statistic>);
 impl<'a> Subject<'a> {
     /// A heading, and a line that says what the numbers come from.
     pub(super) fn heading(&self, style: &Style) -> (String, String) {
-        let origin = |scenario: &Scenario| {
-            format!(
-                "{}, seed {}",
-                scenario.scheme.to_string(),
-                scenario.ensemble.seed
-            )
-        };
+        let origin =
+            |scenario: &Scenario| format!("{}, seed {}", scenario.scheme, scenario.ensemble.seed);
         match self {
             Subject::Path(DrawnPath {
                 scenario, number, ..

@@ -241,7 +241,7 @@ mod tests {
                     2.0 * i as f64 - 150.0
                 };
             let [a, b] = shape.at(time);
-            let missed = if i % 5 == 0 { 1.0 } else { 0.0 };
+            let missed = if i.is_multiple_of(5) { 1.0 } else { 0.0 };
             let value = 8.0 + 1.5 * a - 0.7 * b + missed + 0.1 * random.normal();
             (shape.row(&[time]), value)
         };

@@ -207,7 +207,9 @@ mod tests {
         let times: Vec<f64> = (0..6000).map(|i| 600.0 * f64::from(i)).collect();
         let wave = |t: &f64| {
             let day = t / 86_400.0;
-            9.0 * (0.21 * day).sin() + 4.0 * (6.28 * day).cos() + (19.0 * day).sin()
+            9.0 * (0.21 * day).sin()
+                + 4.0 * (std::f64::consts::TAU * day).cos()
+                + (19.0 * day).sin()
         };
         let air = MeasuredRecord {
             temperatures: times.iter().map(wave).collect(),
