@@ -35,7 +35,7 @@ pub struct LagProfile {
     pub likeliest: f64,
     /// Twice the log-likelihood ratio of that lag to none.
     pub gain: f64,
-    /// Seconds by which the clock of the sensor is behind that of the thermometer, if that explains
+    /// Seconds by which the clock of the sensor is ahead of that of the thermometer, if that explains
     /// the displacement far better than any lag.
     pub clock: Option<f64>,
     /// Lags in seconds, and for each the deviance (minus twice the log-likelihood) above its
@@ -106,7 +106,7 @@ const SLOW: [f64; 11] = [
 /// Why the temperature at another time explains the displacement better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
-    /// The clock of the sensor is behind that of the thermometer by this many seconds.
+    /// The clock of the sensor is ahead of that of the thermometer by this many seconds.
     Clock(f64),
     /// The thermometer is slower than the steel, with this time constant in seconds.
     SlowThermometer(f64),

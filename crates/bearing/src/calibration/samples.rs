@@ -272,7 +272,7 @@ impl MeasuredRecord {
     }
 
     /// The same record with the temperature of this many seconds earlier, interpolated between
-    /// samples, as if the clock of the sensor were behind that of the thermometer.
+    /// samples, as if the clock of the sensor were ahead of that of the thermometer.
     pub fn shifted(&self, seconds: f64) -> MeasuredRecord {
         let later: Vec<f64> = self.times.iter().map(|time| time + seconds).collect();
         self.with_temperatures(&later, &self.temperatures)

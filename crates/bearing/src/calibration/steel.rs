@@ -38,7 +38,7 @@ pub struct MeasuredAir {
 }
 
 impl MeasuredAir {
-    /// The air of a record in which the clock of the sensor is behind by `shift` seconds.
+    /// The air of a record in which the clock of the sensor is ahead by `shift` seconds.
     fn new(record: &MeasuredRecord, shift: f64) -> Self {
         let [mut times, temperatures] = record.thermometer();
         times.iter_mut().for_each(|time| *time += shift);
