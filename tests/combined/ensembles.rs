@@ -99,14 +99,17 @@ fn a_run_has_the_same_bits_however_it_is_made() {
                     row(block, lane as usize),
                     "{name}: path {path} alone"
                 );
-                assert_events_stay(&scenario, path, &wanted);
+                assert_events_stay(&scene, &scenario, path, &wanted);
             }
         }
     });
 }
 
 /// The events of a path do not depend on what is recorded, on the output grid, or on the end.
-fn assert_events_stay(scenario: &Scenario, path: u64, wanted: &(Vec<u64>, Vec<i8>)) {
+///
+/// Under noise, the macro steps of `event-driven` are cut at the peaks of a force or a load in t until
+/// the end, so that its last macro steps before the end are not those of a longer run.
+fn assert_events_stay(scene: &Scene, scenario: &Scenario, path: u64, wanted: &(Vec<u64>, Vec<i8>)) {
     let replayed = |scenario: &Scenario| events_of(&scenario.plan().replay(path), 0);
     let mut followed = scenario.clone();
     (followed.record.energy, followed.record.density) = (true, true);
@@ -124,12 +127,17 @@ fn assert_events_stay(scenario: &Scenario, path: u64, wanted: &(Vec<u64>, Vec<i8
     assert_eq!(replayed(&coarser), *wanted, "path {path} on another grid");
     let mut shorter = scenario.clone();
     shorter.time.end = 2.17;
-    let (bits, kinds) = replayed(&shorter);
-    let until = wanted
-        .0
-        .chunks(3)
-        .take_while(|event| f64::from_bits(event[0]) <= 2.17)
-        .count();
+    let (mut bits, mut kinds) = replayed(&shorter);
+    let before = |bits: &[u64], time: f64| {
+        let times = bits.chunks(3).map(|event| f64::from_bits(event[0]));
+        times.take_while(|t| *t <= time).count()
+    };
+    let has_cuts = scene.is_general() && scene.scheme == Kind::EventDriven;
+    let last = if has_cuts { 1.0 } else { 2.17 };
+    let until = before(&wanted.0, last);
+    let found = before(&bits, last);
+    bits.truncate(3 * found);
+    kinds.truncate(2 * found);
     // A step reports the end of a stick at its beginning, when it is known.
     let missing = until - kinds.len() / 2;
     assert!(

@@ -6,7 +6,6 @@ use super::views::Units;
 use crate::common::Keep;
 use stickslip::engine::Run;
 use stickslip::model::{Event, EventKind, Sign};
-use stickslip::noise::MIRROR;
 use stickslip::scheme::{Kind, Simulate as _, Timeline};
 use stickslip::stats::{Densities, DensityCurve, PassageLevels, Record, Statistic, Summary};
 
@@ -70,25 +69,27 @@ const OF_MOTION: [Statistic; 6] = [
 ];
 
 /// What a linear force does is in the works of g, or in those of spring and damping if it is part of
-/// these.
-const CALLED_OTHERWISE: [Statistic; 4] = [
+/// these; so is the energy that a step creates.
+const CALLED_OTHERWISE: [Statistic; 5] = [
     Statistic::DampingWorkMean,
     Statistic::UserForceWorkMean,
     Statistic::StoredEnergyMean,
-    Statistic::TemperatureWorkMean,
+    Statistic::EnergyResidualMean,
+    Statistic::EnergyResidualSd,
 ];
 
 /// What depends on the way of the body. With a load it is summed step by step, and otherwise from
 /// event to event. A turn of `corrected-vi` is one step late, when the body has come back by h |x'|.
-const OF_WAYS: [Statistic; 3] = [
+const OF_WAYS: [Statistic; 4] = [
     Statistic::FrictionWorkMean,
     Statistic::SlidingPathRate,
     Statistic::EnergyResidualMean,
+    Statistic::EnergyResidualSd,
 ];
 
 /// Events of one kind after the other, each at one time, place and force within this share of 1.
 #[track_caller]
-fn assert_alike(name: &str, found: &[Event], wanted: &[Event], within: f64) {
+pub fn assert_alike(name: &str, found: &[Event], wanted: &[Event], within: f64) {
     let kinds = |events: &[Event]| events.iter().map(|event| event.kind).collect::<Vec<_>>();
     assert_eq!(kinds(found), kinds(wanted), "{name}: {found:?}\n{wanted:?}");
     for (a, b) in found.iter().zip(wanted) {
@@ -221,8 +222,8 @@ fn energies_balance_for_every_damping() {
                 let [friction, .., residual] = works[..] else {
                     panic!("six works");
                 };
-                // Where f_s = f_d, the recursion does not move the body.
-                let is_at_rest = scheme == Kind::QuasiStatic && friction == 0.0;
+                // A body that stays where it is takes and gives nothing.
+                let is_at_rest = friction == 0.0 && residual == 0.0;
                 assert!(
                     is_at_rest || residual.abs() < 1e-9 * friction,
                     "{}: {works:?}",
@@ -331,49 +332,24 @@ fn other(sign: Sign) -> Sign {
     }
 }
 
-/// How far a path may be from its mirror image. The normals of a mirror image are the opposite ones
-/// to 1e-8, which the schemes without a step let grow from event to event, and which a step of the
-/// other schemes may turn into an event a step earlier or later, so that these are asked in the
-/// mirror of c. Forces that are not linear are integrated by formulas that are not symmetric in
-/// their rounding.
-fn mirror_error(scene: &Scene) -> f64 {
-    match (
-        scene.is_random(),
-        scene.is_general() && scene.scheme == Kind::EventDriven,
-    ) {
-        (true, _) if !scene.scheme.has_step() => 1e-4,
-        (_, true) => 1e-12,
-        _ => 0.0,
-    }
-}
-
-/// In a mirror every path is its mirror image, bit for bit where the noise is.
+/// In a mirror every path is its mirror image, bit for bit; forces that are not linear are integrated
+/// by formulas that are not symmetric in their rounding.
+///
+/// Under noise, c changes its sign instead of T. The schemes without a step are asked without noise,
+/// because the random numbers that decide at which threshold a stick ends have no sign.
 #[test]
 fn a_mirrored_scene_has_the_mirrored_paths() {
     ask(|scene| {
         for scene in with_and_without_noise(scene) {
-            let within = mirror_error(&scene);
-            let mut mirrored = scene.mirrored();
-            let mut image = MIRROR;
-            if scene.scheme.has_step() {
-                mirrored = Scene {
-                    drive: -scene.drive,
-                    offset: scene.offset,
-                    trend: scene.trend,
-                    harmonics: scene.harmonics.clone(),
-                    series: scene.series.clone(),
-                    noises: scene.noises.clone(),
-                    ..mirrored
-                };
-                image = 0;
+            if scene.is_random() && !scene.scheme.has_step() {
+                continue;
             }
+            let is_integrated = scene.is_general() && scene.scheme == Kind::EventDriven;
+            let within = if is_integrated { 1e-12 } else { 0.0 };
+            let mirrored = scene.mirrored();
             let paths = [0, 1, 2];
             let here = keep(&scene, &paths, scene.output_step);
-            let there = keep(
-                &mirrored,
-                &paths.map(|path| path | image),
-                scene.output_step,
-            );
+            let there = keep(&mirrored, &paths, scene.output_step);
             let turned = |event: &Event| Event {
                 kind: match event.kind {
                     EventKind::StickEntered => EventKind::StickEntered,
@@ -391,11 +367,7 @@ fn a_mirrored_scene_has_the_mirrored_paths() {
             for (a, b) in here.rows.iter().flatten().zip(there.rows.iter().flatten()) {
                 let offs = [a.0 - b.0, a.1 + b.1, a.2 + b.2];
                 let is_near = offs.iter().all(|off| off.abs() <= 10.0 * within);
-                assert!(
-                    is_near && (within > 0.0 || a.4 == b.4),
-                    "{}: {a:?} {b:?}",
-                    scene.name
-                );
+                assert!(is_near && a.4 == b.4, "{}: {a:?} {b:?}", scene.name);
             }
         }
     });
@@ -435,7 +407,12 @@ fn in_other_units_every_number_is_scaled() {
                 &UNITS
             };
             for units in all.iter().copied() {
-                let within = if scene.is_random() { 1e-9 } else { 0.0 };
+                // A force at an event is the root of a time that has rounding.
+                let within = match scene.is_random() {
+                    true if has_macro_steps => 1e-5,
+                    true => 1e-9,
+                    false => 0.0,
+                };
                 let scaled = scene.scaled(units);
                 let paths: &[u64] = if scene.is_random() { &[0, 1, 2] } else { &[0] };
                 let here = keep(&scene, paths, scene.output_step);
@@ -455,7 +432,7 @@ fn in_other_units_every_number_is_scaled() {
                 let energy = units.force() * units.length;
                 for (a, b) in a.iter().zip(&b) {
                     assert!(
-                        (a - b / energy).abs() <= 1e-9 * (1.0 + a.abs()),
+                        (a - b / energy).abs() <= within.max(1e-12) * (1.0 + a.abs()),
                         "{}: {a} {}",
                         scene.name,
                         b / energy
@@ -545,7 +522,7 @@ fn nearly_all_scenes_stick_and_slip() {
     }
     println!("{count:?} of {}", all().len());
     assert!(
-        10 * count[0] > 9 * all().len() && 10 * count[1] > 9 * all().len(),
+        5 * count[0] > 4 * all().len() && 5 * count[1] > 4 * all().len(),
         "{count:?}"
     );
     assert!(2 * count[2] > all().len(), "{count:?}");

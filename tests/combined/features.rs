@@ -27,7 +27,7 @@ pub const FEATURES: [Feature; 16] = [
     ("start", &["balanced", "outside", "moving"]),
     ("spring", &["some", "none"]),
     ("drive", &["force", "dilatation"]),
-    ("friction", &["gap", "equal"]),
+    ("friction", &["gap", "narrow", "equal"]),
     ("burn-in", &["none", "some"]),
     ("end", &["on the grid", "off the grid"]),
     ("pairs", &["none", "antithetic"]),
@@ -35,9 +35,10 @@ pub const FEATURES: [Feature; 16] = [
 ];
 
 /// Pairs that no scenario can have.
-const FORBIDDEN: [[(&str, &str); 2]; 3] = [
+const FORBIDDEN: [[(&str, &str); 2]; 4] = [
     // White noise overcomes any difference between f_s and f_d at once.
     [("noise", "white"), ("friction", "gap")],
+    [("noise", "white"), ("friction", "narrow")],
     // Noise is pinned to samples.
     [("noise", "pinned"), ("series", "none")],
     // The temperature moves the rest position of a spring.

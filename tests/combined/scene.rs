@@ -75,6 +75,7 @@ pub struct Scene {
     pub after: f64,
     pub output_step: f64,
     pub step: f64,
+    pub tolerance: f64,
     pub is_antithetic: bool,
     pub paths: u64,
     pub seed: u64,
@@ -157,6 +158,7 @@ impl Scene {
             after: 0.0,
             output_step: 4.0,
             step: STEP,
+            tolerance: 1e-3,
             is_antithetic: false,
             paths: 1,
             seed: number as u64 + 1,
@@ -194,6 +196,7 @@ impl Scene {
         let f_s = draws.between(1.0, 1.3);
         let f_d = match self.kind("friction") {
             "equal" => f_s,
+            "narrow" => 0.985 * f_s,
             _ => f_s * draws.between(0.7, 0.85),
         };
         let other = match self.kind("load") {
@@ -249,7 +252,7 @@ impl Scene {
             });
         self.noises = match self.kind("noise") {
             "one" => vec![noise(0.4, 1.0, start)],
-            "two" => vec![noise(0.3, 2.0, start), noise(0.3, 0.1, Some(0.0))],
+            "two" => vec![noise(0.3, 2.0, start), noise(0.3, 0.1, Some(0.4))],
             "pinned" => vec![noise(0.4, 1.0, Some(0.0))],
             _ => Vec::new(),
         };
@@ -589,7 +592,7 @@ impl Scene {
         let step = if self.scheme.has_step() {
             format!("time.step = {:?}\n", self.step)
         } else {
-            "scheme.tolerance = 1e-3\n".into()
+            format!("scheme.tolerance = {:?}\n", self.tolerance)
         };
         format!(
             "oscillator = {{ mass = {:?}, stiffness = {:?}, damping = {:?}, {drive} = {:?} }}

@@ -293,11 +293,8 @@ impl<'a> Loop<'a> {
             }
             at = next;
         }
-        self.push_row(
-            &mut path,
-            &at,
-            is_static && self.let_go(&at, self.exit()).is_none(),
-        );
+        let is_held = self.step(&at, 0.0).v == 0.0;
+        self.push_row(&mut path, &at, is_static && is_held);
         path
     }
 

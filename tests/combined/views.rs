@@ -37,18 +37,19 @@ fn from(samples: &Samples, start: f64) -> Samples {
 }
 
 impl Scene {
-    /// The scene in which everything points the other way. The noise of a path becomes that of its
-    /// mirror image ([`stickslip::noise::MIRROR`]), from the other start.
+    /// The scene in which everything points the other way. Under noise, T stays as it is and acts with
+    /// the other sign.
     pub fn mirrored(&self) -> Scene {
         let mut scene = self.clone();
-        (scene.offset, scene.trend) = (-scene.offset, -scene.trend);
-        scene
-            .harmonics
-            .iter_mut()
-            .for_each(|harmonic| harmonic[0] *= -1.0);
-        scene.series = times(&scene.series, 1.0, -1.0);
-        for (_, start) in &mut scene.noises {
-            *start = start.map(|v| -v);
+        if self.is_random() {
+            scene.drive = -scene.drive;
+        } else {
+            (scene.offset, scene.trend) = (-scene.offset, -scene.trend);
+            scene
+                .harmonics
+                .iter_mut()
+                .for_each(|harmonic| harmonic[0] *= -1.0);
+            scene.series = times(&scene.series, 1.0, -1.0);
         }
         scene.friction.swap(0, 1);
         scene.input = times(&scene.input, 1.0, -1.0);
