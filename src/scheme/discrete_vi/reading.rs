@@ -71,13 +71,12 @@ impl GridReader {
         forcing: f64,
         n: u64,
     ) -> impl Iterator<Item = bool> {
-        let exit = kernel.coefficients.exit_impulse;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
             let at = State {
                 v: 0.0,
                 ..state.point(lane)
             };
-            *phase == Phase::Static && kernel.let_go(kernel.pulls(&at, forcing, n), exit).is_none()
+            *phase == Phase::Static && !kernel.leaves(&at, forcing, n)
         })
     }
 

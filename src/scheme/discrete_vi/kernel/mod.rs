@@ -261,6 +261,32 @@ impl Kernel {
         })
     }
 
+    /// Whether a body at rest in a stick moves in the next step. With a load, the corrected scheme lets
+    /// go a body that friction in motion would still brake; it then stays.
+    pub(super) fn leaves(&self, at: &State, forcing: f64, n: u64) -> bool {
+        let Coefficients {
+            h_over_m,
+            exit_impulse,
+            dynamic_impulse,
+            ..
+        } = self.coefficients;
+        let pulls = self.pulls(at, forcing, n);
+        let Some(own) = self.own.as_ref().filter(|own| own.sides().is_some()) else {
+            return self.let_go(pulls, exit_impulse).is_some();
+        };
+        let b = self.linear_force(at, forcing);
+        [Sign::Positive, Sign::Negative]
+            .into_iter()
+            .zip(pulls)
+            .any(|(sign, pull)| {
+                let drive = b + self.user_force(own.in_slip(sign), at, n);
+                let [held, driven] = [pull, drive].map(|force| sign.value() * (h_over_m * force));
+                // Forces that are not numbers hold nothing.
+                let is_held = held <= exit_impulse || driven <= dynamic_impulse;
+                !is_held
+            })
+    }
+
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
     pub(super) fn force(&self, at: &State, forcing: f64, n: u64) -> f64 {
         let b = self.linear_force(at, forcing);
