@@ -76,6 +76,9 @@ pub struct Scene {
     pub output_step: f64,
     pub step: f64,
     pub tolerance: f64,
+    /// The time between the instants at which x is compared. At an instant inside a macro step the
+    /// state is drawn by the number of the instant, so that runs of one path need the same ones.
+    pub period: f64,
     pub is_antithetic: bool,
     pub paths: u64,
     pub seed: u64,
@@ -159,6 +162,7 @@ impl Scene {
             output_step: 4.0,
             step: STEP,
             tolerance: 1e-3,
+            period: 1.7,
             is_antithetic: false,
             paths: 1,
             seed: number as u64 + 1,
@@ -605,7 +609,7 @@ temperature.harmonics = [{}]
 time.end = {:?}
 time.output_step = {:?}
 {step}scheme.kind = \"{}\"
-statistics.after = {:?}
+statistics = {{ after = {:?}, period = {:?} }}
 ensemble = {{ paths = {}, seed = {}, antithetic = {} }}
 ",
             self.mass,
@@ -623,6 +627,7 @@ ensemble = {{ paths = {}, seed = {}, antithetic = {} }}
             self.output_step,
             self.scheme.name(),
             self.after,
+            self.period,
             self.paths,
             self.seed,
             self.is_antithetic,

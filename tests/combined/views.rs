@@ -109,6 +109,7 @@ impl Scene {
         for of in [
             &mut scene.end,
             &mut scene.after,
+            &mut scene.period,
             &mut scene.output_step,
             &mut scene.step,
         ] {
