@@ -203,7 +203,7 @@ fn gather_parameters(root: &mut Node) {
     }
 }
 
-/// The parameters that are numbers.
+/// The parameters. One that is not a number is reported where it is read, and is 1 until then.
 fn parameters(root: &Node) -> Vec<(String, f64)> {
     let Some(Node {
         value: Value::Table(entries),
@@ -214,7 +214,7 @@ fn parameters(root: &Node) -> Vec<(String, f64)> {
     };
     entries
         .iter()
-        .filter_map(|entry| Some((entry.key.clone(), entry.node.number()?)))
+        .map(|entry| (entry.key.clone(), entry.node.number().unwrap_or(1.0)))
         .collect()
 }
 

@@ -515,9 +515,13 @@ fn noisy_scenes_have_the_statistics_of_an_independent_program() {
 }
 
 /// The schemes with a step agree with the table where the bias that the run measures is taken off.
-/// 2 x 75 differences; the uncertainty of a bias is that of a 95 % interval.
+///
+/// Null hypothesis: each of 2 x 75 differences is 0, in units of its standard error, that of the bias
+/// from 16 groups. One of them exceeds 5, which is 5.4 of Student's t with 15 degrees of freedom, in
+/// 1 % of right programs. The root mean square is 0.93 +- 0.09 (40 seeds, discrete-vi).
 #[test]
 fn corrected_estimates_agree_with_the_independent_program() {
+    let mut squares = Vec::new();
     for (scene, _) in SCENES {
         for scheme in [
             Scheme::from(DiscreteVi { step: 0.005 }),
@@ -541,13 +545,19 @@ fn corrected_estimates_agree_with_the_independent_program() {
                     "{scene}, {scheme}: {name} {value} - {}, {wanted}: {off:.2}",
                     bias.estimate
                 );
-                assert!(
-                    off.is_nan() || off.abs() <= 4.0,
-                    "{scene}, {scheme}: {name}"
-                );
+                if !off.is_nan() {
+                    assert!(off.abs() <= 5.0, "{scene}, {scheme}: {name}");
+                    squares.push(off * off);
+                }
             }
         }
     }
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    assert!(
+        squares.len() > 120 && (0.6..1.25).contains(&rms),
+        "{rms} of {}",
+        squares.len()
+    );
 }
 
 /// The paper's noisy scene, and the same with half of the spring as a force in a form that is not

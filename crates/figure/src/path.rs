@@ -742,4 +742,23 @@ mod tests {
             assert!(most < within, "{scheme}: {most}");
         }
     }
+
+    /// The rounding of friction and damping is not drawn as a force of a spring that is not there.
+    #[test]
+    fn a_body_without_a_spring_is_drawn_without_its_force() {
+        let mut thrown = Scenario::shipped("shaw").expect("shipped");
+        thrown.model.oscillator.stiffness = 0.0;
+        thrown.model.oscillator.damping = 0.05;
+        thrown.model.initial_velocity = 3.0;
+        let trace = PathTrace::of(&DrawnPath {
+            scenario: &thrown
+                .with_scheme(Kind::EventDriven.with(1e-3))
+                .expect("suits"),
+            number: 0,
+            from: 0.0,
+        })
+        .expect("not lost");
+        assert!(trace.samples().any(|s| s.velocity > 1.0));
+        assert!(trace.samples().all(|s| s.spring == 0.0));
+    }
 }

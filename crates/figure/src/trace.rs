@@ -180,12 +180,15 @@ fn state(segment: &Segment, part: f64, sign: f64, model: &Problem) -> StateAt {
                 segment.displacement + way,
             );
             let friction = model.sliding_friction(Sign::of(sign), time, x, velocity);
-            let force = model.oscillator.mass * acceleration + friction;
-            if model.force.is_some() {
-                force
-            } else {
-                force + 2.0 * model.oscillator.damping * velocity
-            }
+            let damping = match model.force {
+                Some(_) => 0.0,
+                None => 2.0 * model.oscillator.damping * velocity,
+            };
+            let parts = [model.oscillator.mass * acceleration, friction, damping];
+            let force: f64 = parts.iter().sum();
+            // What is left of forces that cancel is their rounding.
+            let rounding = 1e-13 * parts.iter().map(|part| part.abs()).sum::<f64>();
+            if force.abs() <= rounding { 0.0 } else { force }
         }
     };
     StateAt {

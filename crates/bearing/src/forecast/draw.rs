@@ -193,20 +193,11 @@ mod tests {
         let mut calibration = Calibration::default();
         calibration.question.level = 0.9;
         calibration.question.shear_stiffness = Some(2e9);
-        for (quantity, estimate, half) in [
-            (Quantity::Dilatation, 3e-4, 0.0),
-            (Quantity::Shear, 0.1, 0.01),
-            (Quantity::Offset, 0.0, 0.0),
-            (Quantity::Reach, 8.0, 0.0),
-            (Quantity::Jump, 1.5, 0.0),
-        ] {
-            calibration.estimates[quantity as usize] = ParameterEstimate {
-                estimate,
-                low: estimate - half,
-                high: estimate + half,
-            };
+        for (quantity, estimate) in DRAWN.into_iter().zip([3e-4, 0.1, 0.0, 8.0, 1.5]) {
+            calibration.estimates[quantity as usize].estimate = estimate;
         }
-        calibration.correlations = vec![Default::default(); Quantity::ALL.len()];
+        calibration.covariance = vec![vec![0.0; DRAWN.len()]; DRAWN.len()];
+        calibration.covariance[1][1] = 0.006_f64.powi(2);
         let draws = BearingDraws::new(&calibration);
         let mut random = Stream::new(3, 0);
         let mut kappas = Vec::new();
