@@ -60,6 +60,9 @@
 //! | [`engine`] | a run from its scenario to its outcome |
 //! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
 //!
+//! [`memory`], [`lanes`], [`sums`], [`ensemble`] and [`bias`] are internal: the other crates of this
+//! repository use them, they are not in the documentation, and they may change in any release.
+//!
 //! # What you can add
 //!
 //! - A user-defined statistic over the events and states of paths: [`stats::Tally`], computed in
@@ -82,12 +85,16 @@
 
 #[cfg(feature = "toml")]
 pub mod advice;
+#[doc(hidden)]
 pub mod bias;
 #[cfg(feature = "toml")]
 pub mod config;
 pub mod engine;
+#[doc(hidden)]
 pub mod ensemble;
+#[doc(hidden)]
 pub mod lanes;
+#[doc(hidden)]
 pub mod memory;
 pub mod model;
 pub mod noise;
@@ -97,4 +104,5 @@ pub mod scheme;
 pub mod stats;
 #[cfg(feature = "toml")]
 pub mod study;
+#[doc(hidden)]
 pub mod sums;

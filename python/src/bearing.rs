@@ -1,9 +1,9 @@
-//! Measured bearings: calibration, weather, forecast of future years, and synthetic measurements.
+//! MeasuredFiles bearings: calibration, weather, forecast of future years, and synthetic measurements.
 
 use crate::dataset::to_python;
 use crate::errors;
 use crate::run::Variables;
-use crate::studies::Threads;
+use crate::studies::ThreadCount;
 use crate::watched::{Callback, abandoned_on_interrupt};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -54,12 +54,14 @@ fn read(
 /// messages. Or it is arrays of times and temperatures, then of times and displacements, in seconds,
 /// degrees and metres, which are repaired already. The column of displacements may have a name.
 #[derive(FromPyObject)]
-pub struct Measured<'py> {
+pub struct MeasuredFiles<'py> {
     name: String,
     text: Option<String>,
     arrays: Option<Vec<PyReadonlyArray1<'py, f64>>>,
     displacement: Option<String>,
     layout: LaidOut,
+    /// Those of the arrays, which Python has reported.
+    repairs: Vec<String>,
 }
 
 /// A `stickslip.Layout`.
@@ -132,7 +134,7 @@ impl LaidOut {
     }
 }
 
-impl Measured<'_> {
+impl MeasuredFiles<'_> {
     fn origin(&self) -> Origin<'_> {
         match &self.text {
             Some(text) => Origin::Text(&self.name, text),
@@ -182,8 +184,9 @@ impl Measured<'_> {
             let all = self.layout.averaged;
             let of_air = of_temperatures.and_then(|layout| layout.averaged);
             let averaged = [of_air.or(all), all].map(Option::unwrap_or_default);
-            let record =
+            let mut record =
                 MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
+            record.repairs = self.repairs.clone();
             return Ok((record, Vec::new()));
         }
         let (air, sensor) = (&scene.temperature_source, &scene.displacement_source);
@@ -296,14 +299,14 @@ fn not_held(py: Python<'_>, error: NotHeld) -> PyErr {
 pub fn calibrate<'py>(
     py: Python<'py>,
     scenario: Given,
-    measured: Measured<'py>,
+    measured: MeasuredFiles<'py>,
     method: &str,
     fit: Vec<String>,
     bounds: Vec<(String, f64, f64)>,
     starts: u32,
     lag: Option<f64>,
     interval: f64,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
@@ -353,14 +356,14 @@ pub fn calibrate<'py>(
 pub fn forecast<'py>(
     py: Python<'py>,
     scenario: Given,
-    measured: Measured<'py>,
+    measured: MeasuredFiles<'py>,
     draws: u64,
     years: u64,
     seed: u64,
     interval: f64,
     share: f64,
     processes: usize,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let (scene, ..) = read(py, scenario)?;
@@ -479,7 +482,7 @@ fn weather<'py>(
 #[pyfunction]
 pub fn fit_temperature<'py>(
     py: Python<'py>,
-    measured: Measured<'py>,
+    measured: MeasuredFiles<'py>,
     processes: usize,
     periods: Option<Vec<f64>>,
     progress: Callback,

@@ -30,7 +30,7 @@ pub struct OwnStatistics {
 
 /// A sink that keeps a run in memory, and passes the events of each block to user-defined
 /// statistics.
-pub struct Kept {
+pub struct KeptRun {
     pub recorder: Recorder,
     pub own: OwnStatistics,
     /// What the data set is to contain.
@@ -108,9 +108,9 @@ impl OwnStatistics {
     }
 }
 
-impl Kept {
+impl KeptRun {
     pub fn new(scenario: &Scenario, functions: &[Py<PyAny>]) -> Self {
-        Kept {
+        KeptRun {
             recorder: Recorder::default(),
             own: OwnStatistics::new(scenario, functions),
             record: scenario.record,
@@ -178,7 +178,7 @@ impl Own {
     }
 }
 
-impl Sink for Kept {
+impl Sink for KeptRun {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
         let asked_for = Scenario {
             record: self.record,

@@ -2,9 +2,9 @@
 
 use crate::dataset::{Handed, from_python, to_python};
 use crate::errors;
-use crate::own::{Kept, OwnEstimate};
+use crate::own::{KeptRun, OwnEstimate};
 use crate::scenario::{Laid, Scenario, laid};
-use crate::studies::{Threads, enough_memory};
+use crate::studies::{ThreadCount, enough_memory};
 use crate::watched::{Callback, abandoned_on_interrupt, watched};
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -45,7 +45,7 @@ pub fn run<'py>(
     max_time: Option<f64>,
     part: Option<&str>,
     bias: bool,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
     own: Vec<Py<PyAny>>,
 ) -> PyResult<Ran<'py>> {
@@ -72,7 +72,7 @@ pub fn run<'py>(
         max_time: max_time.map(Duration::from_secs_f64),
         with_bias: bias,
     };
-    let (mut kept, mut part) = (Kept::new(scenario, &own), PartRecorder::default());
+    let (mut kept, mut part) = (KeptRun::new(scenario, &own), PartRecorder::default());
     // User-defined statistics need events, even if the data set is not to contain them.
     let watched_scenario = kept.watched(scenario);
     let (outcome, is_interrupted) = watched(py, &progress, |watch| {
@@ -86,7 +86,7 @@ pub fn run<'py>(
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
-    let Kept { recorder, own, .. } = kept;
+    let KeptRun { recorder, own, .. } = kept;
     Ok((
         to_python(py, recorder.into_dataset())?,
         remarks,
@@ -102,7 +102,7 @@ pub fn merge<'py>(
     py: Python<'py>,
     parts: Vec<(String, Handed<'py>, Vec<u8>)>,
     bias: bool,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let refused = |error: PartsError| {

@@ -26,9 +26,9 @@ use stickslip_files::dataset::Dataset;
 
 /// The number of threads of a call: the given one, or one for each core. The system starts so many.
 #[derive(Clone, Copy)]
-pub struct Threads(pub usize);
+pub struct ThreadCount(pub usize);
 
-impl<'py> FromPyObject<'_, 'py> for Threads {
+impl<'py> FromPyObject<'_, 'py> for ThreadCount {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
@@ -47,7 +47,7 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
                 .map_err(|_| wrong("must be a number of threads".into()))?,
         };
         check_threads(number).map_err(|error| wrong(error.to_string()))?;
-        Ok(Threads(number))
+        Ok(ThreadCount(number))
     }
 }
 
@@ -58,7 +58,7 @@ pub fn enough_memory(
     py: Python<'_>,
     scenario: &Checked,
     paths: u64,
-    Threads(threads): Threads,
+    ThreadCount(threads): ThreadCount,
 ) -> PyResult<()> {
     let need = Need {
         bytes: scenario.run_bytes(paths, threads),
@@ -89,7 +89,7 @@ pub fn choose(
     accuracy: f64,
     statistic: Vec<String>,
     max_time: Option<f64>,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Scenario, String)> {
     let named = statistic
@@ -143,7 +143,7 @@ pub fn sweep<'py>(
     independent: bool,
     bias: bool,
     own: Vec<Py<PyAny>>,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, Vec<Vec<OwnEstimate>>, bool)> {
     let design = design(py, scenario, &vary, zip, elasticity, relative_step)?;
@@ -287,7 +287,7 @@ pub fn trade<'py>(
     py: Python<'py>,
     scenario: &Scenario,
     budget: f64,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(Variables<'py>, bool)> {
     let scenario = &scenario.checked;

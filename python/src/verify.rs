@@ -2,7 +2,7 @@
 
 use crate::dataset::{Handed, from_python};
 use crate::errors;
-use crate::studies::Threads;
+use crate::studies::ThreadCount;
 use crate::watched::{Callback, watched};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -26,7 +26,7 @@ pub struct Differs {
 pub fn verify(
     py: Python<'_>,
     run: Handed<'_>,
-    threads: Threads,
+    threads: ThreadCount,
     progress: Callback,
 ) -> PyResult<(u64, Option<Differs>)> {
     let dataset = from_python(run)?;

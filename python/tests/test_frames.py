@@ -105,7 +105,7 @@ def test_a_summary_writes_latex_with_digits_and_units():
     lines = frame.to_latex().splitlines()
     assert lines[3].startswith("statistic & estimate & 95") and len(lines) == len(frame) + 7
     row = frame.loc["stick_duration_mean"]
-    shown = next(line for line in lines if line.startswith("mean stick duration &"))
+    shown = next(line for line in lines if line.startswith("mean duration of the completed sticks &"))
     numbers = [float(x) for x in re.findall(r"\$([-\d.]+)\$", shown)]
     assert shown.endswith(r"& $\mathrm{s}$ \\")
     assert numbers == pytest.approx([row.estimate, row.interval_low, row.interval_high], rel=1e-3)
@@ -115,4 +115,4 @@ def test_a_summary_writes_latex_with_digits_and_units():
     assert r"\mathrm{m^{2}\,s^{-1}}" in frame.loc[["diffusion_coefficient"]].to_latex()
     assert pickle.loads(pickle.dumps(frame)).to_latex() == frame.to_latex()
     swept = ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, paths=256, bias=False)
-    assert ss.summary(swept).to_latex().count("& mean stick duration &") == 2
+    assert ss.summary(swept).to_latex().count("& mean duration of the completed sticks &") == 2

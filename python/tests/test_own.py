@@ -147,7 +147,7 @@ def test_parts_that_do_not_go_together_are_named():
         ([], "no parts"),
         ([half[0], half[1].drop_vars("part_state")], "not a part"),
         # All of them are of one build, which is not this one.
-        (other, "started by mc"),
+        (other, "started by version"),
         ([half[0], wrong_rows], r"parts\[1\]: its rows differ"),
         (swapped, "its rows differ"),
         ([half[0], with_state(half[1], damaged)], "damaged"),

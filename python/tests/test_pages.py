@@ -127,15 +127,14 @@ def test_records_of_a_folder_give_a_fragility_and_are_replayed(monkeypatch, tmp_
     0.5884 m (docs/sweep.md), so the fractions beyond 0.01, 0.1 and 0.5 m are 1, 1 and 1/2."""
     monkeypatch.chdir(tmp_path)
     for size in (0.3, 0.5):
-        values = "\n".join([f"{size:.7E}"] * 401 + ["0.0"] * 2600)
-        head = "PEER\nsite\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS=   3001, DT=   .0010 SEC,\n"
-        (tmp_path / f"pulse-{size}.AT2").write_text(head + values + "\n")
+        rows = [f"{i / 1000},{9.80665 * size * (i <= 400)}" for i in range(3002)]
+        (tmp_path / f"pulse-{size}.csv").write_text("time,ag\n" + "\n".join(rows) + "\n")
     block = """
         oscillator = { mass = 1000, stiffness = 0, dilatation = 0 }
         friction = { static = 1961.33, dynamic = 1961.33 }
         force.expression = "-m*s*ag"
         parameters = { m = 1000, s = 1 }
-        input.ag = { file = "pulse-0.3.AT2" }
+        input.ag = { file = "pulse-0.3.csv" }
         initial.displacement = 0
         scheme.kind = "event-driven"
         ensemble.paths = 1

@@ -6,6 +6,7 @@ pub(super) const MIN_STEPS: f64 = 16.0;
 
 /// Why there is no estimate of the bias.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NoBias {
     /// The event-driven scheme under noise: it has a tolerance instead of a step.
     #[error(

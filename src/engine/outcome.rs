@@ -59,6 +59,7 @@ pub struct BiasReport {
 
 /// The outcome of a run.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Every statistic with its interval, and with its bias if that is known.
     pub summary: Summary,

@@ -101,6 +101,7 @@ macro_rules! catalogue {
     ($($(#[$doc:meta])* $statistic:ident: $row:expr,)*) => {
         /// A reported statistic of an ensemble of paths.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
         pub enum Statistic {
             $($(#[$doc])* $statistic,)*
         }

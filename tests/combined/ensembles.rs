@@ -25,7 +25,7 @@ const RECORD: Record = Record {
 /// The scene in each scheme with noise, for a shorter time.
 fn random(scene: &Scene) -> impl Iterator<Item = Scene> {
     let short = Scene {
-        end: 3.0,
+        end: 2.4,
         after: if scene.after > 0.0 { 0.8137 } else { 0.0 },
         paths: PATHS,
         ..scene.clone()
@@ -126,14 +126,14 @@ fn assert_events_stay(scene: &Scene, scenario: &Scenario, path: u64, wanted: &(V
     };
     assert_eq!(replayed(&coarser), *wanted, "path {path} on another grid");
     let mut shorter = scenario.clone();
-    shorter.time.end = 2.17;
+    shorter.time.end = 1.77;
     let (mut bits, mut kinds) = replayed(&shorter);
     let before = |bits: &[u64], time: f64| {
         let times = bits.chunks(3).map(|event| f64::from_bits(event[0]));
         times.take_while(|t| *t <= time).count()
     };
     let has_cuts = scene.is_general() && scene.scheme == Kind::EventDriven;
-    let last = if has_cuts { 1.0 } else { 2.17 };
+    let last = if has_cuts { 0.8 } else { 1.77 };
     let until = before(&wanted.0, last);
     let found = before(&bits, last);
     bits.truncate(3 * found);

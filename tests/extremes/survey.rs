@@ -414,7 +414,7 @@ fn a_slice_of_the_survey_finds_nothing() {
 /// No panic, no hang, and no number that is none, whatever the force.
 #[test]
 fn a_slice_of_the_survey_of_forces_finds_nothing() {
-    let survey = Survey::run(&[Family::Own], 0..400);
+    let survey = Survey::run(&[Family::Own], 0..200);
     survey.print();
     assert!(
         survey.findings.is_empty(),

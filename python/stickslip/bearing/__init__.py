@@ -315,7 +315,7 @@ def fit_temperature(
     if _is_table(data):
         measured = _table(data, layout)
     else:
-        times, values, _ = _repaired(data, "data", "temperature", layout.outliers)
+        times, values, *_ = _repaired(data, "data", "temperature", layout.outliers)
         measured = _Measured("the arrays", layout, arrays=[times, values])
     with shown(progress) as callback:
         fit, remarks = _native.fit_temperature(
@@ -420,7 +420,7 @@ def twin(
     first = None
     arrays = None
     if temperature is not None:
-        times, values, first = _repaired(temperature, "temperature", "temperature")
+        times, values, first, _ = _repaired(temperature, "temperature", "temperature")
         arrays = [times, values]
     with shown(progress) as callback:
         made, remarks = _native.twin(
@@ -458,6 +458,7 @@ class _Measured:
     text: str | None = None
     arrays: list[Any] | None = None
     displacement: str | None = None
+    repairs: Sequence[str] = ()
 
 
 def _is_table(data: Any) -> bool:
@@ -487,8 +488,8 @@ def _record(data: Any, displacement: Any, layout: Layout) -> _Measured:
             "it applies to files, but the data are arrays",
             "remove it; arrays are in degrees Celsius, metres, and seconds or dates",
         )
-    times, temperatures, first = _repaired(data, "data", "temperature", layout.outliers)
-    when, readings, later = _repaired(
+    times, temperatures, first, of_air = _repaired(data, "data", "temperature", layout.outliers)
+    when, readings, later, of_sensor = _repaired(
         displacement, "displacement", "displacement", layout.outliers
     )
     require(
@@ -502,7 +503,8 @@ def _record(data: Any, displacement: Any, layout: Layout) -> _Measured:
         import numpy as np
 
         when = when + (later - first) / np.timedelta64(1, "s")
-    return _Measured("the arrays", layout, arrays=[times, temperatures, when, readings])
+    arrays = [times, temperatures, when, readings]
+    return _Measured("the arrays", layout, arrays=arrays, repairs=(*of_air, *of_sensor))
 
 
 def _table(data: Any, layout: Layout, displacement: str | None = None) -> _Measured:
@@ -517,9 +519,9 @@ def _table(data: Any, layout: Layout, displacement: str | None = None) -> _Measu
 
 def _repaired(
     given: Any, argument: str, quantity: str, outliers: int | None = None
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
-    """The samples, checked and repaired as the reader of a file does it."""
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None, list[str]]:
+    """The samples, checked and repaired as the reader of a file does it, and the repairs."""
     times, values, first = samples(given, argument)
     times, values, remarks = _native.repaired(argument, quantity, times, values, outliers)
     warn(remarks, level=6)
-    return times, values, first
+    return times, values, first, remarks

@@ -5,15 +5,15 @@ use crate::lanes::{Lanes, ROW};
 use std::fmt;
 
 /// g(x, x', t) as a function.
-struct Function<G>(G);
+struct ClosureForce<G>(G);
 
-impl<G> fmt::Debug for Function<G> {
+impl<G> fmt::Debug for ClosureForce<G> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a function")
     }
 }
 
-impl<G: Fn(f64, f64, f64) -> f64 + Send + Sync> ForceLaw for Function<G> {
+impl<G: Fn(f64, f64, f64) -> f64 + Send + Sync> ForceLaw for ClosureForce<G> {
     #[inline(always)]
     fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
         let mut columns = [[0.0; ROW]; 3];
@@ -40,6 +40,6 @@ impl Force {
     ///
     /// It is called for one path at a time; a [`ForceLaw`] is evaluated for several at once.
     pub fn function(g: impl Fn(f64, f64, f64) -> f64 + Send + Sync + 'static) -> Self {
-        Force::new(Function(g))
+        Force::new(ClosureForce(g))
     }
 }

@@ -5,7 +5,6 @@ use super::detect::{Jump, Jumps};
 use super::level::{self, Bin, Level, LevelSums};
 use super::samples::{Samples, median};
 use super::sticks::{bin, bins, sticks};
-use std::ops::Range;
 
 /// The results from the sticks between jumps.
 pub struct StickAnalysis {
@@ -49,18 +48,14 @@ impl StickAnalysis {
         let binned = bins(samples, &sticks, seconds, found.window / 2 + 1);
         let of_bins = walks.map_or_else(|| level::fitted_walk(&binned), |walks| walks[0]);
         let single = |i: usize, first: usize| bin(samples, i..i + 1, i == first);
-        let forward: Vec<Bin> = sticks
-            .iter()
-            .flat_map(|stick| stick.clone().map(|i| single(i, stick.start)))
-            .collect();
-        let reverse = |stick: &Range<usize>| {
-            stick
-                .clone()
-                .rev()
-                .map(|i| single(i, stick.end - 1))
-                .collect::<Vec<_>>()
-        };
-        let backward: Vec<Bin> = sticks.iter().rev().flat_map(reverse).collect();
+        let empty = || Vec::with_capacity(samples.times.len());
+        let (mut forward, mut backward): (Vec<Bin>, Vec<Bin>) = (empty(), empty());
+        for stick in &sticks {
+            forward.extend(stick.clone().map(|i| single(i, stick.start)));
+        }
+        for stick in sticks.iter().rev() {
+            backward.extend(stick.clone().rev().map(|i| single(i, stick.end - 1)));
+        }
         let walk = walks.map_or_else(|| level::fitted_walk(&forward), |walks| walks[1]);
         let noise = level::sums(&forward, walk).variance().sqrt();
         let before = level::levels(&forward, walk);

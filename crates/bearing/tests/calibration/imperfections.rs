@@ -151,7 +151,7 @@ fn other_sampling_and_other_noise_are_borne() {
         },
     ];
     for campaign in campaigns {
-        let all = by_slips(&campaign, 800..804);
+        let all = by_slips(&campaign, 800..802);
         for quantity in FORCES {
             assert!(
                 rmse(&all, quantity) < 0.05,

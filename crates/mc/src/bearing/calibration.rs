@@ -8,7 +8,7 @@ use crate::kinds::{Again, AnyResult, Kind, Shown, StoredResult, pictures};
 use crate::output::document::{document, named};
 use crate::output::failure::{Failure, warn};
 use crate::report::html::Page;
-use crate::report::{Chosen, Report};
+use crate::report::{Report, ShownStatistics};
 use crate::session::progress::during;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ pub const CALIBRATION: Kind = Kind {
 
 impl AnyResult for StoredCalibration {
     fn report(&self, file: &Path, shown: &Shown) -> Result<Report, Failure> {
-        if let Chosen::These(_) = shown.chosen {
+        if let ShownStatistics::These(_) = shown.chosen {
             let problem = format!(
                 "--statistics: {} is a calibration, which has no statistics",
                 file.display()

@@ -4,7 +4,7 @@
 use crate::inputs::files;
 use crate::kinds::{self, Shown};
 use crate::output::failure::{Failure, note, print, print_data};
-use crate::report::{self, Chosen, Report, RunInfo};
+use crate::report::{self, Report, RunInfo, ShownStatistics};
 use std::path::{Path, PathBuf};
 use stickslip::stats::{Statistic, Summary};
 use stickslip_files::store;
@@ -135,14 +135,14 @@ impl Arguments {
     }
 
     /// The statistics that a table has.
-    fn chosen(&self) -> Chosen<'_> {
+    fn chosen(&self) -> ShownStatistics<'_> {
         match (
             self.statistics.as_slice(),
             self.all || self.format == Some(TableFormat::Csv),
         ) {
-            ([], false) => Chosen::First,
-            ([], true) => Chosen::All,
-            (statistics, _) => Chosen::These(statistics),
+            ([], false) => ShownStatistics::First,
+            ([], true) => ShownStatistics::All,
+            (statistics, _) => ShownStatistics::These(statistics),
         }
     }
 

@@ -15,7 +15,7 @@ use crate::commands::plot;
 use crate::inputs::files;
 use crate::output::failure::Failure;
 use crate::report::html::Page;
-use crate::report::{Chosen, Report};
+use crate::report::{Report, ShownStatistics};
 use std::path::Path;
 use stickslip_figure::{Drawing, Figure, Style, Subject};
 use stickslip_files::dataset::Format;
@@ -72,7 +72,7 @@ pub trait StoredResult: AnyResult {
 /// How a report is shown.
 pub struct Shown<'a> {
     /// The statistics in its table.
-    pub chosen: Chosen<'a>,
+    pub chosen: ShownStatistics<'a>,
     /// Whether everything that was measured is shown.
     pub all: bool,
     /// Whether all notes are shown.

@@ -6,7 +6,7 @@ use crate::commands::plot;
 use crate::inputs::{files, results};
 use crate::output::failure::{Failure, note};
 use crate::output::numbers::grouped;
-use crate::report::{self, Chosen, Report, RunInfo};
+use crate::report::{self, Report, RunInfo, ShownStatistics};
 use crate::session::progress::Progress;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -76,7 +76,7 @@ impl AnyResult for Stored {
         page.words.push(("Intervals", INTERVALS.into()));
         let citation = report::citation(self).join(" ");
         page.words.push(("How to cite", citation));
-        page.report = report::run(summary, &info, Chosen::All, true);
+        page.report = report::run(summary, &info, ShownStatistics::All, true);
         // The warnings say these.
         page.report
             .remarks

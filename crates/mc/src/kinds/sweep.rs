@@ -7,7 +7,7 @@ use crate::inputs::files;
 use crate::output::dataset;
 use crate::output::failure::{Failure, warn};
 use crate::output::numbers::grouped;
-use crate::report::{self, Chosen, Report};
+use crate::report::{self, Report, ShownStatistics};
 use crate::session::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -51,7 +51,7 @@ impl AnyResult for StoredSweep {
         let mut pictures = pictures(SWEEP.figures, &subject, "").into_iter();
         page.leading_picture = pictures.next();
         page.pictures = pictures.collect();
-        page.report = report::sweep(sweep, Chosen::First, file);
+        page.report = report::sweep(sweep, ShownStatistics::First, file);
         page.warnings = report::warnings(sweep);
         Ok(page.html())
     }

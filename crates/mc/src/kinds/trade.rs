@@ -5,7 +5,7 @@ use crate::arguments::threads::Threads;
 use crate::commands::plot;
 use crate::output::dataset;
 use crate::output::failure::Failure;
-use crate::report::{self, Chosen, Report};
+use crate::report::{self, Report, ShownStatistics};
 use std::path::Path;
 use stickslip_figure::{Drawing, Subject};
 use stickslip_files::dataset::{Dataset, TRADE_FORMAT};
@@ -40,7 +40,7 @@ impl AnyResult for StoredTrade {
         if let Some(costs) = self.cost_curves(None) {
             page.pictures = pictures(TRADE.figures, &Subject::Trade(&costs), "");
         }
-        page.report = report::costs(&self.scenario.title, &self.trade, Chosen::First);
+        page.report = report::costs(&self.scenario.title, &self.trade, ShownStatistics::First);
         page.provenance = provenance(file, self.other_program.as_deref());
         Ok(page.html())
     }

@@ -1,14 +1,14 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
 use super::run::FIRST;
-use super::{Cell, Chosen, Column, INTERVAL, Report, Row, RunInfo, Table, of_step};
+use super::{Cell, Column, INTERVAL, Report, Row, RunInfo, ShownStatistics, Table, of_step};
 use crate::output::numbers::counted;
 use stickslip::engine::Provenance;
 use stickslip::stats::{Statistic, Summary};
 
 /// The report, in which files have the letters a, b, c, ... Differences are taken from the first
 /// file, and their errors are those of independent runs.
-pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> Report {
+pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: ShownStatistics) -> Report {
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     let about = letters.iter().zip(infos).map(|(letter, info)| {
         let Provenance {
@@ -151,7 +151,7 @@ mod tests {
         let table = text(&comparison(
             &[&a, &b, &a],
             &[info(), other, info()],
-            Chosen::All,
+            ShownStatistics::All,
         ));
         let cells: Vec<&str> = row(&table, "sub_phases_mean")
             .split_whitespace()

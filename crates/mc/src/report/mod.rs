@@ -28,7 +28,7 @@ pub use comparison::comparison;
 pub use info::RunInfo;
 pub use paper::{comma_separated, latex, markdown};
 pub use remarks::{found, lost};
-pub use run::{Chosen, run};
+pub use run::{ShownStatistics, run};
 pub use sweep::{paths_of_each, sweep, warnings};
 pub use text::{aligned, text};
 pub use trade::{costs, trade, without_answer};

@@ -143,7 +143,7 @@ fn latex_cell(cell: &str) -> String {
 mod tests {
     use super::super::sample_tests::{info, set, summary};
     use super::*;
-    use crate::report::{Chosen, run};
+    use crate::report::{ShownStatistics, run};
     use stickslip::stats::Bias;
 
     #[test]
@@ -218,12 +218,12 @@ mod tests {
         summary.estimates[1].high = f64::INFINITY;
         let whole = (
             "a, \"b\".h5".to_string(),
-            run(&summary, &info(), Chosen::All, false),
+            run(&summary, &info(), ShownStatistics::All, false),
         );
         let mut point = run(
             &summary,
             &info(),
-            Chosen::These(&[Statistic::StickDurationMean]),
+            ShownStatistics::These(&[Statistic::StickDurationMean]),
             false,
         );
         point.tables[0]

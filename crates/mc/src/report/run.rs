@@ -13,7 +13,7 @@ use stickslip::stats::{Bias, Dimension, Estimate, Statistic, Summary};
 
 /// The statistics that a table has.
 #[derive(Clone, Copy, Debug)]
-pub enum Chosen<'a> {
+pub enum ShownStatistics<'a> {
     /// The paper's questions: sticks, slips, sub-phases, the share of time at rest, displacement
     /// and drift.
     First,
@@ -36,19 +36,19 @@ pub(super) const FIRST: [Statistic; 9] = [
     Statistic::DriftVelocity,
 ];
 
-impl<'a> Chosen<'a> {
+impl<'a> ShownStatistics<'a> {
     /// The chosen statistics, given the main ones and all.
     pub fn of(self, first: &'a [Statistic], all: &'a [Statistic]) -> &'a [Statistic] {
         match self {
-            Chosen::First => first,
-            Chosen::All => all,
-            Chosen::These(statistics) => statistics,
+            ShownStatistics::First => first,
+            ShownStatistics::All => all,
+            ShownStatistics::These(statistics) => statistics,
         }
     }
 }
 
 /// The report of these statistics, with all remarks or only those that nobody must miss.
-pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> Report {
+pub fn run(summary: &Summary, info: &RunInfo, chosen: ShownStatistics, has_notes: bool) -> Report {
     let Provenance {
         title,
         scheme,
@@ -214,7 +214,7 @@ mod tests {
     use super::super::RunInfo;
     use super::super::sample_tests::{info, info_in, reason, row, set, summary, table};
     use super::super::text::of_table;
-    use super::Chosen;
+    use super::ShownStatistics;
     use stickslip::scenario::{Period, PeriodSource, Units};
     use stickslip::stats::{Bias, Estimate, Statistic};
 
@@ -290,7 +290,7 @@ mod tests {
             uncertainty: 0.0311,
             order: Some(0.58),
         });
-        let table = &super::run(&summary, &info(), Chosen::All, false).tables[0];
+        let table = &super::run(&summary, &info(), ShownStatistics::All, false).tables[0];
         let [wide, narrow] = [200, 70].map(|columns| of_table(table, Some(columns)));
         assert!(
             wide.contains("corrected") && !wide.contains("no room"),
@@ -383,11 +383,14 @@ mod tests {
             rows.iter().map(|row| row.cells[0].text.clone()).collect()
         };
         assert_eq!(
-            names(Chosen::These(&chosen)),
+            names(ShownStatistics::These(&chosen)),
             ["jump_mean", "stick_duration_mean"]
         );
         assert_eq!(
-            (names(Chosen::First).len(), names(Chosen::All).len()),
+            (
+                names(ShownStatistics::First).len(),
+                names(ShownStatistics::All).len()
+            ),
             (9, summary().asked.len())
         );
     }
@@ -399,7 +402,7 @@ mod tests {
             is_free: true,
             ..info()
         };
-        let rows = &super::run(&summary(), &info, Chosen::First, false).tables[0].rows;
+        let rows = &super::run(&summary(), &info, ShownStatistics::First, false).tables[0].rows;
         let names: Vec<&str> = rows.iter().map(|row| row.cells[0].text.as_str()).collect();
         assert_eq!(names[..2], ["displacement_end_mean", "displacement_end_sd"]);
         assert_eq!((names[2], names.len()), ("stick_duration_mean", 9));

@@ -1,6 +1,6 @@
 //! A synthetic run for the tests of the report.
 
-use super::{Chosen, RunInfo};
+use super::{RunInfo, ShownStatistics};
 use ndarray::Array2;
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::{Scenario, Units};
@@ -132,7 +132,7 @@ pub fn info_in(units: Units) -> RunInfo {
 
 /// The table with everything in it.
 pub fn table(summary: &Summary, info: &RunInfo) -> String {
-    super::text(&super::run(summary, info, Chosen::All, true))
+    super::text(&super::run(summary, info, ShownStatistics::All, true))
 }
 
 pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {

@@ -3,7 +3,8 @@
 
 use super::run::{bias_cells, estimate_cells};
 use super::{
-    Cell, Chosen, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, Table, of_estimate, of_step,
+    Cell, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, ShownStatistics, Table, of_estimate,
+    of_step,
 };
 use crate::output::numbers::{counted, duration, grouped, some_of};
 use std::path::Path;
@@ -23,7 +24,7 @@ const USUAL: [Statistic; 3] = [
 ];
 
 /// The report of these statistics of a sweep that is in this file.
-pub fn sweep(sweep: &Sweep, chosen: Chosen, file: &Path) -> Report {
+pub fn sweep(sweep: &Sweep, chosen: ShownStatistics, file: &Path) -> Report {
     let asked = asked(sweep);
     let shown = chosen.of(&USUAL, &asked);
     let question = &sweep.question;

@@ -1,6 +1,6 @@
 //! The report of a trade: tables of costs, biases, orders of convergence, and the cheapest runs.
 
-use super::{Cell, Chosen, Column, INTERVAL, Report, Row, Table};
+use super::{Cell, Column, INTERVAL, Report, Row, ShownStatistics, Table};
 use crate::arguments::accuracy::pairs;
 use crate::output::numbers::{grouped, percent, significant, time};
 use std::path::Path;
@@ -71,7 +71,7 @@ pub fn trade(title: &str, trade: &Trade, shown: Option<(&Path, Statistic)>) -> R
 }
 
 /// The report of the cheapest run for each of these statistics, or of all, and each target.
-pub fn costs(title: &str, trade: &Trade, chosen: Chosen) -> Report {
+pub fn costs(title: &str, trade: &Trade, chosen: ShownStatistics) -> Report {
     let answerable = trade.answerable();
     let statistics = chosen.of(&answerable, &answerable);
     let row = |(statistic, target): (Statistic, f64)| {

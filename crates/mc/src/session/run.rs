@@ -4,7 +4,7 @@
 use crate::arguments::accuracy;
 use crate::inputs::results;
 use crate::output::numbers::time;
-use crate::report::{self, Chosen, RunInfo};
+use crate::report::{self, RunInfo, ShownStatistics};
 use crate::session::cost;
 use crate::session::ending;
 use crate::session::progress::Progress;
@@ -215,7 +215,7 @@ impl<'a> Session<'a> {
             print(&report::text(&report::run(
                 summary,
                 &info,
-                Chosen::First,
+                ShownStatistics::First,
                 false,
             )))?;
         }

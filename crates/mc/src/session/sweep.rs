@@ -3,7 +3,7 @@
 
 use crate::output::dataset;
 use crate::output::numbers::wrapped;
-use crate::report::{self, Chosen};
+use crate::report::{self, ShownStatistics};
 use crate::session::progress::Progress;
 use crate::{Failure, Threads, note, print, print_data, stop_on_signals, warn};
 use std::collections::BTreeMap;
@@ -93,9 +93,9 @@ impl SweepSession<'_> {
 
     fn print(&self, sweep: &Sweep) -> Result<(), Failure> {
         let chosen = if self.statistics.is_empty() {
-            Chosen::First
+            ShownStatistics::First
         } else {
-            Chosen::These(self.statistics)
+            ShownStatistics::These(self.statistics)
         };
         if self.json {
             print_data(&dataset::json(&Dataset::of_sweep(sweep), Some(self.output)))?;

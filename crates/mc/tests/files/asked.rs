@@ -82,7 +82,7 @@ const WRITING: [(&str, &[&str]); 9] = [
     ("merge one.h5 two.h5 -o out.h5", &["out.h5"]),
 ];
 
-/// NullObserver reads what is printed, or it cannot be printed: the files are written all the same. That
+/// Nobody reads what is printed, or it cannot be printed: the files are written all the same. That
 /// nobody reads is a success, as in `mc ... | head`; that it cannot be printed is none.
 #[test]
 fn what_was_asked_for_is_written_whoever_reads_what_is_printed() {
