@@ -5,9 +5,9 @@
 
 use ndarray::{Axis, stack};
 use ndarray_stats::{CorrelationExt as _, QuantileExt as _};
+use stickslip::dataset::Recorder;
 use stickslip::engine::Run;
 use stickslip::scenario::Scenario;
-use stickslip_files::dataset::Recorder;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scenario = Scenario::shipped("rho025")?;

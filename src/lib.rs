@@ -59,6 +59,7 @@
 //! | [`advice`] | derived numbers and warnings of a scenario, before it is run |
 //! | [`engine`] | a run from its scenario to its outcome |
 //! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
+//! | [`dataset`] | results as named variables with axes and units |
 //!
 //! [`memory`], [`lanes`], [`sums`], [`ensemble`] and [`bias`] are internal: the other crates of this
 //! repository use them, they are not in the documentation, and they may change in any release.
@@ -89,6 +90,7 @@ pub mod advice;
 pub mod bias;
 #[cfg(feature = "toml")]
 pub mod config;
+pub mod dataset;
 pub mod engine;
 #[doc(hidden)]
 pub mod ensemble;

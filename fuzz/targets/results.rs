@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use stickslip::scenario::Scenario;
 use stickslip_bearing::dataset::{CALIBRATION_FORMAT, StoredCalibration};
-use stickslip_files::dataset::{RUN_FORMAT, SWEEP_FORMAT, TRADE_FORMAT};
+use stickslip::dataset::{RUN_FORMAT, SWEEP_FORMAT, TRADE_FORMAT};
 use stickslip_files::store;
 
 /// A folder in memory, where there is one.

@@ -4,7 +4,7 @@
 use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyList, PyString, PyTuple};
-use stickslip_files::dataset::{Attribute, Column, Dataset, Entry};
+use stickslip::dataset::{Attribute, Column, Dataset, Entry};
 
 /// Converts a data set to its attributes, and for each variable its name, dimensions, values and
 /// attributes.

@@ -3,11 +3,11 @@
 
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
+use stickslip::dataset::Recorder;
 use stickslip::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use stickslip::scenario::Scenario;
 use stickslip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
 use stickslip::sums::{Measurement, Replicate, Tree};
-use stickslip_files::dataset::Recorder;
 
 /// A user-defined statistic.
 struct Own {

@@ -6,6 +6,7 @@ use crate::scenario::Scenario;
 use crate::studies;
 use crate::watched::{Watch, abandoned_on_interrupt};
 use pyo3::prelude::*;
+use stickslip::dataset::{Attribute, Dataset};
 use stickslip::scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::Sweep;
@@ -14,7 +15,6 @@ use stickslip_bearing::figures::FIGURES;
 use stickslip_figure::{
     Absent, Drawing, DrawnPath, Figure, NoPage, Only, RUN, SWEEP, Style, Subject, TRADE, Theme,
 };
-use stickslip_files::dataset::{Attribute, Dataset};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]

@@ -14,13 +14,13 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
+use stickslip::dataset::{Dataset, Recorder};
 use stickslip::engine::{
     Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Progress as _, Replay, Run, RunError,
 };
 use stickslip::ensemble::ThreadsError;
 use stickslip::scenario::Scenario as Checked;
 use stickslip::stats::Goal;
-use stickslip_files::dataset::{Dataset, Recorder};
 use stickslip_files::saved::{PartRecorder, Parts, PartsError};
 
 /// The attributes and the variables of a data set.

@@ -12,6 +12,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::time::Duration;
 use stickslip::config::{Override, symbol_and_meaning};
+use stickslip::dataset::Dataset;
 use stickslip::ensemble::{MOST_THREADS, check_threads};
 use stickslip::memory::{Need, Short};
 use stickslip::scenario::Scenario as Checked;
@@ -22,7 +23,6 @@ use stickslip::study::sweep::{
     SweepQuestion, SweepSimulation,
 };
 use stickslip::study::trade::{Limits, measure_within};
-use stickslip_files::dataset::Dataset;
 
 /// The number of threads of a call: the given one, or one for each core. The system starts so many.
 #[derive(Clone, Copy)]

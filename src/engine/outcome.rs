@@ -2,7 +2,7 @@
 
 use super::{EndedBy, MissedGoal, Part};
 use crate::bias::NoBias;
-use crate::stats::{Estimate, Statistic, Summary};
+use crate::stats::{Estimate, Statistic, Summary, Units};
 use std::ops::Index;
 
 /// The status of a run.
@@ -81,6 +81,8 @@ pub struct Outcome {
     pub threads: usize,
     /// Wall-clock seconds, including those for the bias.
     pub seconds: f64,
+    /// The labels of the units of its scenario.
+    pub units: Units,
 }
 
 impl Outcome {

@@ -478,6 +478,7 @@ impl<X: Merge + Clone + Send> Session<'_, '_, X> {
             bias,
             threads: self.run.threads,
             seconds: course.clock.spent().as_secs_f64(),
+            units: self.run.scenario.units.clone(),
         };
         course.finish(&outcome);
         outcome.seconds = course.clock.spent().as_secs_f64();

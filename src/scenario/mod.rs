@@ -43,13 +43,19 @@ pub use time::Time;
 #[cfg(feature = "toml")]
 pub use white::WhiteNoise;
 #[cfg(feature = "toml")]
-pub use written::{AsWritten, INPUT, Measured, TEMPERATURE_SERIES, WrittenForce};
+pub use written::{AsWritten, Measured, WrittenForce};
 
 pub use crate::stats::Units;
 
 use crate::model::Problem;
 use crate::scheme::Scheme;
 use crate::stats::Record;
+
+/// The table of a measured temperature.
+pub const TEMPERATURE_SERIES: &str = "temperature.series";
+
+/// The prefix of the table of an input, before its name.
+pub const INPUT: &str = "input.";
 
 /// A scenario. Scenarios read from files are checked: every number is finite and in range. After a
 /// change in memory, call [`Scenario::check`].

@@ -1,6 +1,6 @@
 //! How a text spells a scenario, in addition to the physics that it describes.
 
-use super::{Scenario, WhiteNoise};
+use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
 use crate::model::{Expression, NamedSeries, Oscillator, Series};
 use crate::scheme::CheckError;
 use std::sync::Arc;
@@ -33,12 +33,6 @@ pub struct WrittenForce {
     /// damping of the model.
     pub without: Option<Oscillator>,
 }
-
-/// The table of a measured temperature.
-pub const TEMPERATURE_SERIES: &str = "temperature.series";
-
-/// The prefix of the table of an input, before its name.
-pub const INPUT: &str = "input.";
 
 /// Measured values, and their source as stated in the scenario.
 #[derive(Clone, Debug)]

@@ -1,12 +1,12 @@
 //! Densities are exact times, works are sums over steps, and spectra are plain sums over rows.
 
 use super::measures::run;
+use stickslip::dataset::{Column, Recorder};
 use stickslip::engine::Run;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{Observer, Segment, Simulate as _};
 use stickslip::stats::{BlockObserver, Densities, DensityCurve, Record, Statistic, Summary};
 use stickslip::sums::Replicate;
-use stickslip_files::dataset::{Column, Recorder};
 
 const NOISE: &str = "temperature.noise = { intensity = 0.5, relaxation_rate = 1, diffusion = 1 }";
 

@@ -2,11 +2,11 @@
 //! law extends, against the sorted values of the same run.
 
 use super::measures::run;
+use stickslip::dataset::{Column, Dataset, Recorder};
 use stickslip::engine::Run;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{CorrectedVi, EventDriven, Scheme};
 use stickslip::stats::{Distribution, PassageLevels, PhaseLaw, QUANTILE_LEVELS, Record, Summary};
-use stickslip_files::dataset::{Column, Dataset, Recorder};
 
 /// The values of every law from the events of a run, in the order of the laws below.
 fn values(dataset: &Dataset) -> [Vec<f64>; 6] {

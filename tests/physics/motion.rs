@@ -3,13 +3,13 @@
 
 use super::measures::{body, run, scenario};
 use std::sync::atomic::AtomicBool;
+use stickslip::dataset::Recorder;
 use stickslip::engine::Run;
 use stickslip::model::{Expression, Force, Sign};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{CorrectedVi, EventDriven, QuasiStatic};
 use stickslip::stats::{PassageLevels, Statistic, Summary};
 use stickslip::study::sweep::{Design, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
-use stickslip_files::dataset::Recorder;
 
 fn shipped(name: &str, paths: u64) -> Scenario {
     let mut scenario = Scenario::shipped(name).expect("shipped");
@@ -126,7 +126,7 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
             .summary;
         let dataset = recorder.into_dataset();
         let column = |name: &str| match &dataset.entry(name).expect("recorded").column {
-            stickslip_files::dataset::Column::F64(values) => values.clone(),
+            stickslip::dataset::Column::F64(values) => values.clone(),
             other => panic!("{other:?}"),
         };
         let [x, v, temperature] = ["displacement", "velocity", "temperature"]

@@ -4,11 +4,11 @@ use super::kit::Drawing;
 use super::sheet::Sheet;
 use super::theme::Style;
 use super::words::{grouped, of_axis, of_statistic};
+use stickslip::dataset::{Attribute, Dataset};
 use stickslip::scenario::Scenario;
 use stickslip::stats::{Statistic, Summary};
 use stickslip::study::sweep::Sweep;
 use stickslip::study::trade::CostCurves;
-use stickslip_files::dataset::{Attribute, Dataset};
 
 /// The path that is drawn.
 #[derive(Clone, Copy, Debug)]

@@ -23,6 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .simulate()?;
     println!("{}", run[Statistic::StickDurationMean]);
     println!("{}", run[Statistic::SticksPerPath]);
+    let x = run.array("displacement_mean")?; // along `time`
+    println!("x(60) is {:.2} on average", x[x.len() - 1]);
     Ok(())
 }
 
@@ -82,6 +84,20 @@ mod tests {
         let spring = run(built(1.0, 6.0), 2);
         let error = function.standard_error.hypot(spring.standard_error);
         assert!((function.estimate - spring.estimate).abs() < 4.0 * error);
+    }
+
+    /// The array of the means ends with the mean of the final displacements.
+    #[test]
+    fn arrays_hold_what_the_statistics_say() {
+        let run = Run::new(problem()).paths(300).end(10.0).simulate();
+        let run = run.expect("a sound problem");
+        let array = |name: &str| run.array(name).map_err(|error| error.to_string());
+        let [time, x] = ["time", "displacement_mean"].map(|name| array(name).expect("there"));
+        assert_eq!((time.shape(), time[time.len() - 1]), (x.shape(), 10.0));
+        let last = run[Statistic::DisplacementEndMean].estimate;
+        assert!((x[x.len() - 1] - last).abs() < 1e-12);
+        let missing = array("x_mean").expect_err("its name is another one");
+        assert!(missing.contains("displacement_mean"), "{missing}");
     }
 
     #[test]

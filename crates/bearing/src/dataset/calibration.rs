@@ -4,14 +4,14 @@ use crate::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion,
     ParameterEstimate, Quantity, SearchStart, SeenSlip, Values, response_of,
 };
-use stickslip::engine::Program;
-use stickslip::stats::Units;
-use stickslip_data::Start;
-use stickslip_files::dataset::layout::{Unit, Variable, coordinate, table, variable};
-use stickslip_files::dataset::{
+use stickslip::dataset::layout::{Unit, Variable, coordinate, table, variable};
+use stickslip::dataset::{
     Dataset, Format, Source, Walk, Walked, columns_of, counted, read_other_program, texts,
     walk_origin,
 };
+use stickslip::engine::Program;
+use stickslip::stats::Units;
+use stickslip_data::Start;
 
 /// Name and version of the format.
 pub const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));

@@ -2,8 +2,8 @@
 
 use super::calibration::units;
 use crate::forecast::{BearingForecast, Forecast, ForecastLevel, ReturnLevel};
-use stickslip_files::dataset::layout::{Unit, Variable, coordinate, variable};
-use stickslip_files::dataset::{Dataset, Format, columns_of, counted, texts, write_origin};
+use stickslip::dataset::layout::{Unit, Variable, coordinate, variable};
+use stickslip::dataset::{Dataset, Format, columns_of, counted, texts, write_origin};
 
 /// Name and version of the format.
 const FORMAT: Format = ("stick-slip forecast", (1, 0));

@@ -2,8 +2,8 @@
 
 use super::calibration::{TIME, of_quantity, units, write_quantities};
 use crate::calibration::{Twin, Values};
-use stickslip_files::dataset::layout::{Unit, Variable, variable};
-use stickslip_files::dataset::{Dataset, write_origin};
+use stickslip::dataset::layout::{Unit, Variable, variable};
+use stickslip::dataset::{Dataset, write_origin};
 
 /// The data set of synthetic measurements, with the true values that a calibration should find
 /// in them. `title` is one line, and `start` is the time stamp of t = 0.

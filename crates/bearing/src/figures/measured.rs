@@ -2,9 +2,9 @@
 
 use crate::dataset::CALIBRATION_FORMAT;
 use std::ops::Range;
+use stickslip::dataset::{Attribute, Column, Dataset};
 use stickslip_data::Start;
 use stickslip_figure::{Absent, Subject};
-use stickslip_files::dataset::{Attribute, Column, Dataset};
 
 pub const DAY: f64 = 86_400.0;
 

@@ -4,11 +4,11 @@
 use super::SavedError;
 use super::rows::Position;
 use super::state::{RunQuestion, State, of_bytes, to_bytes};
-use crate::dataset::layout::Variable;
-use crate::dataset::{Dataset, ElementType, Source};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use stickslip::dataset::layout::Variable;
+use stickslip::dataset::{Dataset, ElementType, Source};
 use stickslip::engine::{Asked, Moment, Sink, SinkError, SoFar};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;

@@ -1,7 +1,7 @@
 //! The rows of single paths as bytes: those of a block, and the checksum over many of them.
 
 use super::checksum::checksum;
-use crate::dataset::ElementType;
+use stickslip::dataset::ElementType;
 use stickslip::stats::BlockRows;
 use stickslip::stats::column::Columns;
 use stickslip::sums::{Codec, Damaged, Reader};

@@ -223,7 +223,7 @@ pub enum StoreError {
     },
     /// The file is an HDF5 file, but not one of this program.
     #[error("{}: an HDF5 file, but not written by this program (no format_name = \"{}\")\n  fix: give a file \
-        that mc run wrote", path.display(), crate::dataset::header::FORMAT.0)]
+        that mc run wrote", path.display(), stickslip::dataset::header::FORMAT.0)]
     Foreign {
         /// The file.
         path: PathBuf,

@@ -16,9 +16,8 @@
 
 use super::errors::{WriteFailure, cause};
 use super::staging::{RESULTS, Staging};
-use super::variables::OpenFile;
+use super::variables::{Contents, OpenFile};
 use super::{StoreError, system};
-use crate::dataset::{ColumnView, Dataset, ElementType, Entry, Source as _, layout};
 use crate::saved::Against;
 use crate::saved::checksum::{self, checksum, superblock};
 use hdf5::File;
@@ -26,6 +25,7 @@ use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
 use std::path::{Path, PathBuf};
+use stickslip::dataset::{ColumnView, Dataset, ElementType, Entry, Source as _, layout};
 
 /// A file that is being written.
 #[derive(Debug)]
@@ -161,7 +161,7 @@ pub(super) struct Written {
 impl Written {
     /// Compare everything with the file at `path`. The first difference is a failure.
     pub fn compare(&self, path: &Path) -> Result<(), WriteFailure> {
-        let file = File::open(path)?;
+        let file = Contents(File::open(path)?);
         let mut against = Against::of(&file);
         against.with_layout = true;
         let failed = |cause| WriteFailure { cause, full: false };
@@ -182,7 +182,7 @@ impl Written {
 }
 
 /// The sum of all values of a variable in a file that must have this number of them.
-fn sum_of(file: &File, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum, String> {
+fn sum_of(file: &Contents, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum, String> {
     let mut sum = Sum::of(*kind);
     let rows = file.length(name)?.unwrap_or(0);
     let some = (PIECE / (values / rows.max(1)).max(1)).max(1);
@@ -198,8 +198,8 @@ fn sum_of(file: &File, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::{Column, ColumnView, Dataset, ElementType, Entry, layout};
     use crate::store::file::Sum;
+    use stickslip::dataset::{Column, ColumnView, Dataset, ElementType, Entry, layout};
     use stickslip::stats::Units;
 
     /// A file that was to hold something else than was written cannot be finished.

@@ -5,18 +5,19 @@ use super::errors::{cause, not_opened, system_error};
 use super::lock::Lock;
 use super::log::read_state;
 use super::staging::{POINTS, STATE, file_of, partial_path};
-use crate::dataset::header::{FORMAT, Format};
-use crate::dataset::sweep::{self, SWEEP_FORMAT};
-use crate::dataset::trade::{self, TRADE_FORMAT};
-use crate::dataset::{
-    Column, Dataset, ElementType, Source, StoredRun as Stored, StoredSweep, StoredTrade, layout,
-    read_attribute,
-};
+use super::variables::Contents;
 use crate::saved::checksum::{self, superblock};
 use crate::saved::{Verified, compare};
 use hdf5::File;
 use std::io;
 use std::path::{Path, PathBuf};
+use stickslip::dataset::header::{FORMAT, Format};
+use stickslip::dataset::sweep::{self, SWEEP_FORMAT};
+use stickslip::dataset::trade::{self, TRADE_FORMAT};
+use stickslip::dataset::{
+    Column, Dataset, ElementType, Source, StoredRun as Stored, StoredSweep, StoredTrade, layout,
+    read_attribute,
+};
 use stickslip::engine::Status;
 use stickslip::stats::PathColumns;
 use stickslip::stats::column::Columns as _;
@@ -166,14 +167,16 @@ pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
     }
 }
 
-pub(super) fn open(path: &Path) -> Result<File, StoreError> {
-    File::open(path).map_err(|error| match system_error(&error) {
-        Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse {
-            path: path.to_owned(),
-        },
-        Some(system) => not_opened(path)(system),
-        None => damaged(path)(cause(&error)),
-    })
+pub(super) fn open(path: &Path) -> Result<Contents, StoreError> {
+    File::open(path)
+        .map(Contents)
+        .map_err(|error| match system_error(&error) {
+            Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse {
+                path: path.to_owned(),
+            },
+            Some(system) => not_opened(path)(system),
+            None => damaged(path)(cause(&error)),
+        })
 }
 
 /// Prefix of the names of all formats of this program.

@@ -8,7 +8,7 @@
 //! read          the header and the statistics of a finished file, or of an unfinished run
 //! ```
 //!
-//! `docs/output-format.md` describes the file for its readers; [`crate::dataset`] defines its
+//! `docs/output-format.md` describes the file for its readers; [`stickslip::dataset`] defines its
 //! contents.
 
 mod errors;
@@ -25,7 +25,6 @@ mod system;
 mod variables;
 mod writer;
 
-pub use crate::dataset::{StoredRun as Stored, StoredSweep, StoredTrade};
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use errors::{StoreError, take_leftovers};
 pub use kinds::{
@@ -36,6 +35,7 @@ pub use lock::lock_path;
 pub use parts::PartError;
 pub use sink::{FileSink, Unfinished};
 pub use staging::{file_of, is_unfinished_sweep, partial_path, write_together, write_whole};
+pub use stickslip::dataset::{StoredRun as Stored, StoredSweep, StoredTrade};
 pub use sweep::{SweepFile, sweep_bytes};
 pub use system::check_space;
 pub use writer::{Writer, write_dataset};

@@ -4,10 +4,10 @@ use super::kinds::{damaged, open, read_kind};
 use super::staging::Staging;
 use super::system::parent;
 use super::{StoreError, Writer, check_space};
-use crate::dataset::header::FORMAT;
-use crate::dataset::{header, layout, read_variable};
 use crate::saved::{Parts, PartsError, State, each_block, of_bytes};
 use std::path::{Path, PathBuf};
+use stickslip::dataset::header::FORMAT;
+use stickslip::dataset::{header, layout, read_variable};
 use stickslip::engine::{Asked, Outcome, Sink, SinkError, Status};
 use stickslip::scenario::Scenario;
 

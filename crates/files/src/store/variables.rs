@@ -4,9 +4,6 @@
 use super::errors::cause;
 use super::file::Written;
 use super::scale::{attach_scale, make_scale};
-use crate::dataset::layout::{BARE_DIMENSION, Described};
-use crate::dataset::rows::RowAxis;
-use crate::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
 use crate::saved::checksum;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{
@@ -17,6 +14,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr;
+use stickslip::dataset::layout::{BARE_DIMENSION, Described};
+use stickslip::dataset::rows::RowAxis;
+use stickslip::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
 
 /// How a growing variable is cut into chunks.
 #[derive(Clone, Copy, Debug)]
@@ -203,8 +203,19 @@ const OF_LIBRARY: [&str; 8] = [
     "_nc3_strict",
 ];
 
+/// The contents of a file.
+pub(super) struct Contents(pub File);
+
+impl std::ops::Deref for Contents {
+    type Target = File;
+
+    fn deref(&self) -> &File {
+        &self.0
+    }
+}
+
 /// Reads variables whose type and shape are those with which they are written.
-impl Source for File {
+impl Source for Contents {
     fn names(&self) -> Read<Vec<String>> {
         said(self.member_names())
     }

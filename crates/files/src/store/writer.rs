@@ -5,11 +5,11 @@ use super::errors::WriteFailure;
 use super::file::{StagedFile, Sum};
 use super::staging::{RESULTS, Staging};
 use super::variables::{Growth, OpenFile, write_values};
-use crate::dataset::rows::RowAxis;
-use crate::dataset::{Column, Dataset, Entry, header, layout, run};
 use crate::saved::RunQuestion;
 use std::ops::Range;
 use std::path::Path;
+use stickslip::dataset::rows::RowAxis;
+use stickslip::dataset::{Column, Dataset, Entry, header, layout, run};
 use stickslip::engine::{Outcome, Provenance, Status};
 use stickslip::stats::{BlockRows, Record, Summary};
 

@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use stickslip::config::{Override, input_files};
+use stickslip::dataset::Dataset;
 use stickslip::scenario::Scenario;
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{self, CostCurves, Limits, Trade, TradeError};
 use stickslip_figure::{Style, Subject};
-use stickslip_files::dataset::Dataset;
 use stickslip_files::store;
 
 /// Arguments of `mc trade`.

@@ -17,8 +17,8 @@ use crate::output::failure::Failure;
 use crate::report::html::Page;
 use crate::report::{Report, ShownStatistics};
 use std::path::Path;
+use stickslip::dataset::Format;
 use stickslip_figure::{Drawing, Figure, Style, Subject};
-use stickslip_files::dataset::Format;
 use stickslip_files::saved::Verified;
 use stickslip_files::store::{self, CheckedBytes, StoreError};
 

@@ -10,9 +10,9 @@ use crate::report::{self, Report, RunInfo, ShownStatistics};
 use crate::session::progress::Progress;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use stickslip::dataset::RUN_FORMAT;
 use stickslip::scenario::Scenario;
 use stickslip_figure::{Drawing, DrawnPath, Subject};
-use stickslip_files::dataset::RUN_FORMAT;
 use stickslip_files::saved::rerun;
 use stickslip_files::store::{self, CheckedBytes, Stored};
 

@@ -11,9 +11,9 @@ use crate::report::{self, Report, ShownStatistics};
 use crate::session::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use stickslip::dataset::{Dataset, SWEEP_FORMAT};
 use stickslip::study::sweep::{Point, Sweep, SweepSimulation};
 use stickslip_figure::{Drawing, Subject};
-use stickslip_files::dataset::{Dataset, SWEEP_FORMAT};
 use stickslip_files::store::{self, CheckedBytes, StoreError, StoredSweep};
 
 /// A sweep: statistics as functions of keys of the scenario.

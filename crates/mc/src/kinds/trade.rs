@@ -7,8 +7,8 @@ use crate::output::dataset;
 use crate::output::failure::Failure;
 use crate::report::{self, Report, ShownStatistics};
 use std::path::Path;
+use stickslip::dataset::{Dataset, TRADE_FORMAT};
 use stickslip_figure::{Drawing, Subject};
-use stickslip_files::dataset::{Dataset, TRADE_FORMAT};
 use stickslip_files::store::{self, CheckedBytes, StoredTrade};
 
 /// A trade: the cost of accuracy for each scheme.

@@ -3,7 +3,7 @@
 use crate::output::document::{document, named};
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use stickslip_files::dataset::{Attribute, Column, Dataset, Entry};
+use stickslip::dataset::{Attribute, Column, Dataset, Entry};
 
 /// The data set of this file, written or to be written. Numbers that are not finite are null.
 pub fn json(dataset: &Dataset, file: Option<&Path>) -> String {

@@ -8,9 +8,9 @@ use crate::session::progress::Progress;
 use crate::{Failure, Threads, note, print, print_data, stop_on_signals, warn};
 use std::collections::BTreeMap;
 use std::path::Path;
+use stickslip::dataset::Dataset;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{Sweep, SweepEnd, SweepQuestion, SweepSimulation};
-use stickslip_files::dataset::Dataset;
 use stickslip_files::store::{SweepFile, partial_path};
 
 /// How a sweep is simulated and printed.

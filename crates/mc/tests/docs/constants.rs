@@ -1,12 +1,12 @@
 //! Constants that pages quote have the values in the code.
 
 use super::markdown::{Page, names};
+use stickslip::dataset::FORMAT_VERSION;
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::noise::MAX_NORMAL_ERROR;
 use stickslip::scenario::{MAX_PATHS, MAX_PERIODS, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 use stickslip::scheme::{DEFAULT_TOLERANCE, TOLERANCES};
 use stickslip::stats::{QUANTILE_LEVELS, Statistic};
-use stickslip_files::dataset::FORMAT_VERSION;
 
 #[track_caller]
 fn says(page: &str, sentence: &str) {

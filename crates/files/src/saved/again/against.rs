@@ -1,10 +1,10 @@
 //! Comparison of a data set with a stored one.
 
 use super::Difference;
-use crate::dataset::layout::{Described, Unit, variable};
-use crate::dataset::rows::RowAxis;
-use crate::dataset::{Attribute, Dataset, ElementType, Entry, Source, read_other_program};
 use std::collections::{BTreeMap, BTreeSet};
+use stickslip::dataset::layout::{Described, Unit, variable};
+use stickslip::dataset::rows::RowAxis;
+use stickslip::dataset::{Attribute, Dataset, ElementType, Entry, Source, read_other_program};
 use stickslip::stats::EVENT_COUNT;
 use stickslip::stats::column::FirstDifference;
 

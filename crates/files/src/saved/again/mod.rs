@@ -6,10 +6,10 @@ mod against;
 
 pub(crate) use against::Against;
 
-use crate::dataset::rows::RowAxis;
-use crate::dataset::{Dataset, Recorder, Source, StoredRun, layout};
 use std::fmt;
 use std::sync::atomic::AtomicBool;
+use stickslip::dataset::rows::RowAxis;
+use stickslip::dataset::{Dataset, Recorder, Source, StoredRun, layout};
 use stickslip::engine::{Asked, Progress, Run, RunError, Status};
 use stickslip::ensemble::BLOCK_SIZE;
 use stickslip::scenario::Scenario;

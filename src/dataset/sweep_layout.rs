@@ -30,7 +30,7 @@ table! {
 }
 
 /// The variables with one value per statistic of each difference.
-pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
+pub const PER_DIFFERENCE: [Variable; 5] = [
     variable(
         "difference",
         STATISTIC,
@@ -66,7 +66,7 @@ pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
 ];
 
 /// The variables with one value per statistic of each elasticity.
-pub(crate) const PER_ELASTICITY: [Variable; 5] = [
+pub const PER_ELASTICITY: [Variable; 5] = [
     variable(
         "elasticity",
         STATISTIC,
@@ -103,8 +103,8 @@ pub(crate) const PER_ELASTICITY: [Variable; 5] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::sweep::RESERVED;
     use std::collections::BTreeSet;
-    use stickslip::study::sweep::RESERVED;
 
     fn all() -> impl Iterator<Item = &'static Variable> {
         use crate::dataset::{layout, summary};
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn the_documentation_names_every_variable() {
-        let text = include_str!("../../../../docs/output-format.md");
+        let text = include_str!("../../docs/output-format.md");
         for variable in all() {
             // The page leaves the ends of an interval out.
             let of = variable

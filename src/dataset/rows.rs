@@ -2,24 +2,24 @@
 
 use super::layout;
 use super::{Dataset, Element as _, Entry};
-use stickslip::engine::Provenance;
-use stickslip::scenario::SensorBearing;
-use stickslip::stats::column::Columns as _;
-use stickslip::stats::{BlockRows, EventColumns, PathColumns, Record, TrajectoryRows, Units};
+use crate::engine::Provenance;
+use crate::scenario::SensorBearing;
+use crate::stats::column::Columns as _;
+use crate::stats::{BlockRows, EventColumns, PathColumns, Record, TrajectoryRows, Units};
 
 /// The dimension along which the variables of a table grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RowAxis {
+pub enum RowAxis {
     Path,
     Event,
     Trajectory,
 }
 
 impl RowAxis {
-    pub(crate) const ALL: [RowAxis; 3] = [RowAxis::Path, RowAxis::Event, RowAxis::Trajectory];
+    pub const ALL: [RowAxis; 3] = [RowAxis::Path, RowAxis::Event, RowAxis::Trajectory];
 
     /// The name of the dimension.
-    pub(crate) fn axis(self) -> &'static str {
+    pub fn axis(self) -> &'static str {
         match self {
             RowAxis::Path => "path",
             RowAxis::Event => "event",
@@ -28,7 +28,7 @@ impl RowAxis {
     }
 
     /// The dimension along which a variable grows; none if it does not.
-    pub(crate) fn of(entry: &Entry) -> Option<RowAxis> {
+    pub fn of(entry: &Entry) -> Option<RowAxis> {
         let first = entry.axes.first()?;
         RowAxis::ALL.into_iter().find(|along| along.axis() == first)
     }
@@ -48,11 +48,7 @@ impl Dataset {
     }
 
     /// The rows of some paths.
-    pub(crate) fn of_rows(
-        rows: &BlockRows,
-        units: &Units,
-        bearing: Option<SensorBearing>,
-    ) -> Dataset {
+    pub fn of_rows(rows: &BlockRows, units: &Units, bearing: Option<SensorBearing>) -> Dataset {
         let BlockRows {
             first_path,
             paths,

@@ -6,8 +6,8 @@ use super::layout::{Described, WithInterval};
 use super::{
     Attribute, Dataset, Element, Source, read_attribute, read_or_empty, read_sized, read_variable,
 };
-use stickslip::stats::{Dimension, Units};
-use stickslip::sums::Ends;
+use crate::stats::{Dimension, Units};
+use crate::sums::Ends;
 
 /// A walk that writes leaves the values as they are, and one that reads replaces them.
 pub enum Walk<'a> {
@@ -117,12 +117,7 @@ impl Walk<'_> {
     }
 
     /// The values of a curve with their intervals.
-    pub(crate) fn curve(
-        &mut self,
-        of: &WithInterval,
-        values: &mut Vec<f64>,
-        ends: &mut Ends,
-    ) -> Walked {
+    pub fn curve(&mut self, of: &WithInterval, values: &mut Vec<f64>, ends: &mut Ends) -> Walked {
         self.variable(&of.value, values)?;
         let mut interval = [&ends.low[..], &ends.high].concat();
         self.variable(&of.interval, &mut interval)?;
@@ -135,12 +130,7 @@ impl Walk<'_> {
     }
 
     /// A number with its interval.
-    pub(crate) fn number(
-        &mut self,
-        of: &WithInterval,
-        number: &mut f64,
-        ends: &mut [f64; 2],
-    ) -> Walked {
+    pub fn number(&mut self, of: &WithInterval, number: &mut f64, ends: &mut [f64; 2]) -> Walked {
         self.scalar(&of.value, number)?;
         let mut interval = ends.to_vec();
         self.sized(&of.interval, &mut interval, ends.len())?;

@@ -8,11 +8,11 @@ use super::{
     Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_sized,
     read_variable, series, texts,
 };
-use stickslip::engine::Provenance;
-use stickslip::scenario::Scenario;
-use stickslip::scheme::{Kind, Scheme};
-use stickslip::stats::Statistic;
-use stickslip::study::trade::{
+use crate::engine::Provenance;
+use crate::scenario::Scenario;
+use crate::scheme::{Kind, Scheme};
+use crate::stats::Statistic;
+use crate::study::trade::{
     Choice, Cost, CostCurves, Number, Pairing, TARGETS, Trade, TradeSetting,
 };
 
@@ -239,7 +239,7 @@ impl StoredTrade {
 }
 
 /// Read a trade back.
-pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
+pub fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let text: String = read_attribute(from, "scenario")?;
     let scenario = Scenario::parse_stored("scenario", &text, &[], &series::read(from)?);
     let scenario = scenario.map_err(|error| error.to_string())?;
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn the_documentation_names_every_variable() {
-        let text = include_str!("../../../../docs/output-format.md");
+        let text = include_str!("../../docs/output-format.md");
         for variable in ALL {
             assert!(
                 text.contains(&format!("`{}`", variable.name)),

@@ -3,9 +3,9 @@
 
 use super::layout;
 use super::{Dataset, Source, read_or_empty, texts};
-use stickslip::engine::Provenance;
-use stickslip::model::{NamedSeries, Series};
-use stickslip::scenario::{INPUT, TEMPERATURE_SERIES};
+use crate::engine::Provenance;
+use crate::model::{NamedSeries, Series};
+use crate::scenario::{INPUT, TEMPERATURE_SERIES};
 
 /// Write the samples, and the time stamp of t = 0 if the temperatures have time stamps.
 pub(super) fn write(to: &mut Dataset, header: &Provenance) {
@@ -54,7 +54,7 @@ pub(super) fn write(to: &mut Dataset, header: &Provenance) {
 }
 
 /// The samples in a data set, each by its table.
-pub(crate) fn read(from: &dyn Source) -> Result<Vec<NamedSeries>, String> {
+pub fn read(from: &dyn Source) -> Result<Vec<NamedSeries>, String> {
     let mut found = Vec::new();
     let mut add = |name: String, times: &[f64], values: &[f64]| {
         let series =

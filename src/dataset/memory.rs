@@ -2,9 +2,9 @@
 
 use super::layout::Described;
 use super::{Attribute, Column, ColumnView, Element, ElementType, Source, attributes_of};
+use crate::stats::{Dimension, Units};
 use ndarray::ArrayViewD;
 use std::ops::Range;
-use stickslip::stats::{Dimension, Units};
 
 /// A data set in memory, with the same variables and attributes as a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Entry {
 
 impl Entry {
     /// Whether the variable gives a dimension its name and length.
-    pub(crate) fn is_coordinate(&self) -> bool {
+    pub fn is_coordinate(&self) -> bool {
         self.axes == [self.name.as_str()]
     }
 }

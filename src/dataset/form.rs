@@ -2,10 +2,10 @@
 
 use super::layout::Described;
 use super::{Column, Element, ElementType};
+use crate::engine::Program;
+use crate::stats::Units;
+use crate::stats::column::values_of;
 use std::ops::Range;
-use stickslip::engine::Program;
-use stickslip::stats::Units;
-use stickslip::stats::column::values_of;
 
 /// An attribute of a data set or of a variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl From<&str> for Attribute {
 }
 
 /// The attributes of a variable, in the order in which they are written.
-pub(crate) fn attributes_of(variable: &Described, units: &Units) -> Vec<(String, Attribute)> {
+pub fn attributes_of(variable: &Described, units: &Units) -> Vec<(String, Attribute)> {
     let flags = (!variable.flags.is_empty())
         .then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
     let unit = variable
@@ -165,10 +165,7 @@ pub trait Source: Sync {
 }
 
 /// Read an attribute of a data set.
-pub(crate) fn read_attribute<T: AttributeValue>(
-    from: &dyn Source,
-    name: &str,
-) -> Result<T, String> {
+pub fn read_attribute<T: AttributeValue>(from: &dyn Source, name: &str) -> Result<T, String> {
     T::of(from.attribute(None, name)?, name)
 }
 
@@ -186,7 +183,7 @@ pub fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives
 /// an empty list. Any other absent variable is an error.
-pub(crate) fn read_or_empty<T: Element>(
+pub fn read_or_empty<T: Element>(
     from: &dyn Source,
     variable: &Described,
 ) -> Result<Vec<T>, String> {
@@ -204,7 +201,7 @@ pub(crate) fn read_or_empty<T: Element>(
 }
 
 /// Read a variable that must be present and have values.
-pub(crate) fn read_variable<T: Element>(
+pub fn read_variable<T: Element>(
     from: &dyn Source,
     variable: &Described,
 ) -> Result<Vec<T>, String> {
@@ -215,7 +212,7 @@ pub(crate) fn read_variable<T: Element>(
 }
 
 /// Read a variable that must have this number of values.
-pub(crate) fn read_sized<T: Element>(
+pub fn read_sized<T: Element>(
     from: &dyn Source,
     variable: &Described,
     length: usize,

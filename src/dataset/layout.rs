@@ -3,19 +3,19 @@
 //! ([`stickslip::stats::PathColumns`], [`stickslip::stats::EventColumns`],
 //! [`stickslip::stats::TrajectoryRows`]).
 
-pub use stickslip::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
+pub use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
-use stickslip::stats::Dimension;
+use crate::stats::Dimension;
 
 /// Declares variables together with the list of all of them, so that the list is complete.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! table {
     ($list:ident: $type:ty; $($constant:ident = $value:expr;)*) => {
-        $(pub(crate) const $constant: $type = $value;)*
+        $(pub const $constant: $type = $value;)*
         /// All of them.
         #[cfg(test)]
-        pub(crate) const $list: &[$type] = &[$($constant),*];
+        pub const $list: &[$type] = &[$($constant),*];
     };
     ($($rows:tt)*) => {
         $crate::table! { ALL: Variable; $($rows)* }
@@ -35,7 +35,7 @@ pub use coordinate;
 
 /// A variable with the interval of each of its values.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WithInterval {
+pub struct WithInterval {
     pub value: Variable,
     /// Along `bound` first.
     pub interval: Variable,
@@ -285,21 +285,21 @@ macro_rules! band {
     };
 }
 
-pub(crate) const DISPLACEMENT: [WithInterval; 3] = band!(
+pub const DISPLACEMENT: [WithInterval; 3] = band!(
     "displacement_mean",
     "displacement_sd",
     "displacement_quantile",
     Unit::LENGTH,
     "displacement"
 );
-pub(crate) const VELOCITY: [WithInterval; 3] = band!(
+pub const VELOCITY: [WithInterval; 3] = band!(
     "velocity_mean",
     "velocity_sd",
     "velocity_quantile",
     Unit::VELOCITY,
     "velocity"
 );
-pub(crate) const TEMPERATURE: [WithInterval; 3] = band!(
+pub const TEMPERATURE: [WithInterval; 3] = band!(
     "temperature_mean",
     "temperature_sd",
     "temperature_quantile",
@@ -310,9 +310,9 @@ pub(crate) const TEMPERATURE: [WithInterval; 3] = band!(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stats::column::Columns;
+    use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
     use std::collections::HashSet;
-    use stickslip::stats::column::Columns;
-    use stickslip::stats::{EventColumns, PathColumns, TrajectoryRows};
 
     /// Every variable of a run.
     fn all() -> Vec<Variable> {
@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn the_documentation_names_every_variable() {
-        let text = include_str!("../../../../docs/output-format.md");
+        let text = include_str!("../../docs/output-format.md");
         for variable in all() {
             // The page leaves the intervals out.
             let name = variable

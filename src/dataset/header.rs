@@ -3,9 +3,9 @@
 
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, read_attribute};
-use stickslip::engine::{NoPart, Part, Program, Provenance, Status};
-use stickslip::model::{NamedSeries, PAPER};
-use stickslip::stats::Units;
+use crate::engine::{NoPart, Part, Program, Provenance, Status};
+use crate::model::{NamedSeries, PAPER};
+use crate::stats::Units;
 
 /// Name of a format, with its major and minor version. A new minor version only adds to it; a new
 /// major version may change or remove.
@@ -18,7 +18,7 @@ pub const FORMAT_VERSION: (u32, u32) = (3, 0);
 pub const FORMAT: Format = ("stick-slip ensemble", FORMAT_VERSION);
 
 /// Version of the CF conventions that every data set follows.
-pub(crate) const CONVENTIONS: &str = "CF-1.11";
+pub const CONVENTIONS: &str = "CF-1.11";
 
 /// Write every attribute of a run that has just started.
 pub(super) fn write(to: &mut Dataset, header: &Provenance) {
@@ -26,7 +26,7 @@ pub(super) fn write(to: &mut Dataset, header: &Provenance) {
 }
 
 /// The attributes of a run, given its output grid and what was measured.
-pub(crate) fn read(
+pub fn read(
     from: &dyn Source,
     time: Vec<f64>,
     samples: Vec<NamedSeries>,
@@ -115,7 +115,7 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
 }
 
 /// The program that wrote the data set of a run or a sweep.
-pub(crate) fn read_program(from: &dyn Source) -> Result<Program, String> {
+pub fn read_program(from: &dyn Source) -> Result<Program, String> {
     Ok(Program {
         version: read_attribute(from, "program_version")?,
         git_hash: read_attribute(from, "git_hash")?,
@@ -132,20 +132,20 @@ pub(super) fn write_end(to: &mut Dataset, completed: u64, diverged: u64, status:
 }
 
 /// Write which part of a run this is, if it is a part.
-pub(crate) fn write_part(to: &mut Dataset, part: Option<Part>) {
+pub fn write_part(to: &mut Dataset, part: Option<Part>) {
     part.into_iter()
         .for_each(|part| to.set_attribute("part", part.to_string()));
 }
 
 /// Write what ended the run before its last path, if anything did.
-pub(crate) fn write_ended_by(to: &mut Dataset, reason: Option<String>) {
+pub fn write_ended_by(to: &mut Dataset, reason: Option<String>) {
     reason
         .into_iter()
         .for_each(|reason| to.set_attribute("ended_by", reason));
 }
 
 /// Which part of a run this is, if it is a part.
-pub(crate) fn read_part(from: &dyn Source) -> Result<Option<Part>, String> {
+pub fn read_part(from: &dyn Source) -> Result<Option<Part>, String> {
     let Some(text) = read_attribute::<Option<String>>(from, "part")? else {
         return Ok(None);
     };
@@ -155,7 +155,7 @@ pub(crate) fn read_part(from: &dyn Source) -> Result<Option<Part>, String> {
 }
 
 /// The status of the run and its number of completed paths.
-pub(crate) fn read_progress(from: &dyn Source) -> Result<(Status, u64), String> {
+pub fn read_progress(from: &dyn Source) -> Result<(Status, u64), String> {
     let word: String = read_attribute(from, "status")?;
     let status = Status::from_name(&word).ok_or_else(|| format!("unknown status \"{word}\""))?;
     Ok((status, read_attribute(from, "completed_paths")?))

@@ -12,11 +12,11 @@ use super::{
     Attribute, Dataset, Element, Source, columns_of, counted, read_attribute, read_other_program,
     read_sized, read_variable, series, texts,
 };
-use stickslip::config::{Override, ScenarioError};
-use stickslip::engine::{Provenance, Status};
-use stickslip::scenario::Scenario;
-use stickslip::stats::{Estimate, GROUPS, GroupValues, LimitCycle, Statistic};
-use stickslip::study::sweep::{
+use crate::config::{Override, ScenarioError};
+use crate::engine::{Provenance, Status};
+use crate::scenario::Scenario;
+use crate::stats::{Estimate, GROUPS, GroupValues, LimitCycle, Statistic};
+use crate::study::sweep::{
     AxisValue, AxisValues, Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis,
     SweepQuestion, table_of_file,
 };
@@ -54,7 +54,7 @@ impl Dataset {
 }
 
 /// The value of the attribute about the bias of the step.
-pub(crate) fn bias_name(with_bias: bool) -> &'static str {
+pub fn bias_name(with_bias: bool) -> &'static str {
     if with_bias { "estimated" } else { "left out" }
 }
 
@@ -98,7 +98,7 @@ fn attributes(to: &mut Dataset, sweep: &Sweep, header: &Provenance) {
 }
 
 /// The name of a design.
-pub(crate) fn name(design: &Design) -> &'static str {
+pub fn name(design: &Design) -> &'static str {
     match design {
         Design::Grid(_) => "grid",
         Design::Zip(_) => "zip",
@@ -300,7 +300,7 @@ fn comparisons(to: &mut Dataset, sweep: &Sweep) {
 }
 
 /// Read a sweep.
-pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
+pub fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     let text: String = read_attribute(from, "scenario")?;
     let samples = series::read(from)?;
     let scenario_at = |settings: &[Setting]| {
@@ -340,7 +340,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     })
 }
 
-pub(crate) fn read_design(from: &dyn Source) -> Result<Design, String> {
+pub fn read_design(from: &dyn Source) -> Result<Design, String> {
     let design: String = read_attribute(from, "design")?;
     let is_zipped = design == "zip";
     match design.as_str() {
@@ -377,7 +377,7 @@ pub(crate) fn read_design(from: &dyn Source) -> Result<Design, String> {
 }
 
 /// The design of a sweep and the result of each point; none if the point is not done.
-pub(crate) fn read_points(from: &dyn Source) -> Result<(Design, Vec<Option<Point>>), String> {
+pub fn read_points(from: &dyn Source) -> Result<(Design, Vec<Option<Point>>), String> {
     let design = read_design(from)?;
     let (shape, count) = (shape(&design), design.points());
     let mut estimates = Vec::new();

@@ -5,23 +5,23 @@ use super::walk::{Walk, Walked};
 use super::{
     Attribute, Dataset, Element, Source, columns_of, counted, read_or_empty, read_variable, texts,
 };
-use ndarray::Array2;
-use stickslip::stats::{
+use crate::stats::{
     Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes,
     FirstSticks, Fluctuations, LimitCycle, Line, Passages, PeriodMoments, PhaseLaw,
     QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary, Transient,
 };
-use stickslip::sums::{Ends, Measurement};
+use crate::sums::{Ends, Measurement};
+use ndarray::Array2;
 
 /// Write the coordinates that are known before a run: quantile levels and times.
-pub(crate) fn write_coordinates(to: &mut Dataset, time: &[f64]) {
+pub fn write_coordinates(to: &mut Dataset, time: &[f64]) {
     to.write(&layout::BOUND, &texts(["low", "high"]));
     to.write(&layout::QUANTILE, &QUANTILE_LEVELS);
     to.write(&layout::TIME, time)
 }
 
 /// Write the names, meanings and units of these statistics.
-pub(crate) fn write_statistics(to: &mut Dataset, statistics: &[Statistic]) {
+pub fn write_statistics(to: &mut Dataset, statistics: &[Statistic]) {
     let of = |of: fn(Statistic) -> &'static str| {
         texts(statistics.iter().map(|statistic| of(*statistic)))
     };
@@ -34,7 +34,7 @@ pub(crate) fn write_statistics(to: &mut Dataset, statistics: &[Statistic]) {
 }
 
 /// Write all statistics of a run at its end.
-pub(crate) fn write(to: &mut Dataset, summary: &Summary) {
+pub fn write(to: &mut Dataset, summary: &Summary) {
     let asked: Vec<Statistic> = summary.reported().map(|e| e.statistic).collect();
     write_statistics(to, &asked);
     to.write_by(|to| {
@@ -47,11 +47,7 @@ pub(crate) fn write(to: &mut Dataset, summary: &Summary) {
 }
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
-pub(crate) fn read(
-    from: &dyn Source,
-    completed_paths: u64,
-    step: Option<f64>,
-) -> Result<Summary, String> {
+pub fn read(from: &dyn Source, completed_paths: u64, step: Option<f64>) -> Result<Summary, String> {
     if read_variable::<f64>(from, &layout::QUANTILE)? != QUANTILE_LEVELS {
         return Err(format!(
             "{} has different levels from this program",

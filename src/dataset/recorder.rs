@@ -1,15 +1,15 @@
 //! The sink that keeps a run in memory.
 
 use super::{Dataset, header, run};
-use stickslip::engine::{Asked, Outcome, Provenance, Sink, SinkError};
-use stickslip::scenario::Scenario;
-use stickslip::stats::BlockResult;
+use crate::engine::{Asked, Outcome, Provenance, Sink, SinkError};
+use crate::scenario::Scenario;
+use crate::stats::BlockResult;
 
 /// Keeps a run in memory, with everything that its scenario records. The result is the data set
 /// that a file of the run would contain.
 ///
 /// ```
-/// use stickslip_files::dataset::{Column, Recorder};
+/// use stickslip::dataset::{Column, Recorder};
 /// use stickslip::engine::Run;
 /// use stickslip::scenario::Scenario;
 ///
@@ -63,9 +63,9 @@ impl Sink for Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::engine::Run;
-    use stickslip::stats::{Bias, Line, PassageLevels, Record};
-    use stickslip::sums::Ends;
+    use crate::engine::Run;
+    use crate::stats::{Bias, Line, PassageLevels, Record};
+    use crate::sums::Ends;
 
     /// A shipped scenario of which everything is recorded.
     fn recorded(name: &str, paths: u64) -> Scenario {

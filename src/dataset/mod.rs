@@ -13,27 +13,53 @@
 //! `docs/output-format.md` describes the data sets for their readers.
 
 mod form;
-pub(crate) mod header;
-pub mod layout;
 mod memory;
 mod recorder;
-pub(crate) mod rows;
-pub(crate) mod run;
-pub(crate) mod series;
-pub(crate) mod summary;
-pub(crate) mod sweep;
-pub(crate) mod sweep_layout;
-pub(crate) mod trade;
 mod walk;
 
+// The crate of the files reads and writes by these.
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod header;
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod layout;
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod rows;
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod run;
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod series;
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod summary;
+#[cfg(feature = "toml")]
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod sweep;
+#[cfg(feature = "toml")]
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod sweep_layout;
+#[cfg(feature = "toml")]
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod trade;
+
+pub use crate::stats::column::Column;
+pub use crate::stats::column::{ColumnView, Element, ElementType};
 pub use form::{Attribute, AttributeValue, Source, columns_of, counted, read_other_program, texts};
-pub(crate) use form::{attributes_of, read_attribute, read_or_empty, read_sized, read_variable};
+#[doc(hidden)]
+pub use form::{attributes_of, read_attribute, read_or_empty, read_sized, read_variable};
 pub use header::{FORMAT as RUN_FORMAT, FORMAT_VERSION, Format, walk_origin, write_origin};
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
-pub use run::StoredRun;
-pub use stickslip::stats::column::Column;
-pub use stickslip::stats::column::{ColumnView, Element, ElementType};
+pub use run::{NoVariable, StoredRun};
+#[cfg(feature = "toml")]
 pub use sweep::{SWEEP_FORMAT, StoredSweep};
+#[cfg(feature = "toml")]
 pub use trade::{StoredTrade, TRADE_FORMAT};
 pub use walk::{Walk, Walked};
