@@ -1,7 +1,7 @@
 //! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
 //! and meaning. The columns of single paths are declared where they are stored
-//! ([`stickslip::stats::PathColumns`], [`stickslip::stats::EventColumns`],
-//! [`stickslip::stats::TrajectoryRows`]).
+//! ([`crate::stats::PathColumns`], [`crate::stats::EventColumns`],
+//! [`crate::stats::TrajectoryRows`]).
 
 pub use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
