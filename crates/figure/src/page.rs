@@ -4,11 +4,9 @@ use super::kit::{Align, Drawing, Item, Label};
 use super::only::Only;
 use super::sheet::Sheet;
 use super::subject::{Absent, Figure, Subject};
-use super::theme::{LETTERS, SMALL, Style};
+use super::theme::{GAP, LETTERS, SMALL, Style};
 use stickslip::stats::Statistic;
 
-/// The space between figures.
-pub(super) const GAP: f64 = 14.0;
 /// The space at the edge of the page.
 const EDGE: f64 = 8.0;
 /// The size of the letters of the heading.

@@ -3,9 +3,8 @@
 
 use super::kit::{Align, Colour, Drawing, Item, Label, Rect, Stroke};
 use super::legend::{LegendEntry, draw_legend};
-use super::page::GAP;
 use super::panel::Panel;
-use super::theme::{LETTERS, LINE, Style};
+use super::theme::{GAP, LETTERS, LINE, Style};
 
 /// A figure before it is drawn.
 #[derive(Clone, Debug)]

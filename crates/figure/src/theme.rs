@@ -64,6 +64,9 @@ impl Style<'_> {
     }
 }
 
+/// The space between figures.
+pub(super) const GAP: f64 = 14.0;
+
 /// The size of letters, in points.
 pub const LETTERS: f64 = 8.0;
 /// The size of the numbers at ticks and of notes, in points.

@@ -17,15 +17,14 @@
 use super::errors::{WriteFailure, cause};
 use super::staging::{RESULTS, Staging};
 use super::variables::{Contents, OpenFile};
+use super::written::Written;
 use super::{StoreError, system};
-use crate::saved::Against;
-use crate::saved::checksum::{self, checksum, superblock};
+use crate::saved::checksum::{self, superblock};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
 use std::fs;
 use std::path::{Path, PathBuf};
-use stickslip::dataset::{ColumnView, Dataset, ElementType, Entry, Source as _, layout};
 
 /// A file that is being written.
 #[derive(Debug)]
@@ -84,7 +83,10 @@ impl StagedFile {
         {
             return Err(not_closed);
         }
-        written.compare(&self.path)?;
+        let failed = |cause| WriteFailure { cause, full: false };
+        let file = Contents(File::open(&self.path)?);
+        written.compare(&file).map_err(failed)?;
+        drop(file);
         // Some file systems report only here that they are full.
         Ok(checksum::append(&self.path)?)
     }
@@ -120,85 +122,10 @@ fn create(path: &Path) -> hdf5::Result<File> {
         .create_excl(path)
 }
 
-/// Number of values that are read at a time.
-const PIECE: usize = 1 << 17;
-
-/// Number, type and checksum of the values of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Sum {
-    kind: ElementType,
-    values: usize,
-    checksum: u32,
-}
-
-impl Sum {
-    /// The sum of no values of this type.
-    pub fn of(kind: ElementType) -> Self {
-        Sum {
-            kind,
-            values: 0,
-            checksum: 0,
-        }
-    }
-
-    /// Add values, which must have the type of this sum.
-    pub fn add(&mut self, values: ColumnView) {
-        self.values += values.len();
-        let mut bytes = Vec::new();
-        values.write(&mut bytes);
-        self.checksum = checksum(self.checksum, &bytes);
-    }
-}
-
-/// Everything that was written to a file: a data set, and the rows of single paths, of which only
-/// checksums are kept, however many there are.
-#[derive(Debug, Default)]
-pub(super) struct Written {
-    pub dataset: Dataset,
-    pub rows: Vec<(Entry, Sum)>,
-}
-
-impl Written {
-    /// Compare everything with the file at `path`. The first difference is a failure.
-    pub fn compare(&self, path: &Path) -> Result<(), WriteFailure> {
-        let file = Contents(File::open(path)?);
-        let mut against = Against::of(&file);
-        against.with_layout = true;
-        let failed = |cause| WriteFailure { cause, full: false };
-        against.variables(&self.dataset).map_err(failed)?;
-        against.exempt(&layout::EVENT);
-        for (entry, sum) in &self.rows {
-            against.described(entry).map_err(failed)?;
-            if sum_of(&file, &entry.name, sum).map_err(failed)? != *sum {
-                return Err(failed(format!("{} was not written correctly", entry.name)));
-            }
-        }
-        against.finish(&self.dataset).map_err(failed)?;
-        match against.difference {
-            Some(difference) => Err(failed(format!("{difference} was not written correctly"))),
-            None => Ok(()),
-        }
-    }
-}
-
-/// The sum of all values of a variable in a file that must have this number of them.
-fn sum_of(file: &Contents, name: &str, Sum { kind, values, .. }: &Sum) -> Result<Sum, String> {
-    let mut sum = Sum::of(*kind);
-    let rows = file.length(name)?.unwrap_or(0);
-    let some = (PIECE / (values / rows.max(1)).max(1)).max(1);
-    for start in (0..rows).step_by(some) {
-        sum.add(
-            file.rows(name, *kind, &(start..(start + some).min(rows)))?
-                .values(),
-        );
-    }
-    Ok(sum)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::file::Sum;
+    use crate::store::written::Sum;
     use stickslip::dataset::{Column, ColumnView, Dataset, ElementType, Entry, layout};
     use stickslip::stats::Units;
 

@@ -24,6 +24,7 @@ mod sweep;
 mod system;
 mod variables;
 mod writer;
+mod written;
 
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use errors::{StoreError, take_leftovers};

@@ -2,8 +2,8 @@
 //! axes.
 
 use super::errors::cause;
-use super::file::Written;
 use super::scale::{attach_scale, make_scale};
+use super::written::Written;
 use crate::saved::checksum;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{

@@ -2,9 +2,10 @@
 
 use super::StoreError;
 use super::errors::WriteFailure;
-use super::file::{StagedFile, Sum};
+use super::file::StagedFile;
 use super::staging::{RESULTS, Staging};
 use super::variables::{Growth, OpenFile, write_values};
+use super::written::Sum;
 use crate::saved::RunQuestion;
 use std::ops::Range;
 use std::path::Path;

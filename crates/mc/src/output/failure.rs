@@ -2,16 +2,30 @@
 
 use crate::output::numbers::wrapped;
 use crate::output::safe;
-use crate::session::interrupt::exit_code;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicI32, Ordering};
 use stickslip::config::{Diagnostic, ScenarioError, Unreadable};
 use stickslip::scheme::CheckError;
 use stickslip_files::store::{lock_path, partial_path};
+
+/// The last signal that was received; SIGINT, which is that of Ctrl-C, if there was none.
+static SIGNAL: AtomicI32 = AtomicI32::new(signal_hook::consts::SIGINT);
+
+/// A signal was received that asks the process to end.
+pub fn signalled(signal: i32) {
+    SIGNAL.store(signal, Ordering::Relaxed);
+}
+
+/// The exit code of a process that is ended by the signal that was received: 130 for Ctrl-C, 143
+/// for SIGTERM.
+pub fn exit_code() -> u8 {
+    128 + u8::try_from(SIGNAL.load(Ordering::Relaxed)).unwrap_or(0)
+}
 
 /// Why a verb failed. The message contains the remedy.
 #[derive(Debug)]

@@ -4,24 +4,15 @@
 //! A signal that is ignored when the process begins stays ignored. `nohup`, for instance, starts a
 //! process that ignores SIGHUP, the signal of a closing terminal.
 
-use crate::output::failure::{Failure, note};
+use crate::output::failure::{Failure, exit_code, note, signalled};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Signals that users and schedulers send: Ctrl-C, the end of the terminal, or a time limit that
 /// will soon be reached.
 const ENDING: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
-
-/// The last signal that was received; that of Ctrl-C if there was none.
-static CAME: AtomicI32 = AtomicI32::new(SIGINT);
-
-/// The exit code of a process that is ended by the signal that was received: 130 for Ctrl-C, 143
-/// for SIGTERM.
-pub fn exit_code() -> u8 {
-    128 + u8::try_from(CAME.load(Ordering::Relaxed)).unwrap_or(0)
-}
 
 /// Makes writing beyond the size limit of files an ordinary error, whose message says what to do.
 /// Otherwise a signal would end the process in the middle of a file.
@@ -45,7 +36,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     let raised = Arc::clone(&stop);
     let listening = std::thread::Builder::new().spawn(move || {
         for signal in signals.forever() {
-            CAME.store(signal, Ordering::Relaxed);
+            signalled(signal);
             if raised.swap(true, Ordering::Relaxed) {
                 std::process::exit(i32::from(exit_code()));
             }
