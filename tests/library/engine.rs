@@ -369,3 +369,42 @@ fn a_panic_of_a_thread_keeps_the_blocks_before() {
         assert_eq!(shown(&whole), shown(&uncut));
     }
 }
+
+/// A body that a spring drags at the speed V sticks and slips about the end of the spring with the
+/// amplitude A = sqrt(((f_s - f_d)/K)^2 + m V^2/K): a slip begins at f_s/K with the speed V, and
+/// swings about f_d/K.
+#[test]
+fn the_cycle_of_a_dragged_body_has_its_closed_amplitude() {
+    let text = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }
+        friction = { static = 1.2, dynamic = 1 }
+        temperature.trend = 0.3
+        initial.displacement = 0
+        time.end = 100
+        scheme.kind = \"event-driven\"
+        ensemble.paths = 1";
+    let scenario = Scenario::parse("dragged", text, &[]).expect("sound");
+    let run = Run::of(&scenario).simulate().expect("no sink");
+    let cycle = run.summary.cycle.expect("one path without noise");
+    let wanted = 0.2_f64.hypot(0.3);
+    assert!(
+        (cycle.amplitude - wanted).abs() < 1e-6,
+        "{}",
+        cycle.amplitude
+    );
+}
+
+/// The body starts where the spring and T(0) balance, and a scene without periods compares x ten
+/// times in its counted time.
+#[test]
+fn a_start_and_a_period_that_are_not_given_follow_from_the_rest() {
+    let text = "oscillator = { mass = 1, stiffness = 2, dilatation = 3 }
+        friction = { static = 1.2, dynamic = 1 }
+        temperature = { offset = 0.5, trend = 0.1 }
+        initial.displacement = \"balanced\"
+        time.end = 120
+        statistics.after = 20
+        scheme.kind = \"event-driven\"";
+    let scenario = Scenario::parse("balanced", text, &[]).expect("sound");
+    assert_eq!(scenario.model.initial_displacement, 1.5);
+    assert_eq!(scenario.period().map(|period| period.length), Some(10.0));
+}
