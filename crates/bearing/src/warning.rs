@@ -24,7 +24,7 @@ impl fmt::Display for CalibrationWarning {
     }
 }
 
-/// A kind of warning: its name, when it appears, what to do, and its false alarms in the 420 sound records
+/// A kind of warning: its name, when it appears, what to do, and its false alarms in the 620 sound records
 /// of the page.
 pub struct WarningKind(
     pub &'static str,
