@@ -52,7 +52,15 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
             }
         }
     };
-    let pool = (workers > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(workers).build());
+    // The frames of several lanes do not fit into the usual stack unless they are optimised.
+    let is_large = cfg!(debug_assertions);
+    let pool = (workers > 1 || is_large).then(|| {
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(workers);
+        match is_large {
+            true => threads.stack_size(16 << 20).build(),
+            false => threads.build(),
+        }
+    });
     match pool {
         Some(Ok(pool)) => pool.scope(|scope| (0..workers).for_each(|_| scope.spawn(|_| work()))),
         // If no threads can be created, the thread of the caller makes all pieces.
