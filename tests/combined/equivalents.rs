@@ -415,43 +415,38 @@ fn in_other_units_every_number_is_scaled() {
                 &UNITS
             };
             // Each scene is seen in one of them.
-            for units in all
-                .iter()
-                .copied()
-                .skip(scene.seed as usize % all.len())
-                .take(1)
-            {
-                // A force at an event is the root of a time that has rounding.
-                let within = match scene.is_random() {
-                    true if has_macro_steps => 1e-5,
-                    true => 1e-9,
-                    false => 0.0,
+            let units = all[scene.seed as usize % all.len()];
+            // The time of an event has rounding, within which white noise changes the force most.
+            let within = match scene.is_random() {
+                true if has_macro_steps && scene.white.is_some() => 1e-5,
+                true if has_macro_steps => 1e-7,
+                true => 1e-9,
+                false => 0.0,
+            };
+            let scaled = scene.scaled(units);
+            let paths: &[u64] = if scene.is_random() { &[0, 1, 2] } else { &[0] };
+            let here = keep(&scene, paths, scene.output_step);
+            let there = keep(&scaled, paths, scaled.output_step);
+            for (a, b) in here.events.iter().zip(&there.events) {
+                let back = |event: &Event| Event {
+                    kind: event.kind,
+                    time: event.time / units.time,
+                    displacement: event.displacement / units.length,
+                    force: event.force / units.force(),
                 };
-                let scaled = scene.scaled(units);
-                let paths: &[u64] = if scene.is_random() { &[0, 1, 2] } else { &[0] };
-                let here = keep(&scene, paths, scene.output_step);
-                let there = keep(&scaled, paths, scaled.output_step);
-                for (a, b) in here.events.iter().zip(&there.events) {
-                    let back = |event: &Event| Event {
-                        kind: event.kind,
-                        time: event.time / units.time,
-                        displacement: event.displacement / units.length,
-                        force: event.force / units.force(),
-                    };
-                    let b: Vec<Event> = b.iter().map(back).collect();
-                    assert_alike(&scene.name, &b, a, within);
-                }
-                let works = [summary(&scene, scene.after), summary(&scaled, scaled.after)];
-                let [a, b] = works.each_ref().map(|works| values(works, &WORKS[..5]));
-                let energy = units.force() * units.length;
-                for (a, b) in a.iter().zip(&b) {
-                    assert!(
-                        (a - b / energy).abs() <= within.max(1e-12) * (1.0 + a.abs()),
-                        "{}: {a} {}",
-                        scene.name,
-                        b / energy
-                    );
-                }
+                let b: Vec<Event> = b.iter().map(back).collect();
+                assert_alike(&scene.name, &b, a, within);
+            }
+            let works = [summary(&scene, scene.after), summary(&scaled, scaled.after)];
+            let [a, b] = works.each_ref().map(|works| values(works, &WORKS[..5]));
+            let energy = units.force() * units.length;
+            for (a, b) in a.iter().zip(&b) {
+                assert!(
+                    (a - b / energy).abs() <= within.clamp(1e-12, 1e-9) * (1.0 + a.abs()),
+                    "{}: {a} {}",
+                    scene.name,
+                    b / energy
+                );
             }
         }
     });
