@@ -15,42 +15,32 @@
 mod form;
 mod memory;
 mod recorder;
+mod summary;
+#[cfg(feature = "toml")]
+mod sweep_layout;
 mod walk;
 
 // The crate of the files reads and writes by these.
 #[doc(hidden)]
-#[allow(missing_docs)]
 pub mod header;
-#[doc(hidden)]
+// The tables of variables say what their constants are.
 #[allow(missing_docs)]
+#[doc(hidden)]
 pub mod layout;
 #[doc(hidden)]
-#[allow(missing_docs)]
 pub mod rows;
 #[doc(hidden)]
-#[allow(missing_docs)]
 pub mod run;
 #[doc(hidden)]
-#[allow(missing_docs)]
 pub mod series;
-#[doc(hidden)]
-#[allow(missing_docs)]
-pub mod summary;
 #[cfg(feature = "toml")]
 #[doc(hidden)]
-#[allow(missing_docs)]
 pub mod sweep;
 #[cfg(feature = "toml")]
 #[doc(hidden)]
-#[allow(missing_docs)]
-pub mod sweep_layout;
-#[cfg(feature = "toml")]
-#[doc(hidden)]
-#[allow(missing_docs)]
 pub mod trade;
 
-pub use crate::stats::column::Column;
-pub use crate::stats::column::{ColumnView, Element, ElementType};
+pub use crate::stats::column::{Column, ColumnView, Element, ElementType};
 pub use form::{Attribute, AttributeValue, Source, columns_of, counted, read_other_program, texts};
 #[doc(hidden)]
 pub use form::{attributes_of, read_attribute, read_or_empty, read_sized, read_variable};

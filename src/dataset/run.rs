@@ -102,7 +102,8 @@ impl Outcome {
         dataset
     }
 
-    /// The numbers of one of these variables, such as `displacement_mean` along `time`.
+    /// The numbers of one of these variables, such as `displacement_mean` along `time`. Every call
+    /// makes the data set; for several variables, make it once and call [`Dataset::array`].
     ///
     /// ```
     /// use stickslip::prelude::*;

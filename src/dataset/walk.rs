@@ -117,7 +117,12 @@ impl Walk<'_> {
     }
 
     /// The values of a curve with their intervals.
-    pub fn curve(&mut self, of: &WithInterval, values: &mut Vec<f64>, ends: &mut Ends) -> Walked {
+    pub(super) fn curve(
+        &mut self,
+        of: &WithInterval,
+        values: &mut Vec<f64>,
+        ends: &mut Ends,
+    ) -> Walked {
         self.variable(&of.value, values)?;
         let mut interval = [&ends.low[..], &ends.high].concat();
         self.variable(&of.interval, &mut interval)?;
@@ -130,7 +135,12 @@ impl Walk<'_> {
     }
 
     /// A number with its interval.
-    pub fn number(&mut self, of: &WithInterval, number: &mut f64, ends: &mut [f64; 2]) -> Walked {
+    pub(super) fn number(
+        &mut self,
+        of: &WithInterval,
+        number: &mut f64,
+        ends: &mut [f64; 2],
+    ) -> Walked {
         self.scalar(&of.value, number)?;
         let mut interval = ends.to_vec();
         self.sized(&of.interval, &mut interval, ends.len())?;
