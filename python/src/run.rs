@@ -302,29 +302,11 @@ pub fn motion<'py>(
         ));
     }
     let states = errors::guarded(py, || {
-        py.detach(|| {
-            let plan = checked.plan();
-            let Some(motion) = plan.motion(path) else {
-                return Err(plan.why_lost(path, &AtomicBool::new(false)));
-            };
-            // Before the first segment and behind each, the body is at rest.
-            let state = |time: &f64| {
-                let next = motion.partition_point(|segment| segment.start <= *time);
-                match next.checked_sub(1) {
-                    Some(last) => motion[last].state(*time),
-                    None => [plan.model().initial_displacement, 0.0],
-                }
-            };
-            Ok(times.iter().map(state).collect::<Vec<_>>())
-        })
-        .map_err(|why| {
-            let why = why.map_or_else(|| "it diverges".to_string(), |why| why.to_string());
-            errors::of_run(
-                py,
-                format!("path {path} is lost: {why}"),
-                "change the numbers, or use a smaller step or tolerance",
-            )
-        })
+        py.detach(|| Run::of(&checked).motion(path, &times))
+            .map_err(|error| {
+                let remedy = "change the numbers, or use a smaller step or tolerance";
+                errors::of_run(py, error, remedy)
+            })
     })?;
     let rows = [0, 1].map(|i| states.iter().map(|state| state[i]).collect());
     Ok(PyArray2::from_vec2(py, &rows)?)

@@ -33,6 +33,14 @@ pub enum RunError {
         /// The outcome of the paths that were simulated before.
         outcome: Box<Outcome>,
     },
+    /// The motion of a path was requested, but the path is lost.
+    #[error("path {path} is lost: {why}")]
+    Lost {
+        /// The number of the path.
+        path: u64,
+        /// Why it is.
+        why: String,
+    },
     /// A block was delivered twice, which is a bug in this program.
     #[error("internal error: {0}")]
     Overlap(#[from] Overlap),

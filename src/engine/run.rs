@@ -222,6 +222,36 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// x and x' of one path of the ensemble at these times, between 0 and the end of the run, without
+    /// its statistics. The rows of a recorded path at these times are the same.
+    ///
+    /// ```
+    /// use stickslip::prelude::*;
+    ///
+    /// let problem = Problem::oscillator(1.0, 1.0).start(1.0, 0.0);
+    /// let [[x, v]] = Run::new(problem).end(4.0).motion(0, &[2.0])?[..] else { unreachable!() };
+    /// assert!((x - 2f64.cos()).abs() + (v + 2f64.sin()).abs() < 1e-14);
+    /// # Ok::<(), RunError>(())
+    /// ```
+    pub fn motion(&self, path: u64, times: &[f64]) -> Result<Vec<[f64; 2]>, RunError> {
+        self.check()?;
+        let plan = self.scenario.plan();
+        let Some(motion) = plan.motion(path) else {
+            let why = plan.why_lost(path, &AtomicBool::new(false));
+            let why = why.map_or_else(|| "it diverges".to_string(), |why| why.to_string());
+            return Err(RunError::Lost { path, why });
+        };
+        // Before the first segment and behind each, the body is at rest.
+        let state = |time: &f64| {
+            let next = motion.partition_point(|segment| segment.start <= *time);
+            match next.checked_sub(1) {
+                Some(last) => motion[last].state(*time),
+                None => [plan.model().initial_displacement, 0.0],
+            }
+        };
+        Ok(times.iter().map(state).collect())
+    }
+
     /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         self.check()?;

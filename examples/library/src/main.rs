@@ -25,6 +25,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", run[Statistic::SticksPerPath]);
     let x = run.array("displacement_mean")?; // along `time`
     println!("x(60) is {:.2} on average", x[x.len() - 1]);
+    let path = Run::new(problem())
+        .end(60.0)
+        .seed(1)
+        .motion(0, &[30.0, 60.0])?; // x and x'
+    println!(
+        "on the first path x(30) is {:.2}, x(60) {:.2}",
+        path[0][0], path[1][0]
+    );
     Ok(())
 }
 
