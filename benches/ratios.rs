@@ -282,8 +282,11 @@ fn processor() -> String {
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let [name, family, model] = ["model name", "cpu family", "model"].map(value);
-    let set = InstructionSet::detect().name();
-    format!("{name} (family {family}, model {model}), {cores} cores, {set}")
+    let (set, lookup) = (
+        InstructionSet::detect().name(),
+        InstructionSet::lookup_name(),
+    );
+    format!("{name} (family {family}, model {model}), {cores} cores, {set}, {lookup}")
 }
 
 fn print_ratios() {

@@ -5,9 +5,7 @@ use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
 use super::tree::PARAMETERS;
-use crate::model::{
-    Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator,
-};
+use crate::model::{Expression, ExpressionError, Force, Friction, NamedSeries, Oscillator};
 use crate::scenario::{INPUT, Measured, WrittenForce};
 use stickslip_text::excerpt::underlined;
 
@@ -73,7 +71,7 @@ pub(super) fn force(
     let absorbed = own
         .as_ref()
         .and_then(Expression::linear)
-        .and_then(|linear| with(oscillator, linear));
+        .and_then(|linear| oscillator.with(linear));
     let written = own.clone().map(|expression| WrittenForce {
         expression,
         without: absorbed.map(|_| oscillator),
@@ -223,34 +221,6 @@ impl Scope {
             }),
         )
     }
-}
-
-/// The body with a linear force in its stiffness and its damping; none if the stiffness would be
-/// negative.
-fn with(
-    oscillator: Oscillator,
-    Linear {
-        displacement,
-        velocity,
-    }: Linear,
-) -> Option<Oscillator> {
-    let (stiffness, damping) = (
-        oscillator.stiffness - displacement,
-        oscillator.damping - 0.5 * velocity,
-    );
-    // The temperature acts on the spring as written, not on the total stiffness.
-    let is_same = displacement == 0.0;
-    let drive = if is_same {
-        oscillator.drive
-    } else {
-        Drive::Force(oscillator.force_per_temperature())
-    };
-    (stiffness >= 0.0).then_some(Oscillator {
-        stiffness,
-        damping,
-        drive,
-        ..oscillator
-    })
 }
 
 /// The error for an expression, at its place inside the text of the scenario if known, and

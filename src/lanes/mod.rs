@@ -65,6 +65,7 @@ mod x86;
 pub use functions::{cosh_and_sinh_over, exp, log1p, small_unit};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::LazyLock;
 
 /// Numbers in a [`Row`]: as many as fill a cache line of 64 bytes.
 pub const ROW: usize = 8;
@@ -232,18 +233,44 @@ impl InstructionSet {
 
     /// The widest instruction set that this processor has.
     pub fn detect() -> Self {
-        Self::ALL
-            .into_iter()
-            .find(|set| set.is_available())
-            .unwrap_or(InstructionSet::Portable)
+        static WIDEST: LazyLock<InstructionSet> = LazyLock::new(|| {
+            InstructionSet::ALL
+                .into_iter()
+                .find(|set| set.is_detected())
+                .unwrap_or(InstructionSet::Portable)
+        });
+        *WIDEST
     }
 
-    /// Whether this processor has it.
+    /// Measure the faster way to look up a table that holds what this one does. Lookups have the
+    /// same results before and after.
+    pub fn choose_lookup(table: &LookupTable) {
+        #[cfg(target_arch = "x86_64")]
+        x86::choose_lookup(table);
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = table;
+    }
+
+    /// How tables are looked up on this processor, once a way was chosen.
+    pub fn lookup_name() -> &'static str {
+        #[cfg(target_arch = "x86_64")]
+        if x86::gathers() {
+            return "gather instructions";
+        }
+        "single loads"
+    }
+
+    /// Whether this processor has it: each instruction set includes those after it.
+    #[inline]
     pub fn is_available(self) -> bool {
+        self as u8 >= Self::detect() as u8
+    }
+
+    fn is_detected(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx512 => {
-                InstructionSet::Avx2.is_available()
+                InstructionSet::Avx2.is_detected()
                     && is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512vl")

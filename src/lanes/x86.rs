@@ -10,9 +10,11 @@
 //! shifted right by `KEY_SHIFT`, and a [`LookupTable`] has one entry for each such index.
 
 use super::pair::Pair;
-use super::{KEY_SHIFT, LaneProgram, Lanes, LookupTable, ROW, Row};
+use super::{InstructionSet, KEY_SHIFT, LaneProgram, Lanes, LookupTable, ROW, Row};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Functions of intrinsics, compiled for the instruction set of the caller.
 macro_rules! intrinsics {
@@ -93,9 +95,7 @@ impl Lanes for Avx512 {
             _mm512_mask_cmp_pd_mask::<_CMP_NGT_UQ>(among, self.0, most.0)
         }
         fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
-            let at = _mm512_srli_epi64::<KEY_SHIFT>(key);
-            let low = entries(table, _mm512_castsi512_si256(at));
-            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), entries(table, _mm512_extracti64x4_epi64::<1>(at)))
+            eight_entries(table, _mm512_srli_epi64::<KEY_SHIFT>(key), gathers())
         }
         fn to_bits(self) -> Self::Bits { _mm512_castpd_si512(self.0) }
         fn from_bits(bits: Self::Bits) -> Self { Avx512(_mm512_castsi512_pd(bits)) }
@@ -160,12 +160,99 @@ impl Lanes for Avx512 {
     }
 }
 
-/// The entries of the table with these four indices, loaded one by one: a gather instruction is microcode
-/// on AMD processors before Zen 5, and slowed by security updates on many of Intel's.
+/// Whether entries of a table are read by gather instructions, or one by one. A gather is microcode on
+/// AMD processors before Zen 5, and slowed by security updates on some of Intel's, so its time decides.
+/// The kernel tests this at every lookup: a copy for each way would be compiled twice.
+static GATHERS: AtomicBool = AtomicBool::new(false);
+
+#[inline(always)]
+pub(super) fn gathers() -> bool {
+    GATHERS.load(Ordering::Relaxed)
+}
+
+/// Measure the faster way on this processor, in about 20 us, for tables that hold what this one does.
+pub(super) fn choose_lookup(table: &LookupTable) {
+    type Way = fn(&LookupTable, &[u64]) -> u64;
+    let ways: Option<[Way; 2]> = match InstructionSet::detect() {
+        // SAFETY: the processor has the instruction set.
+        InstructionSet::Avx512 => Some([
+            |table, keys| unsafe { sum_of_eights(table, keys, true) },
+            |table, keys| unsafe { sum_of_eights(table, keys, false) },
+        ]),
+        InstructionSet::Avx2 => Some([
+            |table, keys| unsafe { sum_of_fours(table, keys, true) },
+            |table, keys| unsafe { sum_of_fours(table, keys, false) },
+        ]),
+        InstructionSet::Portable => None,
+    };
+    let Some(ways) = ways else { return };
+    // Keys as doubles of both signs and all sizes up to 2^63, like those of random integers.
+    let key = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) as i64 as f64).to_bits();
+    let keys: Vec<u64> = (1..=TRIED).map(key).collect();
+    let mut least = [Duration::MAX; 2];
+    for _ in 0..TRIALS {
+        for (least, way) in least.iter_mut().zip(ways) {
+            let start = Instant::now();
+            std::hint::black_box(way(table, &keys));
+            *least = start.elapsed().min(*least);
+        }
+    }
+    GATHERS.store(least[0] < least[1], Ordering::Relaxed);
+}
+
+/// Lookups of one trial, and trials of each way; the least time of a way counts.
+const TRIED: u64 = 512;
+const TRIALS: usize = 16;
+
+/// The sum of the entries for these keys, read eight at a time.
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2")]
+fn sum_of_eights(table: &LookupTable, keys: &[u64], gathers: bool) -> u64 {
+    let mut sum = _mm512_setzero_si512();
+    for keys in keys.as_chunks::<8>().0 {
+        let at = _mm512_srli_epi64::<KEY_SHIFT>(Avx512::load_bits(keys));
+        // SAFETY: see the head of this file.
+        sum = _mm512_add_epi64(sum, unsafe { eight_entries(table, at, gathers) });
+    }
+    _mm512_reduce_add_epi64(sum) as u64
+}
+
+/// The same, four at a time.
+#[target_feature(enable = "avx2,fma,popcnt")]
+fn sum_of_fours(table: &LookupTable, keys: &[u64], gathers: bool) -> u64 {
+    let mut sums = [0; 4];
+    let mut sum = _mm256_setzero_si256();
+    for keys in keys.as_chunks::<4>().0 {
+        let at = _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(Avx2::load_bits(keys));
+        // SAFETY: see the head of this file.
+        sum = _mm256_add_epi64(sum, unsafe { four_entries(table, at, gathers) });
+    }
+    Avx2::store_bits(sum, &mut sums);
+    sums.into_iter().fold(0, u64::wrapping_add)
+}
+
+/// The entries of the table with these eight indices.
+///
+/// SAFETY: the processor has AVX-512, and each index is below the length of the table.
+#[inline(always)]
+unsafe fn eight_entries(table: &LookupTable, at: __m512i, gathers: bool) -> __m512i {
+    unsafe {
+        if gathers {
+            return _mm512_i64gather_epi64::<8>(at, table.as_ptr().cast());
+        }
+        let [low, high] = [
+            _mm512_castsi512_si256(at),
+            _mm512_extracti64x4_epi64::<1>(at),
+        ]
+        .map(|at| four_entries(table, at, false));
+        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+    }
+}
+
+/// The entries of the table with these four indices.
 ///
 /// SAFETY: the processor has AVX2, and each index is below the length of the table.
 #[inline(always)]
-unsafe fn entries(table: &LookupTable, at: __m256i) -> __m256i {
+unsafe fn four_entries(table: &LookupTable, at: __m256i, gathers: bool) -> __m256i {
     let pair = |at: __m128i| unsafe {
         let entry = |index: i64| table.as_ptr().add(index as usize).cast::<f64>();
         _mm_loadh_pd(
@@ -174,6 +261,9 @@ unsafe fn entries(table: &LookupTable, at: __m256i) -> __m256i {
         )
     };
     unsafe {
+        if gathers {
+            return _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), at);
+        }
         let (low, high) = (
             pair(_mm256_castsi256_si128(at)),
             pair(_mm256_extracti128_si256::<1>(at)),
@@ -307,7 +397,9 @@ impl Lanes for Avx2 {
             _mm256_and_pd(above, _mm256_cmp_pd::<_CMP_NGT_UQ>(self.0, most.0))
         }
         fn bitmask(mask: Self::Mask) -> u32 { _mm256_movemask_pd(mask) as u32 }
-        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { entries(table, _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
+            four_entries(table, _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key), gathers())
+        }
         fn to_bits(self) -> Self::Bits { _mm256_castpd_si256(self.0) }
         fn from_bits(bits: Self::Bits) -> Self { Avx2(_mm256_castsi256_pd(bits)) }
         fn splat_bits(value: u64) -> Self::Bits { _mm256_set1_epi64x(value as i64) }

@@ -19,6 +19,7 @@
 pub const PAPER: &str = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a \
                          dynamical system with dry friction subjected to external forces.";
 
+mod absorbed;
 mod build;
 mod cascade;
 mod complex;
@@ -35,6 +36,7 @@ mod temperature;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub(crate) use absorbed::Absorbed;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use force::{

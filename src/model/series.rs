@@ -54,6 +54,22 @@ impl Series {
         }
     }
 
+    /// The sum of several series, each times a factor, from 0 to the end of the shortest.
+    pub fn sum(parts: &[(f64, &Series)]) -> Self {
+        let ends = parts.iter().map(|(_, series)| series.end());
+        let end = ends.fold(f64::INFINITY, f64::min);
+        let all = parts.iter().flat_map(|(_, series)| series.times());
+        let mut times: Vec<f64> = all.copied().filter(|time| *time <= end).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let at = |t: &f64| {
+            let values = parts.iter().map(|(factor, series)| factor * series.at(*t));
+            values.sum()
+        };
+        let values = times.iter().map(at).collect();
+        Series { times, values }
+    }
+
     /// The times of the samples; the first is 0.
     pub fn times(&self) -> &[f64] {
         &self.times

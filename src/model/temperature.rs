@@ -115,6 +115,12 @@ impl Temperature {
         self.effective_noises().count() == 2
     }
 
+    /// Whether there is nothing but a constant.
+    pub(crate) fn is_constant(&self) -> bool {
+        let is_still = self.trend == 0.0 && self.harmonics.is_empty();
+        is_still && self.series.is_none() && self.noises.is_empty()
+    }
+
     /// Whether there is a constant or a trend.
     pub fn has_line(&self) -> bool {
         self.offset != 0.0 || self.trend != 0.0

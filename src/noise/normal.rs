@@ -14,7 +14,7 @@
 //! from the lower bits. So there is no search, no special case for the tail, and no branch. The
 //! normals reach from the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
-use crate::lanes::{KEY_SHIFT, Lanes, LookupTable};
+use crate::lanes::{InstructionSet, KEY_SHIFT, Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
@@ -83,10 +83,12 @@ pub fn cells() -> &'static LookupTable {
             }
         }
         table[0] = cell(0);
-        table
+        let table: Box<LookupTable> = table
             .into_boxed_slice()
             .try_into()
-            .expect("as long as a table")
+            .expect("as long as a table");
+        InstructionSet::choose_lookup(&table);
+        table
     });
     &TABLE
 }

@@ -193,7 +193,7 @@ fn a_moving_threshold_is_an_equivalent_force() {
         );
         let load = "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.1*sin(3*t)\" }";
         let force = format!(
-            "friction = {{ static = 1.2, dynamic = 1.0 }}\nforce.expression = \"{}*0.12*sin(3*t)\"",
+            "friction = {{ static = 1.2, dynamic = 1.0 }}\nforce.expression = \"{}*0.12*sin(3*t) + 0*abs(x)\"",
             -side
         );
         let first = |lines: &str| {

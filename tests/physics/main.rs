@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod absorbed;
 mod all_schemes;
 mod corrected_vi;
 mod damping;

@@ -91,7 +91,9 @@ pub(super) fn stiff_damping(case: &Case) -> Option<String> {
     let (model, end) = (&case.scenario.model, case.scenario.time.end);
     let rate = model.oscillator.damping_rate();
     let is_noisy = model.temperature.is_random() && model.oscillator.force_per_temperature() != 0.0;
-    let is_general = case.scenario.scheme.kind() == Kind::EventDriven && model.force.is_some();
+    let is_general = case.scenario.scheme.kind() == Kind::EventDriven
+        && model.force.is_some()
+        && model.absorbed().is_none();
     let steps = 2.0 * rate * end;
     (is_noisy && is_general && steps > MANY_STEPS).then(|| {
         format!(

@@ -5,10 +5,11 @@ use super::law::ForceLaw;
 use super::parse::parse;
 use super::pulses::pulses;
 use super::tape::Tape;
-use super::tree::{DIRECTION, Formula, TIME};
+use super::tree::{DIRECTION, Formula, TIME, X, XDOT};
 use super::words::Names;
 use crate::lanes::Lanes;
-use crate::model::NamedSeries;
+use crate::model::{NamedSeries, Series, Temperature};
+use std::sync::Arc;
 use stickslip_text::excerpt::short;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
@@ -99,17 +100,44 @@ impl Expression {
             .map(|(name, _)| name)
     }
 
-    /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: there are
-    /// no false positives, but some forms of such a force are not recognised, such as `abs(x) *
+    /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: there are no
+    /// false positives, but some forms of such a force are not recognised, such as `abs(x) *
     /// sign(x)`.
     pub fn linear(&self) -> Option<Linear> {
-        match self.formula.affine()? {
-            [0.0, displacement, velocity] => Some(Linear {
-                displacement,
-                velocity,
-            }),
-            _ => None,
-        }
+        let (constant, linear) = self.driven()?;
+        let is_constant = constant.is_constant() && constant.offset == 0.0;
+        is_constant.then_some(linear)
+    }
+
+    /// F and a x + b x', if g = F(t) + a x + b x' for all x, x' and t, where F is the sum of a line,
+    /// harmonics and inputs: a temperature that acts as a force. This is found like
+    /// [`Expression::linear`].
+    pub fn driven(&self) -> Option<(Temperature, Linear)> {
+        let form = self.formula.affine()?;
+        // 0 is added so that no coefficient is -0.
+        let [offset, displacement, velocity, trend] = form.linear.map(|number| number + 0.0);
+        let inputs = form.inputs.iter();
+        let inputs = inputs.map(|(i, factor)| (*factor, &*self.formula.inputs[*i]));
+        let inputs: Vec<(f64, &Series)> = inputs.collect();
+        let drive = Temperature {
+            offset,
+            trend,
+            harmonics: form.harmonics,
+            series: (!inputs.is_empty()).then(|| Arc::new(Series::sum(&inputs))),
+            ..Temperature::default()
+        };
+        let linear = Linear {
+            displacement,
+            velocity,
+        };
+        Some((drive, linear))
+    }
+
+    /// Whether g is a function of t alone.
+    pub fn is_of_time_alone(&self) -> bool {
+        ![X, XDOT, DIRECTION]
+            .into_iter()
+            .any(|variable| self.formula.uses(variable))
     }
 
     /// The expression where the body slips backwards; none if the text does not name `direction`.

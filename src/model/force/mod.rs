@@ -101,6 +101,12 @@ impl Force {
         kinks
     }
 
+    /// Whether g is known to be a function of t alone, under constant friction.
+    pub fn is_of_time_alone(&self) -> bool {
+        let expression = self.expression().filter(|_| self.sides.is_none());
+        expression.is_some_and(Expression::is_of_time_alone)
+    }
+
     /// The beginning of the expression, for messages.
     pub fn shown(&self) -> String {
         self.expression()

@@ -1,7 +1,8 @@
 //! An expression as a tree of operations, and its algebraic properties.
 
 use super::operation::{Binary, Unary, whole_power};
-use crate::model::Series;
+use crate::model::{Harmonic, Series};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -101,45 +102,129 @@ impl Formula {
             .map(|(_, input)| input)
     }
 
-    /// [c, a, b], if the whole is c + a x + b x' for all x, x' and t.
-    pub fn affine(&self) -> Option<[f64; 3]> {
-        let mut forms: Vec<Option<[f64; 3]>> = Vec::with_capacity(self.nodes.len());
+    /// The whole as a form that is linear in x, x' and the inputs, if it is one for all x, x' and t.
+    pub fn affine(&self) -> Option<Affine> {
+        let mut forms: Vec<Option<Affine>> = Vec::with_capacity(self.nodes.len());
         for operation in &self.nodes {
-            forms.push(affine(operation.term, &forms));
+            let form = affine(operation.term, &forms);
+            forms.push(form.filter(Affine::is_finite));
         }
-        // 0 is added so that no coefficient is -0.
-        forms.pop()?.map(|form| form.map(|number| number + 0.0))
+        forms.pop()?
     }
 }
 
-fn affine(term: Term, forms: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
-    let constant = |node: usize| {
-        forms[node]
-            .filter(|form| form[1..] == [0.0; 2])
-            .map(|form| form[0])
-    };
-    let form = match term {
-        Term::Number(number) => [number, 0.0, 0.0],
-        Term::Variable(X) => [0.0, 1.0, 0.0],
-        Term::Variable(XDOT) => [0.0, 0.0, 1.0],
-        Term::Variable(_) => return None,
-        Term::Unary(Unary::Negative, a) => forms[a]?.map(|number| -number),
-        Term::Unary(unary, a) => [unary.function()(constant(a)?), 0.0, 0.0],
-        Term::Whole(a, power) => [whole_power(constant(a)?, power), 0.0, 0.0],
+/// c + a x + b x' + d t + harmonics + inputs, each with a factor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Affine {
+    /// c, a, b and d.
+    pub linear: [f64; 4],
+    pub harmonics: Vec<Harmonic>,
+    /// The number of an input, and its factor.
+    pub inputs: Vec<(usize, f64)>,
+}
+
+impl Affine {
+    fn of(linear: [f64; 4]) -> Self {
+        Affine {
+            linear,
+            ..Affine::default()
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let harmonics = self.harmonics.iter().map(|h| h.amplitude);
+        let factors = harmonics.chain(self.inputs.iter().map(|(_, factor)| *factor));
+        self.linear.into_iter().chain(factors).all(f64::is_finite)
+    }
+
+    /// c, if nothing else is there.
+    fn constant(&self) -> Option<f64> {
+        let is_constant = self.linear[1..] == [0.0; 3] && !self.has_functions();
+        is_constant.then_some(self.linear[0])
+    }
+
+    /// Whether there are harmonics or inputs.
+    fn has_functions(&self) -> bool {
+        !self.harmonics.is_empty() || !self.inputs.is_empty()
+    }
+
+    /// Every number changed by a function that is linear.
+    fn map(&self, by: impl Fn(f64) -> f64) -> Affine {
+        let mut form = self.clone();
+        form.linear = form.linear.map(&by);
+        form.harmonics
+            .iter_mut()
+            .for_each(|h| h.amplitude = by(h.amplitude));
+        form.inputs
+            .iter_mut()
+            .for_each(|(_, factor)| *factor = by(*factor));
+        form.harmonics.retain(|h| h.amplitude != 0.0);
+        form.inputs.retain(|(_, factor)| *factor != 0.0);
+        form
+    }
+
+    fn plus(mut self, other: Affine, binary: Binary) -> Affine {
+        let other = if binary == Binary::Sub {
+            other.map(|number| -number)
+        } else {
+            other
+        };
+        self.linear = std::array::from_fn(|i| self.linear[i] + other.linear[i]);
+        self.harmonics.extend(other.harmonics);
+        self.inputs.extend(other.inputs);
+        self
+    }
+
+    /// cos(c + d t + phase), if this is c + d t.
+    fn cos(&self, phase: f64) -> Option<Affine> {
+        let [c, a, b, d] = self.linear;
+        let is_line = [a, b] == [0.0; 2] && !self.has_functions() && d != 0.0;
+        let harmonic = Harmonic {
+            amplitude: 1.0,
+            angular_frequency: d.abs(),
+            phase: (c + phase) * d.signum(),
+        };
+        is_line.then(|| Affine {
+            harmonics: vec![harmonic],
+            ..Affine::default()
+        })
+    }
+}
+
+fn affine(term: Term, forms: &[Option<Affine>]) -> Option<Affine> {
+    let form = |node: usize| forms[node].as_ref();
+    let constant = |node: usize| form(node)?.constant();
+    let number = |number: f64| Affine::of([number, 0.0, 0.0, 0.0]);
+    Some(match term {
+        Term::Number(value) => number(value),
+        Term::Variable(X) => Affine::of([0.0, 1.0, 0.0, 0.0]),
+        Term::Variable(XDOT) => Affine::of([0.0, 0.0, 1.0, 0.0]),
+        Term::Variable(TIME) => Affine::of([0.0, 0.0, 0.0, 1.0]),
+        Term::Variable(DIRECTION) => return None,
+        Term::Variable(input) => Affine {
+            inputs: vec![(input - INPUT, 1.0)],
+            ..Affine::default()
+        },
+        Term::Unary(Unary::Negative, a) => form(a)?.map(|number| -number),
+        Term::Unary(unary, a) => match (unary, constant(a)) {
+            (_, Some(argument)) => number(unary.function()(argument)),
+            (Unary::Cos, None) => form(a)?.cos(0.0)?,
+            (Unary::Sin, None) => form(a)?.cos(-FRAC_PI_2)?,
+            _ => return None,
+        },
+        Term::Whole(a, power) => number(whole_power(constant(a)?, power)),
         Term::Binary(binary @ (Binary::Add | Binary::Sub), a, b) => {
-            let (a, b) = (forms[a]?, forms[b]?);
-            [0, 1, 2].map(|i| binary.of(a[i], b[i]))
+            form(a)?.clone().plus(form(b)?.clone(), binary)
         }
         Term::Binary(Binary::Mul, a, b) => match (constant(a), constant(b)) {
-            (Some(factor), _) => forms[b]?.map(|number| factor * number),
-            (_, Some(factor)) => forms[a]?.map(|number| number * factor),
+            (Some(factor), _) => form(b)?.map(|number| factor * number),
+            (_, Some(factor)) => form(a)?.map(|number| number * factor),
             _ => return None,
         },
         Term::Binary(Binary::Div, a, b) => {
             let divisor = constant(b)?;
-            forms[a]?.map(|number| number / divisor)
+            form(a)?.map(|number| number / divisor)
         }
-        Term::Binary(binary, a, b) => [binary.of(constant(a)?, constant(b)?), 0.0, 0.0],
-    };
-    form.iter().all(|number| number.is_finite()).then_some(form)
+        Term::Binary(binary, a, b) => number(binary.of(constant(a)?, constant(b)?)),
+    })
 }

@@ -3,7 +3,7 @@
 use super::kernel::{Kernel, Paths, RUN, Turn};
 use super::reading::GridReader;
 use crate::lanes::InstructionSet;
-use crate::model::{HarmonicClock, InitialNoise, LARGEST, Problem};
+use crate::model::{Force, HarmonicClock, InitialNoise, LARGEST, Problem};
 use crate::noise::LaneStreams;
 use crate::scheme::{Along, Instant, Observer, Segment, Simulate, Simulated, Snapshot, Timeline};
 
@@ -26,6 +26,8 @@ pub struct DiscreteSimulation {
     timeline: Timeline,
     h: f64,
     clock: HarmonicClock,
+    /// g, if it is a function of t alone: a part of the forcing, the same for all paths.
+    of_time: Option<Force>,
     refinement: usize,
     /// The number of steps between the instants at which paths can be observed.
     observed_every: u64,
@@ -42,6 +44,7 @@ impl DiscreteSimulation {
             timeline: *timeline,
             h,
             clock: HarmonicClock::of(&model.temperature, h),
+            of_time: model.force.clone().filter(Force::is_of_time_alone),
             refinement: 1,
             observed_every: 1,
             is_corrected: false,
@@ -86,6 +89,18 @@ impl DiscreteSimulation {
                         .collect()
                 }
             },
+        }
+    }
+
+    /// Writes the forces at t_n, t_{n+1}, ..., which are the same for all paths, where T without noise
+    /// has these values.
+    fn fill_forcing(&self, n: u64, temperature: &[f64], forcing: &mut [f64]) {
+        let gain = self.model.oscillator.force_per_temperature();
+        for ((n, to), temperature) in (n..).zip(forcing).zip(temperature) {
+            *to = gain * temperature;
+            if let Some(force) = &self.of_time {
+                *to += force.at(self.instructions, 0.0, 0.0, n as f64 * self.h);
+            }
         }
     }
 
@@ -188,7 +203,6 @@ struct Walk<'a> {
     /// T without noise, and the force of it, at the instants of a run of steps; the first is t_n.
     harmonics: [f64; RUN + 1],
     forcing: [f64; RUN + 1],
-    to_force: f64,
     reader: GridReader,
     turns: Vec<Turn>,
     /// The displacement beyond which a path counts as diverged.
@@ -206,8 +220,10 @@ impl<'a> Walk<'a> {
         observer: &mut dyn Observer,
     ) -> Self {
         let model = &simulation.model;
+        let is_forced = simulation.of_time.is_none();
         let kernel = Kernel::new(
             model,
+            model.force.clone().filter(|_| is_forced),
             simulation.h,
             simulation.refinement,
             simulation.is_corrected,
@@ -217,11 +233,10 @@ impl<'a> Walk<'a> {
         let paths = paths.len();
         let noise = simulation.initial_noise(kernel.noise.unit, &mut streams, paths);
         let state = Paths::at(model.initial_displacement, model.initial_velocity, &noise);
-        let to_force = model.oscillator.force_per_temperature();
         let mut harmonics = [0.0; RUN + 1];
         let mut forcing = [0.0; RUN + 1];
         simulation.clock.fill(0, &mut harmonics[..1]);
-        forcing[0] = to_force * harmonics[0];
+        simulation.fill_forcing(0, &harmonics[..1], &mut forcing);
         Walk {
             reader: GridReader::start(&kernel, &state, forcing[0], paths, observer),
             bound: divergence_bound(model, simulation.timeline.end),
@@ -237,7 +252,6 @@ impl<'a> Walk<'a> {
             state,
             harmonics,
             forcing,
-            to_force,
         }
     }
 
@@ -262,9 +276,7 @@ impl<'a> Walk<'a> {
             RUN.min((target - *n) as usize)
         };
         simulation.clock.fill(*n, &mut harmonics[..=steps]);
-        for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
-            *force = self.to_force * harmonic;
-        }
+        simulation.fill_forcing(*n, &harmonics[..=steps], forcing);
         let before = follows.then(|| {
             let is_static = reader.statics(kernel, state, forcing[0], *n).collect();
             (state.clone(), is_static)
@@ -276,7 +288,7 @@ impl<'a> Walk<'a> {
             simulation.report_step(*n, before, state, temperature, observer);
         }
         *n += steps as u64;
-        harmonics[0] = harmonics[steps];
+        (harmonics[0], forcing[0]) = (harmonics[steps], forcing[steps]);
         self.note_divergence();
     }
 
@@ -306,13 +318,13 @@ impl<'a> Walk<'a> {
             n,
             state,
             harmonics,
+            forcing,
             temperature,
             is_static,
             ..
         } = self;
-        let forcing = self.to_force * harmonics[0];
         is_static.clear();
-        is_static.extend(self.reader.statics(kernel, state, forcing, *n));
+        is_static.extend(self.reader.statics(kernel, state, forcing[0], *n));
         temperature.clear();
         temperature.extend(
             state.noise[..*paths]
@@ -335,7 +347,7 @@ impl<'a> Walk<'a> {
             self.diverged[lane] = true;
         }
         if self.simulation.model.force.is_some() {
-            let last = self.to_force * self.harmonics[0];
+            let last = self.forcing[0];
             for (lane, diverged) in self.diverged.iter_mut().enumerate() {
                 let pulls = self.kernel.pulls(&self.state.point(lane), last, self.n);
                 *diverged |= !pulls.iter().all(|pull| pull.is_finite());

@@ -8,13 +8,15 @@
 //!   macro_step_loop  the loop over macro steps
 //!   scalar           a path crosses a macro step event by event, one path after the other
 //!   vectorised       all paths that are simulated together cross it together, in lanes
-//! user_force         a user-defined force, if there is one
+//! user_force         a user-defined force, if there is one that is not absorbed
+//! given_temperature  the temperature without what an absorbed force adds to it
 //! work               a limit on the computing time of one path
 //! ```
 //!
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
+mod given_temperature;
 mod law;
 mod macro_step_loop;
 mod noiseless;

@@ -1,12 +1,13 @@
 //! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
 //! once.
 
+use super::given_temperature::WithGivenTemperature;
 use super::law::{Resolution, Scene, StepRules};
 use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, WithUnfeltNoise};
 use super::noisy::Noisy;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
-use crate::model::Problem;
+use crate::model::{Absorbed, Problem};
 use crate::scheme::{Observer, Simulate, Timeline};
 
 /// The event-driven scheme on one model.
@@ -14,6 +15,8 @@ use crate::scheme::{Observer, Simulate, Timeline};
 pub struct EventDrivenSimulation {
     model: Problem,
     timeline: Timeline,
+    /// The model without its force, if that is absorbed.
+    absorbed: Option<Absorbed>,
     chosen: Chosen,
     resolution: Option<Resolution>,
 }
@@ -32,6 +35,10 @@ impl EventDrivenSimulation {
     /// The scheme on a model, observed at the stops of a timeline, with relative discretisation
     /// errors of about `tolerance`. Without noise there is no discretisation error.
     pub fn new(model: &Problem, timeline: &Timeline, tolerance: f64) -> Self {
+        let (given, absorbed) = (model, model.absorbed());
+        let model = absorbed
+            .as_ref()
+            .map_or(model, |absorbed| &absorbed.problem);
         let scene = Scene::new(model);
         let (chosen, resolution) = if scene.felt_noise(timeline.end).is_some() {
             let rules = StepRules::new(tolerance);
@@ -51,8 +58,9 @@ impl EventDrivenSimulation {
             )
         };
         EventDrivenSimulation {
-            model: model.clone(),
+            model: given.clone(),
             timeline: *timeline,
+            absorbed,
             chosen,
             resolution,
         }
@@ -81,10 +89,22 @@ impl Simulate for EventDrivenSimulation {
         paths: &[u64],
         observer: &mut dyn Observer,
     ) -> Simulated {
-        let noiseless = |observer| WithUnfeltNoise::new(&self.model, observer, seed, paths);
+        let mut unfelt;
+        let mut observer: &mut dyn Observer = match &self.chosen {
+            Chosen::Noisy(_) => observer,
+            Chosen::Noiseless(_) | Chosen::General(_) => {
+                unfelt = WithUnfeltNoise::new(&self.model, observer, seed, paths);
+                &mut unfelt
+            }
+        };
+        let mut given;
+        if let Some(absorbed) = &self.absorbed {
+            given = WithGivenTemperature::new(&self.model, absorbed, observer);
+            observer = &mut given;
+        }
         match &self.chosen {
-            Chosen::Noiseless(cascade) => cascade.simulate(paths.len(), &mut noiseless(observer)),
-            Chosen::General(cascade) => cascade.simulate(paths.len(), &mut noiseless(observer)),
+            Chosen::Noiseless(cascade) => cascade.simulate(paths.len(), observer),
+            Chosen::General(cascade) => cascade.simulate(paths.len(), observer),
             Chosen::Noisy(cascade) => cascade.simulate(seed, paths, observer),
         }
     }

@@ -199,7 +199,7 @@ pub(super) struct Kernel {
     pub noise: NoiseScale,
     has_noise: bool,
     is_corrected: bool,
-    /// g.
+    /// g, unless it is a function of t alone, which is a part of the forcing.
     own: Option<Force>,
     instructions: InstructionSet,
 }
@@ -207,6 +207,7 @@ pub(super) struct Kernel {
 impl Kernel {
     pub(super) fn new(
         model: &Problem,
+        own: Option<Force>,
         h: f64,
         refinement: usize,
         is_corrected: bool,
@@ -218,7 +219,7 @@ impl Kernel {
             noise,
             has_noise: model.temperature.effective_noise().is_some(),
             is_corrected,
-            own: model.force.clone(),
+            own,
             instructions,
         }
     }
