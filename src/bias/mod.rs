@@ -59,7 +59,8 @@ impl BiasPlan {
             Discretisation::Step { h } => (h, false),
             Discretisation::CorrectedStep { h } => (h, true),
             Discretisation::Tolerance { tolerance } => {
-                return Err(match (model.force.is_some(), is_random) {
+                let is_absorbed = model.force.is_none() || model.absorbed().is_some();
+                return Err(match (!is_absorbed, is_random) {
                     (false, false) => NoBias::Exact,
                     (false, true) => NoBias::Tolerance(tolerance),
                     (true, false) => NoBias::Integrated,

@@ -28,6 +28,8 @@ pub struct DiscreteSimulation {
     clock: HarmonicClock,
     /// g, if it is a function of t alone: a part of the forcing, the same for all paths.
     of_time: Option<Force>,
+    /// The displacement beyond which a path counts as diverged.
+    bound: f64,
     refinement: usize,
     /// The number of steps between the instants at which paths can be observed.
     observed_every: u64,
@@ -44,6 +46,7 @@ impl DiscreteSimulation {
             timeline: *timeline,
             h,
             clock: HarmonicClock::of(&model.temperature, h),
+            bound: divergence_bound(model, timeline.end),
             of_time: model.force.clone().filter(Force::is_of_time_alone),
             refinement: 1,
             observed_every: 1,
@@ -205,8 +208,6 @@ struct Walk<'a> {
     forcing: [f64; RUN + 1],
     reader: GridReader,
     turns: Vec<Turn>,
-    /// The displacement beyond which a path counts as diverged.
-    bound: f64,
     diverged: Vec<bool>,
     temperature: Vec<f64>,
     is_static: Vec<bool>,
@@ -239,7 +240,6 @@ impl<'a> Walk<'a> {
         simulation.fill_forcing(0, &harmonics[..1], &mut forcing);
         Walk {
             reader: GridReader::start(&kernel, &state, forcing[0], paths, observer),
-            bound: divergence_bound(model, simulation.timeline.end),
             diverged: vec![false; paths],
             turns: Vec::new(),
             temperature: Vec::new(),
@@ -294,7 +294,8 @@ impl<'a> Walk<'a> {
 
     fn note_divergence(&mut self) {
         // All lanes are tested together first, because a path hardly ever diverges.
-        let is_bounded = |x: &f64| x.abs() <= self.bound;
+        let bound = self.simulation.bound;
+        let is_bounded = |x: &f64| x.abs() <= bound;
         if !self.state.displacement[..self.paths]
             .iter()
             .fold(true, |all, x| all & is_bounded(x))
