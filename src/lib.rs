@@ -94,6 +94,7 @@ pub mod dataset;
 pub mod engine;
 #[doc(hidden)]
 pub mod ensemble;
+mod inputs;
 #[doc(hidden)]
 pub mod lanes;
 #[doc(hidden)]

@@ -110,7 +110,7 @@ impl Differences {
         paths: u64,
     ) -> Result<Self, NoBias> {
         let h = scheme.step().ok_or(NoBias::FewSteps)?;
-        let is_random = model.temperature.is_random();
+        let is_random = model.is_random();
         if is_random && model.friction.static_force == model.friction.dynamic_force {
             return Err(NoBias::EqualFriction);
         }
@@ -197,7 +197,7 @@ impl Differences {
         stop: &AtomicBool,
     ) -> Result<(Vec<Extrapolated>, bool), NoBias> {
         // A median is expensive, so it is not computed unless it is used.
-        let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
+        let is_wanted = |statistic| is_smooth(statistic) || !self.model.is_random();
         let groups = self.simulate(threads, stop)?;
         let mut at_step = self.empty();
         groups[0].iter().for_each(|group| at_step.merge(group));
@@ -242,7 +242,7 @@ impl Differences {
         let is_determined =
             |order: &f64| order.is_finite() && error(&|y| y.observed_order()) < MAX_ORDER_ERROR;
         let order = Some(all.observed_order()).filter(is_determined);
-        if !self.model.temperature.is_random() {
+        if !self.model.is_random() {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase are on the grid, so its duration may be off by h.
             let grid = if statistic.dimension() == Dimension::TIME {

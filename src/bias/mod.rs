@@ -54,7 +54,7 @@ impl BiasPlan {
         seed: u64,
         paths: u64,
     ) -> Result<Self, NoBias> {
-        let is_random = model.temperature.is_random();
+        let is_random = model.is_random();
         let (h, is_corrected) = match scheme.discretisation() {
             Discretisation::Step { h } => (h, false),
             Discretisation::CorrectedStep { h } => (h, true),

@@ -9,7 +9,7 @@ use super::extrapolation::is_smooth;
 use crate::ensemble::{Plan, in_order_while};
 use crate::model::Problem;
 use crate::scheme::{
-    DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline,
+    DEFAULT_TOLERANCE, EventDriven, Scheme, Simulate as _, Simulated, Simulation, Timeline,
 };
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
 use crate::sums::range::NORMAL;
@@ -129,16 +129,19 @@ impl ReferenceRun {
     /// The statistics of the reference run; none where it costs too much, or does not resolve all
     /// slips.
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
-        let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
-        let costs = if exact.vectorised_paths() > 1 {
+        let scheme = Scheme::from(EventDriven::default());
+        if scheme.resolution(&self.model, &self.timeline).is_some() {
+            return None;
+        }
+        let simulation = scheme.simulation(&self.model, &self.timeline);
+        let costs = if simulation.vectorised_paths() > 1 {
             IN_LANES
         } else {
             ONE_BY_ONE
         };
         let budget = self.path_steps as u64 / self.one_part_in;
-        let paths = self.affordable(&exact, budget / costs.path_steps_per_evaluation, stop)?;
+        let paths = self.affordable(&simulation, budget / costs.path_steps_per_evaluation, stop)?;
         let size = costs.piece_size(paths);
-        let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan {
             simulation,
             record: self.record,
@@ -167,15 +170,14 @@ impl ReferenceRun {
     }
 
     /// The number of paths that this many evaluations allow, estimated from the first paths, which
-    /// are stopped if they exceed the whole budget. None if it is too small, or if the scheme does
-    /// not resolve all slips.
+    /// are stopped if they exceed the whole budget. None if it is too small.
     fn affordable(
         &self,
-        exact: &EventDrivenSimulation,
+        simulation: &Simulation,
         evaluations: u64,
         stop: &AtomicBool,
     ) -> Option<u64> {
-        if exact.resolution().is_some() || evaluations < FEWEST {
+        if evaluations < FEWEST {
             return None;
         }
         let first: Vec<u64> = (0..FIRST).collect();
@@ -187,7 +189,7 @@ impl ReferenceRun {
             Replicate::Path,
         );
         let mut observer = (own, stop);
-        let limited = exact.clone().with_work_limit(evaluations / FIRST);
+        let limited = simulation.clone().with_work_limit(evaluations / FIRST);
         let Simulated {
             lost,
             evaluations: spent,

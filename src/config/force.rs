@@ -63,7 +63,11 @@ pub(super) fn force(
         let is_override = ["force.expression", "friction.load"]
             .into_iter()
             .any(|key| sources.is_override(root.place_of(key)));
-        let expressions: Vec<&Expression> = own.iter().chain(&load).collect();
+        let envelopes = inputs.iter().filter_map(|(input, _)| {
+            let random = input.random.as_ref();
+            random.and_then(|random| random.envelope.as_ref())
+        });
+        let expressions: Vec<&Expression> = own.iter().chain(&load).chain(envelopes).collect();
         scope.unused(sources, &expressions, is_override)
     } else {
         Vec::new()

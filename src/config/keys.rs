@@ -234,6 +234,25 @@ keys! {
             .default("from the samples").allowed("a stamp");
         HASH = other("hash", "of the samples")
             .default("from the samples").allowed("16 digits");
+        PROCESS = other("process", "a law, from which each path draws the values, instead of a file")
+            .default("none").allowed("[a process](noise.md)");
+        SAMPLE_STEP;
+        ENVELOPE;
+        LOW;
+        HIGH;
+        RATE_UP;
+        RATE_DOWN;
+        RATE;
+        SIZE;
+        SIZE_SD;
+        SIZES;
+        SHAPE;
+        DURATION;
+        OF_FILTER;
+        DAMPING_RATIO;
+        OF_PROCESS;
+        RELAXATION_RATE;
+        DIFFUSION;
     }
     "displacement" {
         SERIES;
@@ -273,8 +292,8 @@ keys! {
         SERIES_TIME;
         COLUMN = other("column", "value column")
             .default("found by its name").allowed("a name or a number");
-        SAMPLE_STEP = number("step", "", "time between the values of a file without times, in seconds", Positive)
-            .unit("s").default("none");
+        SAMPLE_STEP = number("step", "", "time between the values of a process, or of a file without times (s)", Positive)
+            .unit("time").default("none");
         UNIT;
         ZONE;
         DATES;
@@ -282,6 +301,37 @@ keys! {
         DECIMAL;
         START;
         HASH;
+        PROCESS;
+        ENVELOPE = other("envelope", "expression of t by which the samples of a process are multiplied")
+            .default("none").allowed("an expression");
+        LOW = number("low", "", "lower value of a telegraph", Any)
+            .unit("of the values").default("-1");
+        HIGH = number("high", "", "upper value of a telegraph", Any)
+            .unit("of the values").default("1");
+        RATE_UP = number("rate_up", "", "rate of a telegraph from low to high", Positive)
+            .unit("1 / time").default("required by a telegraph");
+        RATE_DOWN = number("rate_down", "", "rate of a telegraph from high to low", Positive)
+            .unit("1 / time").default("rate_up");
+        RATE = number("rate", "lambda", "pulses of shot noise per time", Positive)
+            .unit("1 / time").default("required by shot noise");
+        SIZE = number("size", "J", "mean area of a pulse, an impulse for a force", Any)
+            .unit("of the values, times time").default("required by shot noise");
+        SIZE_SD = number("size_sd", "", "standard deviation of normal areas", NonNegative)
+            .unit("that of size").default("0");
+        SIZES = other("sizes", "law of the areas")
+            .default("`\"fixed\"`").allowed("`\"fixed\"`, `\"exponential\"`, `\"normal\"`");
+        SHAPE = other("shape", "shape of a pulse")
+            .default("`\"kick\"`").allowed("`\"kick\"`, `\"rectangle\"`, `\"decay\"`");
+        DURATION = number("duration", "", "length of a rectangle, or time constant of a decay", Positive)
+            .unit("time").default("required unless a kick");
+        OF_FILTER = number("angular_frequency", "w", "of the ground, for Kanai-Tajimi", Positive)
+            .unit("1 / time").default("required by Kanai-Tajimi");
+        DAMPING_RATIO = number("damping_ratio", "zeta", "of the ground, for Kanai-Tajimi", Positive)
+            .default("required by Kanai-Tajimi");
+        OF_PROCESS = number("intensity", "", "S0 of Kanai-Tajimi (values^2 time), or rho of Ornstein-Uhlenbeck", NonNegative)
+            .unit("of the process").default("required by these");
+        RELAXATION_RATE;
+        DIFFUSION;
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), added to b")

@@ -21,6 +21,7 @@ mod keys;
 mod overrides;
 mod parse;
 mod physics;
+mod random;
 mod series;
 mod shipped;
 mod source;
@@ -39,7 +40,7 @@ pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 pub use synonyms::{OPTIONS, key_meant, option_meant};
 pub use text::temperature_part;
 
-use crate::model::NamedSeries;
+use crate::model::{NamedSeries, RandomInput};
 use crate::scenario::Scenario;
 use source::{MeasuredFrom, Sources};
 use std::io::{self, Read};
@@ -274,8 +275,20 @@ impl Scenario {
             name,
             text,
             overrides,
-            MeasuredFrom::Given(samples),
+            MeasuredFrom::Given(samples, &[]),
         ))
+    }
+
+    /// The same with given values and processes in place of the tables with these names.
+    pub fn parse_drawn(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        samples: &[NamedSeries],
+        random: &[RandomInput],
+    ) -> Result<Self, ScenarioError> {
+        let given = MeasuredFrom::Given(samples, random);
+        parse::scenario(&Sources::new(name, text, overrides, given))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.

@@ -98,6 +98,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
             ..written
         },
     };
+    let scenario = scenario.with_first_path();
     let is_named = |name: &str| {
         scenario
             .written

@@ -71,6 +71,10 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         friction: Friction::weaker(friction),
         temperature,
         force,
+        random: measured
+            .iter()
+            .filter_map(|measured| measured.random.clone())
+            .collect(),
         initial_displacement,
         initial_velocity: table.number_or(keys::VELOCITY, 0.0),
     };

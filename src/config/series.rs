@@ -4,9 +4,10 @@
 use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
+use super::random;
 use super::source::{MeasuredFrom, Place, Sources};
 use super::tree::SECONDS;
-use crate::model::Series;
+use crate::model::{RandomInput, Series};
 use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -72,17 +73,17 @@ pub(super) fn inputs(
         }
         found.push((measured, table.place));
     }
-    if let MeasuredFrom::Given(given) = sources.measured_from {
-        let is_new = |name: &str| {
-            name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != name)
+    if let MeasuredFrom::Given(given, random) = sources.measured_from {
+        let names = given.iter().map(|given| &given.name);
+        let names = names.chain(random.iter().map(|random| &random.name));
+        let is_new = |name: &&String| {
+            name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != **name)
         };
-        let new: Vec<_> = given.iter().filter(|given| is_new(&given.name)).collect();
-        found.extend(new.into_iter().map(|given| {
-            (
-                reader(given.name.clone()).in_memory(given.series.clone()),
-                None,
-            )
-        }));
+        let new: Vec<&String> = names.filter(is_new).collect();
+        let given = new
+            .into_iter()
+            .filter_map(|name| Some((reader(name.clone()).given()?, None)));
+        found.extend(given.collect::<Vec<_>>());
     }
     found
 }
@@ -140,11 +141,37 @@ impl Reader<'_> {
 
     /// Values that replace those of the table, if any.
     fn given(&self) -> Option<Measured> {
-        let MeasuredFrom::Given(given) = self.sources.measured_from else {
+        let MeasuredFrom::Given(given, random) = self.sources.measured_from else {
             return None;
         };
-        let given = given.iter().find(|given| given.name == self.name)?;
-        Some(self.in_memory(given.series.clone()))
+        if let Some(given) = given.iter().find(|given| given.name == self.name) {
+            return Some(self.in_memory(given.series.clone()));
+        }
+        let random = random.iter().find(|random| random.name == self.name)?;
+        Some(self.drawn(random.clone()))
+    }
+
+    /// The description of values that each path draws.
+    fn drawn(&self, random: RandomInput) -> Measured {
+        Measured {
+            random: Some(random),
+            ..self.in_memory(Arc::new(Series::nothing()))
+        }
+    }
+
+    /// Read the process of the table.
+    fn process(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
+        let parameters = self.root.numbers(keys::PARAMETERS).into_iter();
+        let parameters: Vec<_> = parameters.map(|(name, value, _)| (name, value)).collect();
+        let is_spectrum = random::process_of(table) == Some(random::SPECTRUM);
+        let measured = match is_spectrum {
+            true => self.from_file(table)?,
+            false => self.in_memory(Arc::new(Series::nothing())),
+        };
+        let spectrum = is_spectrum.then(|| (measured.file.clone(), &*measured.series));
+        let random = random::random_input(self.sources, table, &self.name, spectrum, &parameters);
+        // An invalid process was reported.
+        Ok(Measured { random, ..measured })
     }
 
     /// The description of values that come from memory and not from a file.
@@ -160,11 +187,20 @@ impl Reader<'_> {
             max_gap: None,
             start: None,
             repairs: Vec::new(),
+            random: None,
         }
     }
 
     /// Read the table.
     fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
+        match random::is_process(table) {
+            true => self.process(table),
+            false => self.from_file(table),
+        }
+    }
+
+    /// Read the values in the file that the table names.
+    fn from_file(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
         let sources = self.sources;
         let (value, example) = match self.is_input() {
             true => (
@@ -180,8 +216,13 @@ impl Reader<'_> {
             file,
             column,
             unit,
-            layout,
+            mut layout,
         } = source(table, value, None);
+        if random::is_process(table) {
+            // A step is that of the samples, not one of the file.
+            layout.step = None;
+            layout.time.get_or_insert("frequency".into());
+        }
         let mut measured = Measured {
             file: file.unwrap_or_default(),
             value: column.unwrap_or_default(),
@@ -256,6 +297,10 @@ impl Reader<'_> {
         self.check_unit(column.unit).map_err(diagnostic)?;
         let series = Series::new(column.times, column.values)
             .map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
+        let series = match random::is_process(table) {
+            true => from_zero(&series, begin),
+            false => series,
+        };
         *measured = Measured {
             series: Arc::new(series),
             value: column.name,
@@ -354,6 +399,16 @@ impl Reader<'_> {
             ),
         ))
     }
+}
+
+/// A spectrum whose rows begin at a frequency: zero from 0 to there.
+fn from_zero(series: &Series, begin: f64) -> Series {
+    let shifted = series.times().iter().map(|f| f + begin);
+    let lower = [0.0, begin * (1.0 - 1e-9)];
+    let lower = lower.into_iter().filter(|_| begin > 0.0);
+    let frequencies = lower.clone().chain(shifted).collect();
+    let densities = lower.map(|_| 0.0).chain(series.values().iter().copied());
+    Series::new(frequencies, densities.collect()).unwrap_or_else(|_| series.clone())
 }
 
 /// The problem with a file, and its remedy.

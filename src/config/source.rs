@@ -4,7 +4,7 @@ use super::Shipped;
 use super::error::{Diagnostic, ScenarioError};
 use super::keys::Key;
 use super::overrides::Override;
-use crate::model::NamedSeries;
+use crate::model::{NamedSeries, RandomInput};
 use std::cell::{Cell, RefCell};
 use stickslip_text::excerpt::{short, underlined};
 
@@ -52,7 +52,7 @@ pub(super) enum MeasuredFrom<'a> {
     /// From values stored in the file of a run, as described by the text.
     Stored(&'a [NamedSeries]),
     /// From values that replace those of the text.
-    Given(&'a [NamedSeries]),
+    Given(&'a [NamedSeries], &'a [RandomInput]),
 }
 
 impl<'a> Sources<'a> {

@@ -107,6 +107,7 @@ fn the_paper_scenes_hold_its_parameters() {
             friction,
             temperature,
             force: None,
+            random: Vec::new(),
             initial_displacement,
             initial_velocity,
         };

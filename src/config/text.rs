@@ -2,6 +2,7 @@
 
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
+use super::random;
 use crate::model::{
     Drive, Force, Friction, InitialNoise, OrnsteinUhlenbeck, Problem, Sides, Temperature,
 };
@@ -475,9 +476,20 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
         layout,
         max_gap,
         start,
+        random: process,
         ..
     } = measured;
     text.table(table);
+    if let Some(process) = process {
+        let number = |key: Key, value| text.shown(key.name, value);
+        let of_process = random::written(process, number, string);
+        of_process
+            .into_iter()
+            .for_each(|(key, value)| text.other(key, value));
+    }
+    if !measured.is_in_file() {
+        return;
+    }
     text.other(keys::FILE, string(file));
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [

@@ -34,6 +34,7 @@ pub(super) fn scheme_and_time(
         given,
         measured
             .iter()
+            .filter(|measured| measured.random.is_none())
             .map(|measured| measured.series.end())
             .reduce(f64::min),
     ) {

@@ -4,7 +4,7 @@
 //! in a block fill the registers better. The sums and files of a block do not depend on whether it
 //! is simulated with others.
 
-use crate::model::Event;
+use crate::model::{Event, Problem};
 use crate::scheme::{Instant, Observer, Segment, Snapshot};
 
 /// The observers of blocks of `lanes` paths each, except perhaps the last one, which may have
@@ -18,6 +18,10 @@ impl<O: Observer> Observer for Flight<O> {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         self.observers[lane / self.lanes].event(lane % self.lanes, event);
+    }
+
+    fn realised(&mut self, lane: usize, model: &Problem) {
+        self.observers[lane / self.lanes].realised(lane % self.lanes, model);
     }
 
     fn follows(&self) -> bool {

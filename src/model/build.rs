@@ -34,6 +34,7 @@ impl Problem {
             },
             temperature: Temperature::default(),
             force: None,
+            random: Vec::new(),
             initial_displacement: 0.0,
             initial_velocity: 0.0,
         }

@@ -29,6 +29,7 @@ mod harmonic_clock;
 mod impulse_response;
 mod limits;
 mod oscillator;
+mod random_input;
 mod series;
 mod slip_flow;
 mod step_response;
@@ -50,6 +51,9 @@ pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::{Drive, Oscillator};
+pub use random_input::{
+    InputProcess, Moments, OwnProcess, Process, RandomInput, Shape, Size, Spectrum,
+};
 pub use series::usual_spacing;
 pub use series::{NamedSeries, NoSeries, Series};
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
@@ -59,6 +63,7 @@ pub use step_response::StepResponse;
 pub use temperature::{Harmonic, InitialNoise, OrnsteinUhlenbeck, Temperature};
 
 use crate::lanes::InstructionSet;
+use std::sync::Arc;
 
 /// The physical model: one oscillator, its friction, its temperature and its initial displacement.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +76,9 @@ pub struct Problem {
     pub temperature: Temperature,
     /// A user-defined force, g(x, x', t), which is added to b.
     pub force: Option<Force>,
+    /// The inputs, and the temperature, that are drawn anew for each path. Where the force, the load
+    /// of friction or the temperature have samples of their names, these are those of one path.
+    pub random: Vec<RandomInput>,
     /// x(0), a length.
     pub initial_displacement: f64,
     /// x'(0), a length per time. A body that moves at t = 0 is in its first dynamic phase, and its
@@ -79,6 +87,34 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// Whether paths differ.
+    pub fn is_random(&self) -> bool {
+        self.temperature.is_random() || !self.random.is_empty()
+    }
+
+    /// The problem with these samples for its inputs and its measured temperature, by the names of
+    /// their tables, and without random ones.
+    pub fn with_inputs(&self, samples: &[(&str, Arc<Series>)]) -> Problem {
+        let found = |name: &str| {
+            let sample = samples.iter().find(|(of, _)| *of == name);
+            sample.map(|(_, series)| series.clone())
+        };
+        let of_input = |name: &str| found(&format!("input.{name}"));
+        let series = found("temperature.series").or(self.temperature.series.clone());
+        Problem {
+            temperature: Temperature {
+                series,
+                ..self.temperature.clone()
+            },
+            force: self
+                .force
+                .as_ref()
+                .map(|force| force.with_samples(&of_input)),
+            random: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// b(x, x', t) at this temperature: the sum of all forces except friction.
     pub fn total_force(
         &self,

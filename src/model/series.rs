@@ -109,6 +109,12 @@ impl Series {
         self.on(self.piece(t), t)
     }
 
+    /// Whether there are samples that are closer than rounding of their times resolves: jumps.
+    pub fn has_jumps(&self) -> bool {
+        let is_jump = |pair: &[f64]| pair[1] - pair[0] < 1e-14 * pair[1];
+        self.times.windows(2).any(is_jump)
+    }
+
     /// The largest |S|.
     pub fn bound(&self) -> f64 {
         self.values

@@ -34,6 +34,7 @@ pub(crate) fn paper(w: f64, rho: f64) -> Problem {
             ..Temperature::default()
         },
         force: None,
+        random: Vec::new(),
         initial_displacement: 6.0,
         initial_velocity: 0.0,
     }

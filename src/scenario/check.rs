@@ -1,5 +1,6 @@
 //! Consistency checks. The range of each single value is checked when it is read.
 
+use super::TEMPERATURE_SERIES;
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
@@ -48,6 +49,7 @@ impl Scenario {
         }
         found.extend(statistics.check(time.end));
         found.extend(ensemble.check());
+        found.extend(self.check_random(&self.model.random));
         found
             .into_iter()
             .map(|check_error| self.as_written(check_error))
@@ -62,6 +64,13 @@ impl Scenario {
             .temperature
             .series
             .iter()
+            .filter(|_| {
+                !self
+                    .model
+                    .random
+                    .iter()
+                    .any(|of| of.name == TEMPERATURE_SERIES)
+            })
             .map(|series| ("the measured temperature".into(), series));
         let all: Vec<(String, _)> = temperature.chain(self.inputs()).collect();
         let close = |series: &Series| {

@@ -25,6 +25,7 @@ pub(crate) mod build;
 pub(crate) mod check;
 mod limits;
 mod plan;
+mod random;
 mod sensor;
 pub(crate) mod time;
 #[cfg(not(feature = "toml"))]

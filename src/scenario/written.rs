@@ -1,7 +1,7 @@
 //! How a text spells a scenario, in addition to the physics that it describes.
 
 use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
-use crate::model::{Expression, NamedSeries, Oscillator, Series};
+use crate::model::{Expression, NamedSeries, Oscillator, Problem, Process, RandomInput, Series};
 use crate::scheme::CheckError;
 use std::sync::Arc;
 use stickslip_data::Layout;
@@ -59,6 +59,9 @@ pub struct Measured {
     /// What was repaired in the file, in sentences; empty if the samples come from the file of a
     /// run.
     pub repairs: Vec<String>,
+    /// The process from which each path draws the values, if they are not measured; the samples are
+    /// those of the first path.
+    pub random: Option<RandomInput>,
 }
 
 /// The repairs are not compared, because they are known only when the data file itself is read.
@@ -74,11 +77,20 @@ impl PartialEq for Measured {
             )
         };
         let are_same = self.table == other.table && self.series == other.series;
-        are_same && said(self) == said(other) && self.max_gap == other.max_gap
+        are_same
+            && said(self) == said(other)
+            && self.max_gap == other.max_gap
+            && self.random == other.random
     }
 }
 
 impl Measured {
+    /// Whether the samples belong to the scenario: a measurement, or a spectrum.
+    pub(crate) fn is_in_file(&self) -> bool {
+        let process = self.random.as_ref().map(|random| &random.process);
+        process.is_none_or(|process| matches!(process, Process::Spectrum(_)))
+    }
+
     /// The name of an input, if it is one.
     pub fn input(&self) -> Option<&str> {
         self.table.strip_prefix(INPUT)
@@ -86,13 +98,32 @@ impl Measured {
 }
 
 impl Scenario {
+    /// The scenario whose model has the realisations of the first path for its random inputs.
+    pub(crate) fn with_first_path(mut self) -> Self {
+        let (seed, end, step) = (self.ensemble.seed, self.time.end, self.scheme.step());
+        let random = std::mem::take(&mut self.model.random);
+        if random.is_empty() || self.check_random(&random).is_some() {
+            self.model.random = random;
+            return self;
+        }
+        let series = |input: &RandomInput| Arc::new(input.realised(seed, 0, end, step));
+        let samples: Vec<_> = random
+            .iter()
+            .map(|of| (of.name.as_str(), series(of)))
+            .collect();
+        let model = self.model.with_inputs(&samples);
+        self.model = Problem { random, ..model };
+        self
+    }
+
     /// All measured values, each by the table that describes it.
     pub fn samples(&self) -> Vec<NamedSeries> {
         let samples = |measured: &Measured| NamedSeries {
             name: measured.table.clone(),
             series: measured.series.clone(),
         };
-        self.written.measured.iter().map(samples).collect()
+        let measured = self.written.measured.iter();
+        measured.filter(|of| of.is_in_file()).map(samples).collect()
     }
 
     /// The stamp of t = 0 of the measured temperature, if its file has stamps.
@@ -105,7 +136,8 @@ impl Scenario {
 
     /// The inputs, each with the words for it in messages.
     pub(super) fn inputs(&self) -> impl Iterator<Item = (String, &Arc<Series>)> {
-        self.written.measured.iter().filter_map(|of| {
+        let measured = self.written.measured.iter();
+        measured.filter(|of| of.random.is_none()).filter_map(|of| {
             let what = format!("the input `{}` ({})", of.input()?, of.file);
             Some((what, &of.series))
         })

@@ -1,5 +1,5 @@
 //! The enums of all schemes, made from one list: [`Kind`] without a parameter, [`Scheme`] with its
-//! parameter, and `Simulation`, ready to simulate. Each is matched once, outside all loops; the
+//! parameter, and `OfScheme`, ready to simulate. Each is matched once, outside all loops; the
 //! code inside the loops is compiled for the one scheme.
 
 use super::{Kind, Parameter, Scheme};
@@ -20,9 +20,9 @@ macro_rules! schemes {
             $(#[doc = concat!("[`", stringify!($Scheme), "`].")] $Scheme($Scheme),)+
         }
 
-        /// A scheme on one model and one timeline, ready to simulate paths.
+        /// A scheme on one model without random inputs and one timeline.
         #[derive(Clone, Debug)]
-        pub enum Simulation {
+        pub(super) enum OfScheme {
             $(#[doc = concat!("That of [`", stringify!($Scheme), "`].")] $Scheme(Box<<$Scheme as Method>::Simulation>),)+
         }
 
@@ -68,10 +68,9 @@ macro_rules! schemes {
                 match self { $(Scheme::$Scheme(scheme) => scheme.parameter(),)+ }
             }
 
-            /// The scheme on this model, observed on this timeline.
-            pub fn simulation(self, model: &Problem, timeline: &Timeline) -> Simulation {
+            fn of_scheme(self, model: &Problem, timeline: &Timeline) -> OfScheme {
                 match self {
-                    $(Scheme::$Scheme(scheme) => Simulation::$Scheme(Box::new(scheme.simulation(model, timeline))),)+
+                    $(Scheme::$Scheme(scheme) => OfScheme::$Scheme(Box::new(scheme.simulation(model, timeline))),)+
                 }
             }
 
@@ -97,59 +96,59 @@ macro_rules! schemes {
             }
         }
 
-        impl Simulate for Simulation {
+        impl Simulate for OfScheme {
             fn model(&self) -> &Problem {
-                match self { $(Simulation::$Scheme(simulation) => simulation.model(),)+ }
+                match self { $(OfScheme::$Scheme(simulation) => simulation.model(),)+ }
             }
 
             fn timeline(&self) -> &Timeline {
-                match self { $(Simulation::$Scheme(simulation) => simulation.timeline(),)+ }
+                match self { $(OfScheme::$Scheme(simulation) => simulation.timeline(),)+ }
             }
 
             fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
                 match self {
-                    $(Simulation::$Scheme(simulation) => simulation.simulate_counting(seed, paths, observer),)+
+                    $(OfScheme::$Scheme(simulation) => simulation.simulate_counting(seed, paths, observer),)+
                 }
             }
 
             fn step(&self) -> Option<f64> {
-                match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
+                match self { $(OfScheme::$Scheme(simulation) => simulation.step(),)+ }
             }
 
             fn vectorised_paths(&self) -> usize {
-                match self { $(Simulation::$Scheme(simulation) => simulation.vectorised_paths(),)+ }
+                match self { $(OfScheme::$Scheme(simulation) => simulation.vectorised_paths(),)+ }
             }
 
             fn kernel(&self) -> String {
-                match self { $(Simulation::$Scheme(simulation) => simulation.kernel(),)+ }
+                match self { $(OfScheme::$Scheme(simulation) => simulation.kernel(),)+ }
             }
 
             fn fed_by_finer(self, refinement: usize) -> Self {
                 match self {
-                    $(Simulation::$Scheme(simulation) => {
-                        Simulation::$Scheme(Box::new(simulation.fed_by_finer(refinement)))
+                    $(OfScheme::$Scheme(simulation) => {
+                        OfScheme::$Scheme(Box::new(simulation.fed_by_finer(refinement)))
                     })+
                 }
             }
 
             fn observed_every(self, steps: u64) -> Self {
                 match self {
-                    $(Simulation::$Scheme(simulation) => Simulation::$Scheme(Box::new(simulation.observed_every(steps))),)+
+                    $(OfScheme::$Scheme(simulation) => OfScheme::$Scheme(Box::new(simulation.observed_every(steps))),)+
                 }
             }
 
             fn with_additional_rows(self, row_stride: usize) -> Self {
                 match self {
-                    $(Simulation::$Scheme(simulation) => {
-                        Simulation::$Scheme(Box::new(simulation.with_additional_rows(row_stride)))
+                    $(OfScheme::$Scheme(simulation) => {
+                        OfScheme::$Scheme(Box::new(simulation.with_additional_rows(row_stride)))
                     })+
                 }
             }
 
             fn with_work_limit(self, limit: u64) -> Self {
                 match self {
-                    $(Simulation::$Scheme(simulation) => {
-                        Simulation::$Scheme(Box::new(simulation.with_work_limit(limit)))
+                    $(OfScheme::$Scheme(simulation) => {
+                        OfScheme::$Scheme(Box::new(simulation.with_work_limit(limit)))
                     })+
                 }
             }

@@ -20,6 +20,7 @@ mod discrete_vi;
 mod event_driven;
 mod method;
 mod quasi_static;
+mod realised;
 mod segment;
 mod stability;
 mod timeline;
@@ -38,6 +39,7 @@ pub use event_driven::{
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use method::{Appearance, Discretisation, Method, Parameter, Simulate};
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
+pub use realised::Simulation;
 pub use segment::{Along, Course, Segment};
 pub use stability::Stability;
 pub use timeline::{Instant, Timeline};
@@ -69,6 +71,7 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 ///     friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
 ///     temperature: Temperature { harmonics, ..Temperature::default() },
 ///     force: None,
+///     random: Vec::new(),
 ///     initial_displacement: 6.0,
 ///     initial_velocity: 0.0,
 /// };
@@ -99,6 +102,10 @@ pub trait Observer {
     /// before all later states.
     fn segment(&mut self, _lane: usize, _segment: &Segment) {}
 
+    /// The model of one path, if it has random inputs: that with its realisations. This is called
+    /// before anything else of the path.
+    fn realised(&mut self, _lane: usize, _model: &Problem) {}
+
     /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the
     /// observer must discard the data of these paths.
     fn is_stopped(&self) -> bool {
@@ -115,6 +122,11 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     fn event(&mut self, lane: usize, event: Event) {
         self.0.event(lane, event);
         self.1.event(lane, event);
+    }
+
+    fn realised(&mut self, lane: usize, model: &Problem) {
+        self.0.realised(lane, model);
+        self.1.realised(lane, model);
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {

@@ -42,7 +42,8 @@ impl Deterministic {
             .let_go(0.0, temperature.mean(0.0), *initial_displacement)
             .is_some();
         let has_load = model.has_load();
-        let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
+        let is_moved = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
+        let is_random = is_moved || !model.random.is_empty();
         Deterministic {
             everything: !is_random || timeline.end == 0.0,
             start,

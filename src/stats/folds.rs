@@ -22,7 +22,9 @@ pub(super) struct PathFolds {
     pub paths: Vec<PathFold>,
     pub laws: Option<Vec<LawFold>>,
     pub motion: Option<Vec<MotionFold>>,
-    pub model: Problem,
+    model: Problem,
+    /// The model of each path, if it has random inputs.
+    realised: Vec<Problem>,
     timeline: Timeline,
     pub record: Record,
 }
@@ -40,9 +42,21 @@ impl PathFolds {
             motion: (record.has_motion() || model.has_load())
                 .then(|| vec![MotionFold::starting_at(model, timeline); count]),
             model: model.clone(),
+            realised: Vec::new(),
             timeline: *timeline,
             record: *record,
         }
+    }
+
+    /// The model of a path.
+    pub fn model(&self, lane: usize) -> &Problem {
+        self.realised.get(lane).unwrap_or(&self.model)
+    }
+
+    /// Add the model of the next path.
+    pub fn realised(&mut self, lane: usize, model: &Problem) {
+        self.realised.truncate(lane);
+        self.realised.push(model.clone());
     }
 
     /// Add an event. Returns the counted phase that it completes; `law` receives the completed
@@ -66,9 +80,10 @@ impl PathFolds {
     /// Add a segment of the motion.
     pub fn segment(&mut self, lane: usize, segment: &Segment) {
         if let Some(motion) = &mut self.motion {
+            let model = self.realised.get(lane).unwrap_or(&self.model);
             match self.record.has_motion() {
-                true => motion[lane].segment(&self.model, &self.timeline, segment),
-                false => motion[lane].friction(&self.model, &self.timeline, segment),
+                true => motion[lane].segment(model, &self.timeline, segment),
+                false => motion[lane].friction(model, &self.timeline, segment),
             }
         }
     }
@@ -88,7 +103,8 @@ impl PathFolds {
             }
             path.friction_work = self.model.friction.dynamic_force * path.travel;
             if let Some(motion) = &mut self.motion {
-                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path);
+                let model = self.realised.get(lane).unwrap_or(&self.model);
+                motion[lane].at(model, instant, [x, seen.velocity[lane]], path);
             }
         }
     }

@@ -152,6 +152,10 @@ impl Observer for GroupObserver {
         self.folds.event(lane, &event, |_, _| {});
     }
 
+    fn realised(&mut self, lane: usize, model: &Problem) {
+        self.folds.realised(lane, model);
+    }
+
     fn follows(&self) -> bool {
         self.folds.motion.is_some()
     }

@@ -180,8 +180,8 @@ impl BlockObserver {
 
     /// Adds the row of a path to those that are kept.
     fn keep(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        let PathFolds { model, paths, .. } = &self.folds;
         for (lane, rows) in self.trajectories.iter_mut().enumerate() {
+            let model = self.folds.model(lane);
             let (x, v, t) = (
                 snapshot.displacement[lane],
                 snapshot.velocity[lane],
@@ -193,7 +193,7 @@ impl BlockObserver {
             let direction = if v == 0.0 {
                 Sign::of(b)
             } else {
-                paths[lane].direction
+                self.folds.paths[lane].direction
             };
             let sliding = model.sliding_friction(direction, snapshot.time, x, v);
             let is_static = snapshot.is_static[lane];
@@ -242,6 +242,10 @@ impl Observer for BlockObserver {
         if let Some(events) = &mut self.events {
             events[lane].push(event);
         }
+    }
+
+    fn realised(&mut self, lane: usize, model: &Problem) {
+        self.folds.realised(lane, model);
     }
 
     fn follows(&self) -> bool {

@@ -117,7 +117,7 @@ impl Between<'_> {
         let segment = self.motion.get(next.checked_sub(1)?)?;
         let part = ((time - segment.start) / segment.length).min(1.0);
         let at = state(segment, part, sign, self.model);
-        let known = !self.model.temperature.is_random();
+        let known = !self.model.is_random();
         let at_time = || {
             let moving = [at.displacement, at.velocity];
             shown(self.model, time, self.temperature(time), moving)
@@ -351,7 +351,7 @@ impl PathTrace {
     /// samples of inputs. Without noise, it contains the extremes between its rows, too.
     fn refined(mut self, replay: &Replay, from: f64) -> PathTrace {
         let scenario = &replay.scenario;
-        let is_random = scenario.model.temperature.is_random();
+        let is_random = scenario.model.is_random();
         let has_step = scenario.scheme.step().is_some();
         let follows = |phase: &DrawnPhase| phase.is_coarse() || phase.slip.is_some() && !has_step;
         let times = scenario.timeline().output_times();

@@ -82,7 +82,7 @@ pub fn caveats(scenario: &Scenario, are_counts: bool) -> Vec<LegendEntry> {
     let friction = &scenario.model.friction;
     let is_equal = friction.static_force <= friction.dynamic_force;
     let has_no_limit = scenario.resolution().is_some()
-        || is_equal && scenario.scheme.step().is_some() && scenario.model.temperature.is_random();
+        || is_equal && scenario.scheme.step().is_some() && scenario.model.is_random();
     let bias = scenario.scheme.step();
     let bias = bias.map(|h| format!("including the bias of the step {h}"));
     let limit = (are_counts && has_no_limit)

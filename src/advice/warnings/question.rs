@@ -28,7 +28,7 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
 
 pub(super) fn identical_paths(case: &Case) -> Option<String> {
     let paths = case.scenario.ensemble.paths;
-    (!case.scenario.model.temperature.is_random() && paths > 1).then(|| {
+    (!case.scenario.model.is_random() && paths > 1).then(|| {
         format!(
             "the scenario is deterministic: all {paths} paths are identical, and ensemble.paths \
             = 1 is enough"

@@ -5,7 +5,7 @@ use super::law::ForceLaw;
 use super::parse::parse;
 use super::pulses::pulses;
 use super::tape::Tape;
-use super::tree::{DIRECTION, Formula, TIME, X, XDOT};
+use super::tree::{DIRECTION, Formula, INPUT, TIME, X, XDOT};
 use super::words::Names;
 use crate::lanes::Lanes;
 use crate::model::{NamedSeries, Series, Temperature};
@@ -131,6 +131,42 @@ impl Expression {
             velocity,
         };
         Some((drive, linear))
+    }
+
+    /// The value of an expression of t alone.
+    pub fn of_time(&self, t: f64) -> f64 {
+        self.tape.value::<f64>(0.0, 0.0, t)
+    }
+
+    /// The same expression of other samples, for the inputs that `found` knows by their names.
+    pub fn with_samples(&self, found: &dyn Fn(&str) -> Option<Arc<Series>>) -> Expression {
+        let mut other = self.clone();
+        let series = self.inputs.iter().zip(&mut other.inputs);
+        for ((input, to), of_tree) in series.zip(&mut other.formula.inputs) {
+            if let Some(series) = found(&input.name) {
+                to.series = series.clone();
+                *of_tree = series;
+            }
+        }
+        let inputs = &other.formula.inputs;
+        other.tape.replace_inputs(inputs);
+        other
+            .backwards
+            .iter_mut()
+            .for_each(|tape| tape.replace_inputs(inputs));
+        other
+    }
+
+    /// Whether the text names this input.
+    pub fn uses_input(&self, name: &str) -> bool {
+        let number = self.inputs.iter().position(|input| input.name == name);
+        number.is_some_and(|number| self.formula.uses(INPUT + number))
+    }
+
+    /// Whether this input is a term of the whole, at most times a number, and occurs nowhere else.
+    pub fn adds_input(&self, name: &str) -> bool {
+        let number = self.inputs.iter().position(|input| input.name == name);
+        number.is_some_and(|number| self.formula.adds(INPUT + number))
     }
 
     /// Whether g is a function of t alone.

@@ -27,6 +27,7 @@ pub use law::ForceLaw;
 pub use scan::{ForceWarning, Scales, Steepest, beyond_hold, force_warnings, steepest};
 pub use sides::{Hold, Sides};
 
+use super::Series;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use std::any::Any;
 use std::fmt::Debug;
@@ -99,6 +100,18 @@ impl Force {
         kinks.sort_by(f64::total_cmp);
         kinks.dedup();
         kinks
+    }
+
+    /// The same force of other samples, for the inputs that `found` knows by their names.
+    pub(crate) fn with_samples(&self, found: &dyn Fn(&str) -> Option<Arc<Series>>) -> Force {
+        let other = |force: &Force| match force.expression() {
+            Some(expression) => Force::new(expression.with_samples(found)),
+            None => force.clone(),
+        };
+        match &self.sides {
+            None => other(self),
+            Some(sides) => sides.map(other),
+        }
     }
 
     /// Whether g is known to be a function of t alone, under constant friction.

@@ -138,6 +138,12 @@ impl Sides {
         self.load.as_ref().map(|[forwards, _]| forwards)
     }
 
+    /// The force of these sides with other forces and loads.
+    pub(super) fn map(&self, other: impl Fn(&Force) -> Force) -> Force {
+        let both = |forces: &[Force; 2]| forces.each_ref().map(&other);
+        Force::with_friction(both(&self.own), self.load.as_ref().map(both), self.friction)
+    }
+
     /// f_s and f_d, forwards and backwards.
     pub fn friction(&self) -> [Friction; 2] {
         self.friction

@@ -63,8 +63,8 @@ pub(super) struct Tape {
     steps: Vec<Step>,
     /// The slots of x, x' and t, if they are used.
     variables: [Option<u8>; 3],
-    /// The measured inputs with their slots.
-    inputs: Vec<(u8, Arc<Series>)>,
+    /// The slots of inputs, with their numbers and samples.
+    inputs: Vec<(u8, usize, Arc<Series>)>,
     result: u8,
     slots: usize,
 }
@@ -89,6 +89,13 @@ impl Tape {
         })
     }
 
+    /// Takes other samples of the inputs.
+    pub fn replace_inputs(&mut self, inputs: &[Arc<Series>]) {
+        for (_, number, samples) in &mut self.inputs {
+            *samples = inputs[*number].clone();
+        }
+    }
+
     /// The value of the expression in the lanes of a register.
     #[inline(always)]
     pub fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
@@ -109,7 +116,7 @@ impl Tape {
                 slots[*slot as usize & (S - 1)] = [variable];
             }
         }
-        for (slot, input) in &self.inputs {
+        for (slot, _, input) in &self.inputs {
             slots[*slot as usize & (S - 1)] = [sampled(input, time)];
         }
         self.run(&mut slots);
@@ -160,7 +167,7 @@ impl Tape {
             if let Some(slot) = of_time {
                 slots[slot] = [time; REGISTERS];
             }
-            for (slot, input) in &self.inputs {
+            for (slot, _, input) in &self.inputs {
                 slots[*slot as usize & (S - 1)] = [sampled(input, time); REGISTERS];
             }
             self.run(&mut slots);
@@ -418,7 +425,9 @@ impl Values {
             if let Source::Variable(variable) = source {
                 slot_of[i] = free.pop()?;
                 match variable.checked_sub(INPUT) {
-                    Some(input) => tape.inputs.push((slot_of[i], inputs[input].clone())),
+                    Some(input) => {
+                        tape.inputs.push((slot_of[i], input, inputs[input].clone()));
+                    }
                     None => tape.variables[*variable] = Some(slot_of[i]),
                 }
             }
@@ -450,7 +459,7 @@ impl Values {
             .iter()
             .map(|step| step.to)
             .chain(tape.variables.into_iter().flatten());
-        let used = used.chain(tape.inputs.iter().map(|(slot, _)| *slot));
+        let used = used.chain(tape.inputs.iter().map(|(slot, ..)| *slot));
         tape.slots = used.max().map_or(1, |highest| highest as usize + 1);
         Some(tape)
     }

@@ -102,6 +102,35 @@ impl Formula {
             .map(|(_, input)| input)
     }
 
+    /// Whether the whole is this variable times a number, plus terms without it.
+    pub fn adds(&self, variable: usize) -> bool {
+        let mut forms: Vec<Option<Affine>> = Vec::with_capacity(self.nodes.len());
+        // For each node, whether the variable is a term of it; none if it is anything else.
+        let mut terms: Vec<Option<bool>> = Vec::with_capacity(self.nodes.len());
+        for operation in &self.nodes {
+            let is_number = |node: usize| {
+                let form = forms[node].as_ref();
+                form.is_some_and(|form| form.constant().is_some())
+            };
+            let is_free = |node: usize| terms[node] == Some(false);
+            let term = match operation.term {
+                Term::Number(_) => Some(false),
+                Term::Variable(other) => Some(other == variable),
+                Term::Unary(Unary::Negative, a) => terms[a],
+                Term::Binary(Binary::Add | Binary::Sub, a, b) => {
+                    terms[a].zip(terms[b]).map(|(a, b)| a || b)
+                }
+                Term::Binary(Binary::Mul | Binary::Div, a, b) if is_number(b) => terms[a],
+                Term::Binary(Binary::Mul, a, b) if is_number(a) => terms[b],
+                Term::Unary(_, a) | Term::Whole(a, _) => is_free(a).then_some(false),
+                Term::Binary(_, a, b) => (is_free(a) && is_free(b)).then_some(false),
+            };
+            terms.push(term);
+            forms.push(affine(operation.term, &forms));
+        }
+        terms.pop().flatten() == Some(true)
+    }
+
     /// The whole as a form that is linear in x, x' and the inputs, if it is one for all x, x' and t.
     pub fn affine(&self) -> Option<Affine> {
         let mut forms: Vec<Option<Affine>> = Vec::with_capacity(self.nodes.len());

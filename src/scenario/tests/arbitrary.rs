@@ -50,6 +50,7 @@ prop_compose! {
             friction: Friction { static_force, dynamic_force: static_force * ratio },
             temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, noises },
             force: None,
+            random: Vec::new(),
             initial_displacement,
             initial_velocity,
         }

@@ -51,6 +51,7 @@ pub fn model() -> Problem {
         },
         temperature: Temperature::default(),
         force: None,
+        random: Vec::new(),
         initial_displacement: 6.0,
         initial_velocity: 0.0,
     }

@@ -129,9 +129,7 @@ impl SweepQuestion {
 
     /// Whether the paths of any point are random.
     fn is_random(&self) -> bool {
-        self.points
-            .iter()
-            .any(|point| point.model.temperature.is_random())
+        self.points.iter().any(|point| point.model.is_random())
     }
 }
 

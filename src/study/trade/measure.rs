@@ -219,7 +219,7 @@ fn pairing_of(
     if scenario.ensemble.antithetic {
         return Ok(Pairing::Asked);
     }
-    let is_random = scenario.model.temperature.is_random();
+    let is_random = scenario.model.is_random();
     if !is_random || end.limits.is_stopped() || paired.paths < pairing::FEWEST {
         return Ok(Pairing::Unknown);
     }

@@ -102,7 +102,7 @@ impl Trade {
             .with_scheme(settings[reference].scheme)?
             .resolution()
             .is_some();
-        let is_random = scenario.model.temperature.is_random();
+        let is_random = scenario.model.is_random();
         Ok(Trade {
             settings,
             reference,

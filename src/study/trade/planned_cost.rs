@@ -61,7 +61,7 @@ impl PlannedCost {
         let budget = Budget {
             time: budget,
             threads,
-            is_random: scenario.model.temperature.is_random(),
+            is_random: scenario.model.is_random(),
         };
         let each = grid
             .free

@@ -54,7 +54,7 @@ impl SettingGrid {
                     // Without noise the cascade is exact at any tolerance, so one tolerance is
                     // enough.
                     let one = [DEFAULT_TOLERANCE];
-                    let tolerances = if scenario.model.temperature.is_random() {
+                    let tolerances = if scenario.model.is_random() {
                         tolerances
                     } else {
                         &one

@@ -34,6 +34,8 @@ pub struct Noiseless {
     /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
     span: f64,
     knots: Knots,
+    /// Whether the temperature jumps at samples.
+    has_jumps: bool,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
 }
@@ -85,6 +87,7 @@ impl Noiseless {
             body,
             span,
             knots: Knots::new(&model.oscillator, steady_rate),
+            has_jumps: (model.temperature.series.as_ref()).is_some_and(|series| series.has_jumps()),
             work_limit: work_limit(WITHOUT_NOISE),
         }
     }
@@ -452,10 +455,19 @@ impl PathSegments for Noiseless {
             (End::Cut(()), Phase::Slip(direction)) => {
                 let state = self.flow(segment, direction).at(duration);
                 let friction = direction.value() * self.model.friction.dynamic_force;
-                let force = friction + self.model.oscillator.mass * state.acceleration;
+                let displacement = segment.from.displacement + state.displacement;
+                let body = &self.model.oscillator;
+                // A jump takes less time than rounding, which would be a part of its force.
+                let force = match self.has_jumps {
+                    true => {
+                        let damping = 2.0 * body.damping * state.velocity;
+                        self.force_at_rest(start, &terms, displacement) - damping
+                    }
+                    false => friction + body.mass * state.acceleration,
+                };
                 self.slip(
                     start,
-                    segment.from.displacement + state.displacement,
+                    displacement,
                     (state.velocity, force),
                     terms,
                     direction,
