@@ -33,6 +33,10 @@ pub(super) fn expected_amplitude(model: &Problem, end: f64, step: Option<f64>) -
         initial_displacement: x0,
         ..
     } = model;
+    // That of another path may be far larger than that of the first.
+    if !model.random.is_empty() {
+        return f64::NAN;
+    }
     let w0 = oscillator.natural_frequency();
     let force = model.force_bound(NEVER_SD, end);
     let v0 = model.initial_velocity;

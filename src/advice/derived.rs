@@ -149,7 +149,7 @@ impl Derived {
             self.tolerance.into(),
             resolution(|resolution| resolution.static_force),
             resolution(|resolution| resolution.shortest_slip),
-            Real(self.expected_amplitude),
+            Some(self.expected_amplitude).filter(|x| !x.is_nan()).into(),
             self.period.map(|period| period.length).into(),
             Real(self.whole_periods),
             Count(self.counted_periods as u64),

@@ -111,7 +111,8 @@ impl Differences {
     ) -> Result<Self, NoBias> {
         let h = scheme.step().ok_or(NoBias::FewSteps)?;
         let is_random = model.is_random();
-        if is_random && model.friction.static_force == model.friction.dynamic_force {
+        let is_noisy = model.temperature.is_random();
+        if is_noisy && model.friction.static_force == model.friction.dynamic_force {
             return Err(NoBias::EqualFriction);
         }
         if timeline.end / h < MIN_STEPS {

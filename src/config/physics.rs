@@ -87,6 +87,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
             is_balanced,
             white_noise,
             force: written_force,
+            realised: Vec::new(),
         },
         unused,
     }

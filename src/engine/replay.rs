@@ -61,7 +61,7 @@ impl Replay {
     /// The same path with as many rows from the time `from` on as [`Replay::of`] has in all, or up to
     /// 200 000 rows in all.
     pub fn enlarged(scenario: &Scenario, path: u64, from: f64) -> Self {
-        let mut scenario = scenario.clone();
+        let mut scenario = scenario.of_path(path);
         let shown = scenario.time.end - from;
         let enlargement = if scenario.time.end > 0.0 {
             (scenario.time.end / shown).clamp(1.0, MOST_ENLARGED)

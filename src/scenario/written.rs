@@ -1,7 +1,7 @@
 //! How a text spells a scenario, in addition to the physics that it describes.
 
 use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
-use crate::model::{Expression, NamedSeries, Oscillator, Problem, Process, RandomInput, Series};
+use crate::model::{Expression, NamedSeries, Oscillator, Process, RandomInput, Series};
 use crate::scheme::CheckError;
 use std::sync::Arc;
 use stickslip_data::Layout;
@@ -22,6 +22,8 @@ pub struct AsWritten {
     /// The user-defined force, if there is one. A linear one is in the stiffness and the damping of
     /// the model.
     pub force: Option<WrittenForce>,
+    /// The realisations of random inputs in the model, by their tables.
+    pub realised: Vec<(String, Arc<Series>)>,
 }
 
 /// A user-defined force as written in a scenario.
@@ -98,22 +100,20 @@ impl Measured {
 }
 
 impl Scenario {
-    /// The scenario whose model has the realisations of the first path for its random inputs.
-    pub(crate) fn with_first_path(mut self) -> Self {
-        let (seed, end, step) = (self.ensemble.seed, self.time.end, self.scheme.step());
-        let random = std::mem::take(&mut self.model.random);
-        if random.is_empty() || self.check_random(&random).is_some() {
-            self.model.random = random;
-            return self;
+    /// The inputs that the force and the load may name, each with the values on the path of the
+    /// scenario ([`Scenario::of_path`]) and their unit.
+    pub fn inputs_of_path(&self) -> Vec<(&str, &Arc<Series>, Option<&str>)> {
+        let mut inputs = Vec::new();
+        for measured in &self.written.measured {
+            let Some(name) = measured.input() else {
+                continue;
+            };
+            let mut all = self.written.realised.iter();
+            let realised = all.find(|(name, _)| *name == measured.table);
+            let series = realised.map_or(&measured.series, |(_, series)| series);
+            inputs.push((name, series, measured.unit.as_deref()));
         }
-        let series = |input: &RandomInput| Arc::new(input.realised(seed, 0, end, step));
-        let samples: Vec<_> = random
-            .iter()
-            .map(|of| (of.name.as_str(), series(of)))
-            .collect();
-        let model = self.model.with_inputs(&samples);
-        self.model = Problem { random, ..model };
-        self
+        inputs
     }
 
     /// All measured values, each by the table that describes it.

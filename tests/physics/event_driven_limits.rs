@@ -483,6 +483,7 @@ fn noise_that_hardly_relaxes_takes_bounded_work() {
                 ..Temperature::default()
             },
             force: None,
+            random: Vec::new(),
             initial_displacement: 0.0,
             initial_velocity: 0.0,
         };

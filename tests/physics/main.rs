@@ -21,6 +21,7 @@ mod measures;
 mod motion;
 mod noise;
 mod quasi_static;
+mod random_inputs;
 mod reference;
 mod series;
 mod two_noises;

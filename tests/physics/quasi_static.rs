@@ -349,6 +349,7 @@ fn a_start_outside_the_stick_band_swings_from_its_force() {
         },
         temperature,
         force: None,
+        random: Vec::new(),
         initial_displacement: x0,
         initial_velocity: 0.0,
     };
@@ -438,6 +439,7 @@ fn a_stationary_noise_starts_from_the_force_it_has() {
             ..Temperature::default()
         },
         force: None,
+        random: Vec::new(),
         initial_displacement: 0.0,
         initial_velocity: 0.0,
     };

@@ -14,8 +14,9 @@ use super::{
     sheet, solid,
 };
 use std::ops::Range;
+use std::sync::Arc;
+use stickslip::model::Series;
 use stickslip::model::{Drive, Problem, Sign};
-use stickslip::scenario::Measured;
 use stickslip::stats::Dimension;
 use stickslip_data::input_unit;
 
@@ -112,11 +113,10 @@ impl<'a> PathLayout<'a> {
     /// The inputs over time, in a panel each.
     fn inputs(&self) -> Vec<Panel> {
         let scenario = self.path.scenario;
-        let inputs = scenario.written.measured.iter();
-        let inputs = inputs.filter_map(|measured| Some((measured.input()?, measured)));
-        let panel = |(name, measured): (&str, &Measured)| {
-            let points = sampled(&measured.series, [self.path.from, scenario.time.end]);
-            let unit = measured.unit.as_deref().and_then(input_unit);
+        let inputs = scenario.inputs_of_path().into_iter();
+        let panel = |(name, series, unit): (&str, &Arc<Series>, Option<&str>)| {
+            let points = sampled(series, [self.path.from, scenario.time.end]);
+            let unit = unit.and_then(input_unit);
             let unit = unit.map_or(String::new(), |(si, _)| si.replace('2', "\u{b2}"));
             let values = points.iter().map(|point| point[1]);
             let axis = Axis::around(values, letter(name), &unit);

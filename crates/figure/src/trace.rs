@@ -365,11 +365,13 @@ impl PathTrace {
             rows: [&times, rows.map_or(&[], |rows| &rows.temperature[..])],
         };
         let window = [from, scenario.time.end];
-        let samples = scenario
-            .written
-            .measured
-            .iter()
-            .flat_map(|of| sampled(&of.series, window));
+        let temperature = scenario.model.temperature.series.as_deref();
+        let inputs = scenario.inputs_of_path();
+        let inputs = inputs.iter().map(|(_, series, _)| &***series);
+        let samples = temperature
+            .into_iter()
+            .chain(inputs)
+            .flat_map(|series| sampled(series, window));
         let samples: Vec<f64> = samples.map(|[time, _]| time).collect();
         if let Some(first) = self.pieces.first_mut().filter(|first| first.begin() > from) {
             let begin = between.state(first, from);

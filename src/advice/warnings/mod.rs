@@ -106,6 +106,8 @@ const ALL: &[WarningRow] = &[
     row("equal-friction", Class::Other, noise::equal_friction),
     row("stick-exit-bias", Class::Bias, noise::stick_exit_bias),
     row("corrected-bias", Class::Bias, noise::corrected_bias),
+    rows("coarse-process", Class::Other, series::coarse_process),
+    rows("process-repeats", Class::Other, series::repeats),
     row("white-noise", Class::Other, noise::white),
     row("micro-slips", Class::Other, noise::micro_slips),
     row("resolution", Class::Other, noise::unresolved),

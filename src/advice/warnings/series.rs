@@ -1,6 +1,8 @@
 //! Warnings about a measured temperature.
 
 use super::case::Case;
+use crate::model::{Process, RandomInput, Shape};
+use stickslip_text::numbers::short;
 
 /// The file of a series was repaired as it was read.
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {
@@ -13,6 +15,67 @@ pub(super) fn repaired_series(case: &Case) -> Vec<String> {
     repaired
         .map(|of| format!("{}: {}", of.file, of.repairs.join("; ")))
         .collect()
+}
+
+/// The most changes of a process in a step that resolves it.
+const RESOLVED: f64 = 0.25;
+
+/// The samples of a process are too far apart for it, or the step of the scheme passes its pulses by.
+pub(super) fn coarse_process(case: &Case) -> Vec<String> {
+    let coarse = |RandomInput {
+                      name,
+                      process,
+                      step,
+                      ..
+                  }: &RandomInput| {
+        let too_long = |step: f64, rate: f64| step * rate > RESOLVED;
+        let limit = |rate: f64| short(RESOLVED / rate);
+        if let Some(rate) = process.fastest_rate().filter(|rate| too_long(*step, *rate)) {
+            return Some(format!(
+                "`{name}.step` = {} is long for the process, which changes within {}: its samples lose \
+                 variance between them. Use {} or less",
+                short(*step),
+                short(1.0 / rate),
+                limit(rate)
+            ));
+        }
+        let rate = match process {
+            Process::Telegraph { rates, .. } => rates[0].max(rates[1]),
+            Process::Shot {
+                shape: Shape::Rectangle(duration),
+                ..
+            } => 1.0 / duration,
+            Process::Shot { rate, .. } => *rate,
+            _ => return None,
+        };
+        let h = case.step.filter(|h| too_long(*h, rate))?;
+        Some(format!(
+            "time.step = {} is long for `{name}`, which changes within {}: the scheme sees it only once a \
+             step. Use {} or less, or `scheme.kind = \"event-driven\"`, whose times are exact",
+            short(h),
+            short(1.0 / rate),
+            limit(rate)
+        ))
+    };
+    let random = &case.scenario.model.random;
+    random.iter().filter_map(coarse).collect()
+}
+
+/// A spectrum gives realisations that repeat themselves before the end.
+pub(super) fn repeats(case: &Case) -> Vec<String> {
+    let end = case.scenario.time.end;
+    let repeats = |RandomInput { name, process, .. }: &RandomInput| match process {
+        Process::Spectrum(spectrum) if spectrum.repeats_after() < end => Some(format!(
+            "`{name}` repeats itself after {}, before time.end = {}: the frequencies of its spectrum are \
+             too far apart. Give them at distances below {}",
+            short(spectrum.repeats_after()),
+            short(end),
+            short(1.0 / end)
+        )),
+        _ => None,
+    };
+    let random = &case.scenario.model.random;
+    random.iter().filter_map(repeats).collect()
 }
 
 /// Noise is added to a measured temperature, which already contains the weather.

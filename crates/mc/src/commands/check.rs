@@ -9,7 +9,7 @@ use crate::{Failure, print_data};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use stickslip::advice::DerivedQuantity;
-use stickslip::model::Oscillator;
+use stickslip::model::{Moments, Oscillator, RandomInput};
 use stickslip::scenario::{Measured, Scenario, WrittenForce};
 use stickslip_data::input_unit;
 
@@ -33,7 +33,9 @@ impl Arguments {
         // are relative to it.
         let folder = self.scenario.parent().unwrap_or(Path::new(""));
         for measured in &mut scenario.written.measured {
-            measured.file = folder.join(&measured.file).display().to_string();
+            if !measured.file.is_empty() {
+                measured.file = folder.join(&measured.file).display().to_string();
+            }
         }
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
@@ -54,8 +56,9 @@ pub fn report(scenario: &Scenario) -> String {
         .written
         .measured
         .iter()
-        .filter_map(|measured| Some((measured.input()?, measured)));
-    let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
+        .filter(|measured| measured.input().is_some() || measured.random.is_some());
+    let inputs =
+        inputs.map(|measured| (measured.table.replace("input.", "input "), taken(measured)));
     for (meaning, value) in inputs.chain(derived(scenario)) {
         text += &format!("# {meaning:<46}{value}\n");
     }
@@ -64,6 +67,9 @@ pub fn report(scenario: &Scenario) -> String {
 
 /// How an input was read from its file.
 fn taken(measured: &Measured) -> String {
+    if let Some(random) = &measured.random {
+        return drawn(random);
+    }
     let Measured {
         series,
         unit,
@@ -90,6 +96,24 @@ fn taken(measured: &Measured) -> String {
         grouped(series.times().len() as u64),
         number(series.end())
     )
+}
+
+/// The law of an input that each path draws, without its envelope.
+fn drawn(RandomInput { process, step, .. }: &RandomInput) -> String {
+    let name = process.name();
+    let Some(Moments { mean, sd, time }) = process.moments() else {
+        return format!("{name}: realisations of the caller");
+    };
+    let [mean, time, step] = [mean, time, *step].map(number);
+    let spread = match sd.is_finite() {
+        true => format!("sd {}, correlation time {time}", number(sd)),
+        false => "kicks: no sd".to_string(),
+    };
+    let sampled = match process.is_sampled() {
+        true => format!(", sampled every {step}"),
+        false => ", at its own times".to_string(),
+    };
+    format!("{name}: mean {mean}, {spread}{sampled}")
 }
 
 /// How long the run will take on this machine, as a comment.

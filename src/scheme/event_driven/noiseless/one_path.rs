@@ -259,6 +259,8 @@ impl Noiseless {
             _ if g.value > 0.0 => safe_step(g.value, g.slope, g.bend),
             slope if slope < 0.0 => 0.0,
             slope if slope > 0.0 => safe_step(0.0, slope, g.bend),
+            // b stays on the threshold, which holds the body.
+            _ if g.bend == 0.0 => f64::INFINITY,
             _ => self.indeterminate_start(),
         };
         if distances.iter().all(|g| g.value > 0.0) {
@@ -438,14 +440,15 @@ impl PathSegments for Noiseless {
                     } else {
                         0.0
                     };
-                    self.slip(
-                        start,
-                        event.displacement,
-                        (velocity, event.force),
-                        terms,
-                        sign,
-                        work,
-                    )
+                    let x = event.displacement;
+                    // A jump may be over by the time that the double of an event can name.
+                    let after = match self.has_jumps && velocity == 0.0 {
+                        true => self.force_at_rest(start, &terms, x),
+                        false => event.force,
+                    };
+                    let is_beyond = after * event.force > event.force * event.force;
+                    let force = if is_beyond { after } else { event.force };
+                    self.slip(start, x, (velocity, force), terms, sign, work)
                 }
             },
             (End::Cut(()), Phase::Static) => {

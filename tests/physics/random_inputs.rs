@@ -1,0 +1,484 @@
+//! Inputs that each path draws, against closed forms and against plain integrators of the same
+//! realisation.
+//!
+//! Unless said otherwise, a statistic is compared with its closed form within 4.5 standard errors,
+//! estimated from independent paths: each comparison fails with a probability of 7e-6.
+
+use crate::common::{Keep, timeline};
+use stickslip::engine::Run;
+use stickslip::model::{EventKind, Expression, Problem, Series};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{EventDriven, Observer, Scheme, Segment, Simulate as _};
+use stickslip::stats::Statistic;
+use stickslip::sums::Measurement;
+
+/// A free body of mass 1 from rest under the input `k`.
+const FREE: &str = "oscillator = { mass = 1, stiffness = 0, force_per_temperature = 1 }
+    temperature.harmonics = []
+    initial.displacement = 0
+    force.expression = \"k\"
+    scheme.kind = \"event-driven\"\n";
+
+#[track_caller]
+fn scenario(text: &str) -> Scenario {
+    Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The statistics of a run.
+#[track_caller]
+fn statistics<const N: usize>(text: &str, of: [Statistic; N]) -> [Measurement; N] {
+    let scenario = scenario(text);
+    let run = Run::of(&scenario).without_bias().simulate().expect("a run");
+    of.map(|statistic| {
+        let found = run[statistic];
+        Measurement {
+            estimate: found.estimate,
+            standard_error: found.standard_error,
+            low: found.low,
+            high: found.high,
+        }
+    })
+}
+
+#[track_caller]
+fn assert_is(what: &str, found: Measurement, right: f64) {
+    let errors = (found.estimate - right) / found.standard_error;
+    assert!(
+        errors.abs() < 4.5 && found.standard_error < 0.05 * right.abs().max(0.02),
+        "{what}: {} +- {} for {right}",
+        found.estimate,
+        found.standard_error
+    );
+}
+
+/// x' of a free body under kicks J of rate lambda, against friction f = a m, is the workload of an
+/// M/G/1 queue. With r = lambda E[J]/a: share of the time at rest 1 - r, mean stick 1/lambda, mean
+/// slip (E[J]/a)/(1 - r), drift lambda E[J^2]/(2 a (1 - r)) (Pollaczek and Khinchine). An impulse
+/// exceeds any threshold, so f_s does not matter.
+#[test]
+fn kicks_of_a_free_body_are_a_queue() {
+    let sizes = [
+        ("size = 0.8\nsizes = \"fixed\"", 0.64),
+        ("size = 0.8\nsizes = \"exponential\"", 1.28),
+    ];
+    for f_s in [1.0, 7.5] {
+        for (size, square) in sizes {
+            let text = format!(
+                "{FREE}friction = {{ static = {f_s}, dynamic = 1 }}\ntime.end = 600
+                 statistics.after = 60\nensemble.paths = 600
+                 [input.k]\nprocess = \"shot\"\nrate = 0.5\nshape = \"kick\"\n{size}"
+            );
+            let (lambda, mean, a) = (0.5, 0.8, 1.0);
+            let r = lambda * mean / a;
+            let [rest, stick, sticks, drift] = statistics(
+                &text,
+                [
+                    Statistic::StickingFraction,
+                    Statistic::StickDurationMean,
+                    Statistic::SticksPerPath,
+                    Statistic::DriftVelocity,
+                ],
+            );
+            assert_is("share at rest", rest, 1.0 - r);
+            assert_is("mean stick", stick, 1.0 / lambda);
+            // A stick and a slip take 1/lambda + (E[J]/a)/(1 - r) together.
+            let cycle = 1.0 / lambda + mean / a / (1.0 - r);
+            assert_is("sticks", sticks, 540.0 / cycle);
+            let drift_velocity = lambda * square / (2.0 * a * (1.0 - r));
+            assert_is("drift", drift, drift_velocity);
+        }
+    }
+}
+
+/// The discrete scheme sees the same kicks: on each of 20 paths, x at the end differs from that of the
+/// event-driven scheme by what a step is worth, which is a tenth with a tenth of the step.
+#[test]
+fn every_scheme_draws_the_same_kicks() {
+    let text = |scheme: &str| {
+        format!(
+            "{}scheme.{scheme}friction = {{ static = 1.2, dynamic = 1 }}\ntime.end = 50
+             [input.k]\nprocess = \"shot\"\nrate = 0.5\nsize = 1\nsizes = \"exponential\"",
+            FREE.replace("scheme.kind = \"event-driven\"\n", "")
+        )
+    };
+    let ends = |scheme: &str| {
+        let scenario = scenario(&text(scheme));
+        let mut keep = Keep::lanes(20);
+        let paths: Vec<u64> = (0..20).collect();
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline());
+        assert!(simulation.simulate(1, &paths, &mut keep).is_empty());
+        let last = keep.rows.iter().map(|rows| rows.last().expect("rows").1);
+        last.collect::<Vec<f64>>()
+    };
+    let exact = ends("kind = \"event-driven\"\n");
+    let far = |step: f64| {
+        let others = ends(&format!("kind = \"discrete-vi\"\ntime.step = {step}\n"));
+        let squares = exact.iter().zip(&others).map(|(a, b)| (a - b).powi(2));
+        (squares.sum::<f64>() / exact.len() as f64).sqrt()
+    };
+    let [coarse, fine] = [far(0.01), far(0.001)];
+    assert!(
+        coarse < 0.5 && (6.0..14.0).contains(&(coarse / fine)),
+        "{coarse} {fine}"
+    );
+}
+
+/// Kicks of both signs, of rate lambda to infinity and lambda E[J^2] = 2 D, are white noise: the
+/// density of x' is (a/2D) exp(-a |x'|/D), so E x'^2 = 2 (D/a)^2. At a finite rate it exceeds this by
+/// a share of order lambda^(-1/2).
+#[test]
+fn many_kicks_of_both_signs_are_white_noise() {
+    let (d, lambda): (f64, f64) = (0.5, 200.0);
+    let sd = (2.0 * d / lambda).sqrt();
+    let text = format!(
+        "{FREE}friction = {{ static = 1, dynamic = 1 }}\ntime.end = 30\nensemble.paths = 1000
+         [input.k]\nprocess = \"shot\"\nrate = {lambda}\nsize = 0\nsize_sd = {sd}\nsizes = \"normal\""
+    );
+    let scenario = scenario(&text);
+    let run = Run::of(&scenario).without_bias().simulate().expect("a run");
+    let array = run.array("velocity_sd").expect("there");
+    let found = array[array.len() - 1];
+    let right = 2f64.sqrt() * d;
+    // 4.5 standard errors of a sd of 1 000 draws of a Laplace law are 16 %, and the rate adds 3 %.
+    assert!((found / right - 1.0).abs() < 0.19, "{found} for {right}");
+}
+
+/// The velocity of a free body under a telegraph force +-F with rate lambda each way and friction f =
+/// f_s = f_d < F: it never sticks, |x'| is exponential with mean (F^2 - f^2)/(2 lambda f m), and the
+/// force is along the motion (F + f)/(2 F) of the time. Without a law of the velocity at a time, the
+/// mean is that over time: of the distance per time.
+#[test]
+fn a_telegraph_drives_a_free_body_as_it_should() {
+    let (big, f, lambda) = (2.0, 1.0, 0.5);
+    let text = format!(
+        "{FREE}friction = {{ static = {f}, dynamic = {f} }}\ntime.end = 400\nstatistics.after = 100
+         ensemble.paths = 400
+         [input.k]\nprocess = \"telegraph\"\nlow = -{big}\nhigh = {big}\nrate_up = {lambda}"
+    );
+    let [sticking, sticks] = statistics(
+        &text,
+        [Statistic::StickingFraction, Statistic::SticksPerPath],
+    );
+    assert!(
+        sticking.estimate < 1e-9 && sticks.estimate == 0.0,
+        "{sticking:?} {sticks:?}"
+    );
+    let ways = each_path(&scenario(&text), 400, 100.0);
+    let [way, along] = means(&ways);
+    let mean = (big * big - f * f) / (2.0 * lambda * f);
+    assert_is("|x'|", way, mean);
+    assert_is("along the motion", along, (big + f) / (2.0 * big));
+}
+
+/// A telegraph whose force stays below f_s never moves a body at rest.
+#[test]
+fn a_telegraph_below_the_threshold_moves_nothing() {
+    let text = format!(
+        "{FREE}friction = {{ static = 1.2, dynamic = 1 }}\ntime.end = 200\nensemble.paths = 50
+         [input.k]\nprocess = \"telegraph\"\nlow = -1.19\nhigh = 1.19\nrate_up = 2"
+    );
+    let [slips] = statistics(&text, [Statistic::SlipsPerPath]);
+    assert_eq!(slips.estimate, 0.0);
+}
+
+/// Of each path, the distance per time and the share of the time in which the force of the input is
+/// along the motion, from a time on.
+fn each_path(scenario: &Scenario, paths: u64, after: f64) -> Vec<[f64; 2]> {
+    struct Ways {
+        sums: Vec<[f64; 3]>,
+        inputs: Vec<Problem>,
+        after: f64,
+    }
+    impl Observer for Ways {
+        fn follows(&self) -> bool {
+            true
+        }
+        fn realised(&mut self, _: usize, model: &Problem) {
+            self.inputs.push(model.clone());
+        }
+        fn segment(&mut self, lane: usize, segment: &Segment) {
+            let middle = segment.start + 0.5 * segment.length;
+            if middle > self.after && segment.start + segment.length <= 400.0 {
+                let force = self.inputs[lane]
+                    .user_force(middle, 0.0, 0.0)
+                    .expect("a force");
+                let sums = &mut self.sums[lane];
+                sums[0] += segment.way.abs();
+                sums[1] += segment.length;
+                if force * segment.way > 0.0 {
+                    sums[2] += segment.length;
+                }
+            }
+        }
+    }
+    let numbers: Vec<u64> = (0..paths).collect();
+    let mut ways = Ways {
+        sums: vec![[0.0; 3]; numbers.len()],
+        inputs: Vec::new(),
+        after,
+    };
+    let simulation = scenario
+        .scheme
+        .simulation(&scenario.model, &scenario.timeline());
+    assert!(simulation.simulate(1, &numbers, &mut ways).is_empty());
+    ways.sums
+        .iter()
+        .map(|[way, time, along]| [way / time, along / time])
+        .collect()
+}
+
+/// The means over paths with their standard errors.
+fn means(of: &[[f64; 2]]) -> [Measurement; 2] {
+    [0, 1].map(|i| {
+        let n = of.len() as f64;
+        let mean = of.iter().map(|row| row[i]).sum::<f64>() / n;
+        let variance = of.iter().map(|row| (row[i] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let standard_error = (variance / n).sqrt();
+        Measurement {
+            estimate: mean,
+            standard_error,
+            low: f64::NAN,
+            high: f64::NAN,
+        }
+    })
+}
+
+/// The variance of x and x' of a linear oscillator without friction under Kanai-Tajimi noise is the
+/// integral of its spectrum times that of the oscillator, here by Simpson's rule.
+#[test]
+fn a_linear_oscillator_filters_kanai_tajimi_noise() {
+    let (w, zeta, s0) = (4.0, 0.5, 0.3);
+    let (k, alpha): (f64, f64) = (9.0, 0.6);
+    let text = format!(
+        "oscillator = {{ mass = 1, stiffness = {k}, damping = {alpha}, force_per_temperature = 1 }}
+         temperature.harmonics = []\ninitial.displacement = 0\nforce.expression = \"a\"
+         friction = {{ static = 0, dynamic = 0 }}\ntime.end = 20\nensemble.paths = 4000
+         scheme.kind = \"event-driven\"
+         [input.a]\nprocess = \"kanai-tajimi\"\nangular_frequency = {w}\ndamping_ratio = {zeta}
+         intensity = {s0}\nstep = 0.01"
+    );
+    let spectrum = |omega: f64| {
+        let r = omega / w;
+        let ground = s0 * (1.0 + 4.0 * zeta * zeta * r * r)
+            / ((1.0 - r * r).powi(2) + 4.0 * zeta * zeta * r * r);
+        ground / ((k - omega * omega).powi(2) + (2.0 * alpha * omega).powi(2))
+    };
+    let integral = |of: &dyn Fn(f64) -> f64| {
+        let n = 400_000;
+        let h = 400.0 / f64::from(n);
+        let weight = |i| match i {
+            0 => 1.0,
+            i if i == n => 1.0,
+            i if i % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        2.0 * h / 3.0
+            * (0..=n)
+                .map(|i| weight(i) * of(h * f64::from(i)))
+                .sum::<f64>()
+    };
+    let run = Run::of(&scenario(&text))
+        .without_bias()
+        .simulate()
+        .expect("a run");
+    for (name, right) in [
+        ("displacement_sd", integral(&spectrum).sqrt()),
+        ("velocity_sd", integral(&|o| o * o * spectrum(o)).sqrt()),
+    ] {
+        let found = run.array(name).expect("there");
+        let found = found[found.len() - 1];
+        // 4.5 standard errors of a sd of 4 000 normals, and 0.2 % for the lines between samples.
+        let bound = 4.5 / (2.0 * 4000f64).sqrt() + 0.002;
+        assert!(
+            (found / right - 1.0).abs() < bound,
+            "{name}: {found} for {right}"
+        );
+    }
+}
+
+/// Campbell's theorem: a linear body with damping under one-sided pulses has the mean lambda E[J]
+/// int h and the variance lambda E[J^2] int h^2, where h is its response to an impulse; for a free
+/// body with damping, x' has h = exp(-t/tau)/m. Pulses of any shape have the same mean.
+#[test]
+fn pulses_without_friction_obey_campbells_theorem() {
+    let (lambda, size): (f64, f64) = (3.0, 0.4);
+    for (shape, variance) in [
+        ("shape = \"kick\"", 0.5),
+        // A decay of time constant s in series with that of the body, tau = 1: 1/(2 (1 + s)).
+        ("shape = \"decay\"\nduration = 0.5\nstep = 0.01", 1.0 / 3.0),
+        // A rectangle of length d: (d - 1 + exp(-d))/d^2.
+        (
+            "shape = \"rectangle\"\nduration = 0.5",
+            0.106_530_659_712_633 / 0.25,
+        ),
+    ] {
+        let text = format!(
+            "oscillator = {{ mass = 1, stiffness = 0, damping = 0.5, force_per_temperature = 1 }}
+             temperature.harmonics = []\ninitial.displacement = 0\nforce.expression = \"k\"
+             friction = {{ static = 0, dynamic = 0 }}\ntime.end = 20\nensemble.paths = 4000
+             scheme.kind = \"event-driven\"
+             [input.k]\nprocess = \"shot\"\nrate = {lambda}\nsize = {size}\nsizes = \"exponential\"\n{shape}"
+        );
+        let run = Run::of(&scenario(&text))
+            .without_bias()
+            .simulate()
+            .expect("a run");
+        let last = |name: &str| {
+            let array = run.array(name).expect("there");
+            array[array.len() - 1]
+        };
+        let [mean, sd] = [last("velocity_mean"), last("velocity_sd")];
+        let right = [
+            lambda * size,
+            (lambda * 2.0 * size * size * variance).sqrt(),
+        ];
+        let error = right[1] / 4000f64.sqrt();
+        assert!(
+            (mean - right[0]).abs() < 4.5 * error,
+            "{shape}: {mean} for {}",
+            right[0]
+        );
+        // The kurtosis is below 4, so the error of the sd is below sd/sqrt(1.3 n).
+        let share = 4.5 / (1.3 * 4000f64).sqrt();
+        assert!(
+            (sd / right[1] - 1.0).abs() < share,
+            "{shape}: {sd} for {}",
+            right[1]
+        );
+    }
+}
+
+/// Every process with friction, damping and a spring, event by event, against a plain integrator of
+/// the same realisation: velocity Verlet of 2e-5 between events, with its own friction law.
+#[test]
+fn every_process_moves_the_body_as_a_plain_integrator_does() {
+    let spectrum = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/physics/spectrum.csv");
+    for process in [
+        "process = \"telegraph\"\nlow = -1.5\nhigh = 2\nrate_up = 0.7\nrate_down = 0.4",
+        "process = \"shot\"\nrate = 0.8\nsize = 2\nsizes = \"exponential\"\nshape = \"rectangle\"\nduration = 1.1",
+        "process = \"shot\"\nrate = 0.8\nsize = 2\nsizes = \"normal\"\nsize_sd = 1\nshape = \"decay\"\nduration = 0.9\nstep = 0.02",
+        "process = \"kanai-tajimi\"\nangular_frequency = 3\ndamping_ratio = 0.4\nintensity = 0.2\nstep = 0.05",
+        "process = \"kanai-tajimi\"\nangular_frequency = 3\ndamping_ratio = 0.4\nintensity = 0.6\nstep = 0.05\nenvelope = \"min(1, t/4)*exp(-max(0, t - 12)/5)\"",
+        "process = \"ornstein-uhlenbeck\"\nintensity = 2\nrelaxation_rate = 0.6\nstep = 0.05",
+        &format!("process = \"spectrum\"\nfile = \"{spectrum}\"\nstep = 0.05"),
+    ] {
+        let text = format!(
+            "oscillator = {{ mass = 1, stiffness = 0.8, damping = 0.1, force_per_temperature = 1 }}
+             temperature.harmonics = []\ninitial.displacement = 0\nforce.expression = \"k\"
+             friction = {{ static = 1.2, dynamic = 1 }}\ntime.end = 20\ntime.output_step = 0.5
+             scheme.kind = \"event-driven\"\n[input.k]\n{process}"
+        );
+        let scenario = scenario(&text);
+        let mut keep = Keep::lanes(3);
+        let simulation = scenario
+            .scheme
+            .simulation(&scenario.model, &scenario.timeline());
+        assert!(simulation.simulate(5, &[0, 1, 2], &mut keep).is_empty());
+        let mut slips = 0;
+        for path in 0..3 {
+            let model = scenario.model.realised(5, path, 20.0, None);
+            let force = model.force.as_ref().and_then(|force| force.expression());
+            let input = force.expect("an expression");
+            let rows = plain(input, 0.8, 0.1, [1.2, 1.0], 20.0, 0.5);
+            for (row, [x, v]) in keep.rows[path as usize].iter().zip(&rows) {
+                let is_near = (row.1 - x).abs() < 2e-3 && (row.2 - v).abs() < 2e-3;
+                assert!(is_near, "{process}\npath {path}: {row:?} {x} {v}");
+            }
+            let events = keep.events[path as usize].iter();
+            slips += events
+                .filter(|event| event.kind != EventKind::StickEntered)
+                .count();
+        }
+        assert!(slips > 9, "{process}: {slips} slips");
+    }
+}
+
+/// x and x' on a grid, by a plain integrator of m x'' = k(t) - K x - 2 alpha x' - friction.
+fn plain(
+    input: &Expression,
+    stiffness: f64,
+    alpha: f64,
+    [f_s, f_d]: [f64; 2],
+    end: f64,
+    row: f64,
+) -> Vec<[f64; 2]> {
+    let h = 2e-5;
+    let per_row = (row / h).round() as u64;
+    let (mut x, mut v) = (0.0, 0.0f64);
+    let mut rows = vec![[x, v]];
+    for i in 0..(end / h).round() as u64 {
+        // In the middle of a step, away from switches.
+        let force = input.of_time((i as f64 + 0.5) * h) - stiffness * x - 2.0 * alpha * v;
+        if v == 0.0 && force.abs() <= f_s {
+            // At rest.
+        } else {
+            let direction = if v == 0.0 { force.signum() } else { v.signum() };
+            let next = v + h * (force - direction * f_d);
+            x += 0.5 * h * (v + next);
+            v = if next * direction <= 0.0 { 0.0 } else { next };
+        }
+        if (i + 1) % per_row == 0 {
+            rows.push([x, v]);
+        }
+    }
+    rows
+}
+
+/// A realisation is a function of seed, path, name and time: not of the end, of other inputs or of
+/// what else is in the scenario.
+#[test]
+fn a_realisation_depends_on_nothing_else() {
+    let of = |text: &str, end: f64| -> Series {
+        let both = ["\"k\"", "\"k + other\""][usize::from(text.contains("other"))];
+        let body = FREE.replace("\"k\"", both);
+        let scenario = scenario(&format!(
+            "{body}friction = {{ static = 1, dynamic = 1 }}\ntime.end = {end}\n{text}"
+        ));
+        let input = scenario
+            .model
+            .random
+            .iter()
+            .find(|input| input.name == "input.k");
+        input.expect("there").realised(3, 4, end, None)
+    };
+    for process in [
+        "process = \"telegraph\"\nrate_up = 0.7",
+        "process = \"shot\"\nrate = 0.8\nsize = 2\nshape = \"rectangle\"\nduration = 0.4",
+        "process = \"kanai-tajimi\"\nangular_frequency = 3\ndamping_ratio = 0.4\nintensity = 0.2\nstep = 0.05",
+        "process = \"ornstein-uhlenbeck\"\nintensity = 2\nstep = 0.05",
+    ] {
+        let alone = of(&format!("[input.k]\n{process}"), 30.0);
+        let long = of(&format!("[input.k]\n{process}"), 60.0);
+        let other =
+            format!("[input.k]\n{process}\n[input.other]\nprocess = \"telegraph\"\nrate_up = 1")
+                .replace("rate_up = 1", "rate_up = 1");
+        let beside = of(&other.replace("[input.k]", "[input.k]"), 30.0);
+        for t in (0..300).map(|i| 0.1 * f64::from(i)) {
+            assert_eq!(alone.at(t).to_bits(), beside.at(t).to_bits(), "{process}");
+            assert!((alone.at(t) - long.at(t)).abs() < 1e-9, "{process} at {t}");
+        }
+    }
+}
+
+/// With a step, without one, in lanes of a block and alone, the path is the same.
+#[test]
+fn a_path_is_the_same_alone_and_in_a_block() {
+    let text = format!(
+        "{FREE}friction = {{ static = 1.2, dynamic = 1 }}\ntime.end = 20
+         [temperature.noise]\nintensity = 0.3\n[input.k]\nprocess = \"telegraph\"\nlow = -2\nhigh = 2\nrate_up = 0.5"
+    );
+    let scenario = scenario(&text);
+    let simulation =
+        Scheme::from(EventDriven::default()).simulation(&scenario.model, &timeline(20.0, 1.0));
+    let mut all = Keep::lanes(12);
+    simulation.simulate(1, &(0..12).collect::<Vec<_>>(), &mut all);
+    let mut alone = Keep::lanes(1);
+    simulation.simulate(1, &[7], &mut alone);
+    assert!(alone.rows[0].len() == 21 && alone.events[0].len() > 4);
+    assert_eq!(
+        (&all.rows[7], &all.events[7]),
+        (&alone.rows[0], &alone.events[0])
+    );
+}
