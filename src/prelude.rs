@@ -2,7 +2,8 @@
 
 pub use crate::engine::{Outcome, Run, RunError};
 pub use crate::model::{
-    Force, ForceLaw, Friction, Harmonic, OrnsteinUhlenbeck, Problem, Temperature,
+    Force, ForceLaw, Friction, Harmonic, InputProcess, OrnsteinUhlenbeck, Problem, Realisations,
+    Rng, Series, Temperature,
 };
 pub use crate::scenario::Scenario;
 pub use crate::scheme::{CorrectedVi, DiscreteVi, EventDriven, QuasiStatic, Scheme};

@@ -2,13 +2,17 @@
 //! command.
 
 use crate::errors;
-use numpy::PyReadonlyArray1;
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
+use std::sync::Arc;
 use stickslip::advice::DerivedQuantity;
 use stickslip::config::{self, Override, ScenarioError, Shipped};
-use stickslip::model::{NamedSeries, Series};
+use stickslip::model::{
+    InputProcess, NamedSeries, OwnProcess, Process, RandomInput, Realisations, Rng, Series,
+};
 use stickslip::scenario::Scenario as Checked;
 
 /// A checked scenario, and what it was read from.
@@ -27,6 +31,7 @@ struct Source {
     text: String,
     overrides: Vec<Override>,
     samples: Vec<NamedSeries>,
+    drawn: Vec<RandomInput>,
     are_stored: bool,
     /// The shipped scenario that the text is, if it was not read from a file.
     shipped: Option<&'static Shipped>,
@@ -39,14 +44,15 @@ impl Source {
             text,
             overrides,
             samples,
+            drawn,
             are_stored,
             shipped,
         } = self;
         let overrides = [overrides, more].concat();
         match shipped {
-            Some(shipped) if samples.is_empty() => shipped.parse(&overrides),
+            Some(shipped) if samples.is_empty() && drawn.is_empty() => shipped.parse(&overrides),
             _ if *are_stored => Checked::parse_stored(name, text, &overrides, samples),
-            _ => Checked::parse_measured(name, text, &overrides, samples),
+            _ => Checked::parse_drawn(name, text, &overrides, samples, drawn),
         }
     }
 }
@@ -72,6 +78,12 @@ impl Scenario {
     #[getter]
     fn title(&self) -> &str {
         &self.checked.title
+    }
+
+    /// The number of paths.
+    #[getter]
+    fn paths(&self) -> u64 {
+        self.checked.ensemble.paths
     }
 
     /// The label of the unit of time.
@@ -128,9 +140,11 @@ pub fn laid(given: &[Laid]) -> Vec<Override> {
 
 /// Reads and checks a scenario: the file with this name, or `text`, which has this name in
 /// messages. `samples` are measured values, each by its table. With `are_stored`, they are those that
-/// the text refers to, as in stored results; otherwise they replace them.
+/// the text refers to, as in stored results; otherwise they replace them. `drawn` are realisations:
+/// their table, their times, and an array with a row a path, or a function of a generator and the
+/// times.
 #[pyfunction]
-#[pyo3(signature = (name, text, overrides, samples = Vec::new(), are_stored = false))]
+#[pyo3(signature = (name, text, overrides, samples = Vec::new(), are_stored = false, drawn = Vec::new()))]
 pub fn parse(
     py: Python<'_>,
     name: &str,
@@ -138,6 +152,7 @@ pub fn parse(
     overrides: Vec<Laid>,
     samples: Vec<(String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
     are_stored: bool,
+    drawn: Vec<(String, PyReadonlyArray1<'_, f64>, Bound<'_, PyAny>)>,
 ) -> PyResult<Scenario> {
     let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
     let overrides = laid(&overrides);
@@ -160,16 +175,84 @@ pub fn parse(
             })
         };
     let samples = samples.into_iter().map(series).collect::<PyResult<_>>()?;
+    let drawn = drawn
+        .into_iter()
+        .map(|(name, times, values)| own_input(py, name, times.as_array().to_vec(), &values))
+        .collect::<PyResult<_>>()?;
     let source = Source {
         name,
         text,
         overrides,
         samples,
+        drawn,
         are_stored,
         shipped,
     };
     let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
+}
+
+/// An input whose realisations are given, or drawn by a function.
+fn own_input(
+    py: Python<'_>,
+    name: String,
+    times: Vec<f64>,
+    values: &Bound<'_, PyAny>,
+) -> PyResult<RandomInput> {
+    let own: Arc<dyn InputProcess> = match values.extract::<PyReadonlyArray2<'_, f64>>() {
+        Ok(values) => {
+            let values = values.as_array().iter().copied().collect();
+            let realisations = Realisations::new(times, values).map_err(|error| {
+                let remedy =
+                    "give finite values of shape (paths, time) at times that ascend from 0";
+                errors::of_argument(py, &name, "the realisations", error, remedy)
+            })?;
+            Arc::new(realisations)
+        }
+        Err(_) => Arc::new(Function {
+            times,
+            draw: values.clone().unbind(),
+        }),
+    };
+    Ok(RandomInput {
+        name,
+        process: Process::Own(OwnProcess(own)),
+        step: 1.0,
+        envelope: None,
+    })
+}
+
+/// A function of Python that draws the values of a path.
+#[derive(Debug)]
+struct Function {
+    times: Vec<f64>,
+    draw: Py<PyAny>,
+}
+
+impl InputProcess for Function {
+    /// Without valid values, the path is lost, and the error is printed.
+    fn draw(&self, path: u64, random: &mut dyn Rng, _: f64) -> Series {
+        let drawn = Python::attach(|py| -> PyResult<Series> {
+            let numpy = py.import("numpy")?;
+            let seed = random.next_u64();
+            let generator = numpy
+                .getattr("random")?
+                .call_method1("default_rng", (seed,))?;
+            let times = PyArray1::from_slice(py, &self.times);
+            let values = self.draw.call1(py, (generator, times))?;
+            let values = numpy.call_method1("asarray", (values, "float64"))?;
+            let values = values
+                .extract::<PyReadonlyArray1<'_, f64>>()?
+                .as_array()
+                .to_vec();
+            Series::new(self.times.clone(), values)
+                .map_err(|error| PyValueError::new_err(format!("path {path}: {error}")))
+        });
+        drawn.unwrap_or_else(|error| {
+            Python::attach(|py| error.write_unraisable(py, None));
+            Series::unknown()
+        })
+    }
 }
 
 /// The key of a scenario that a word probably stands for, and its meaning.

@@ -52,14 +52,27 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
             # A text has no quotation marks.
             bare = value if isinstance(value, str) else _toml.value(key, value)
             laid.append((f"{argument} =", key, bare))
-    measured, dated = [], None
+    measured, drawn, dated = [], [], None
     for argument, table, quantity, given in _measurements(arguments):
+        own = realisations(given, argument)
+        if own is not None:
+            drawn.append((table, *own))
+            continue
         times, values, first = samples(given, argument)
         times, values, remarks = _native.repaired(argument, quantity, times, values, None)
         warn(remarks, level=5)
         measured.append((table, times, values))
         dated = dated if first is None else argument
-    parsed = _native.parse(name, text, laid, measured)
+    parsed = _native.parse(name, text, laid, measured, False, drawn)
+    for table, _, values in drawn:
+        count = None if callable(values) else len(values)
+        require(
+            count is None or parsed.paths <= count,
+            table,
+            f"{count} realisations",
+            f"the run has {parsed.paths} paths, each of which needs its own",
+            f"give more realisations, or run {count} paths with `paths={count}`",
+        )
     require(
         dated is None or parsed.time_unit in _SECONDS,
         dated or "temperature",
@@ -78,6 +91,45 @@ def _measurements(arguments: Mapping[str, Any]) -> Iterator[tuple[str, str, str,
         yield "temperature", "temperature.series", "temperature", temperature
     for name, given in (inputs or {}).items():
         yield f"inputs.{name}", f"input.{name}", "input", given
+
+
+def realisations(given: Any, argument: str) -> tuple[npt.NDArray[np.float64], Any] | None:
+    """Times, and values with a row for each path or a function that draws them; None if `given` is
+    one measurement.
+
+    `given` is a pair (times, values) with values of shape (paths, time), a pair (times, draw) with a
+    function draw(rng, times), or an xarray DataArray with the dimensions path and time.
+    """
+    import numpy as np
+
+    if hasattr(given, "dims") and "path" in getattr(given, "dims", ()):
+        others = [name for name in given.dims if name != "path"]
+        require(
+            len(others) == 1,
+            argument,
+            f"dimensions {tuple(given.dims)}",
+            "it has more dimensions than path and time",
+            "select one element of the others",
+        )
+        times, values = given[others[0]].to_numpy(), given.transpose("path", others[0]).to_numpy()
+    elif isinstance(given, tuple) and len(given) == 2:
+        times, values = given
+        if not callable(values) and np.ndim(values) != 2:
+            return None
+    else:
+        return None
+    times = np.ascontiguousarray(times, dtype=np.float64)
+    if callable(values):
+        return times - times[:1], values
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    require(
+        times.ndim == 1 and values.shape[1:] == times.shape,
+        argument,
+        f"shapes {times.shape} and {values.shape}",
+        "there must be one value for each path and time",
+        "give values of shape (paths, time)",
+    )
+    return times - times[:1], values
 
 
 def overrides(settings: Settings | None) -> list[tuple[str, str, str]]:

@@ -3,12 +3,12 @@
 use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
-use super::source::Sources;
-use crate::model::{Expression, Process, RandomInput, Series, Shape, Size, Spectrum};
+use super::source::{MeasuredFrom, Sources};
+use crate::model::{Expression, OwnProcess, Process, RandomInput, Series, Shape, Size, Spectrum};
 use std::sync::Arc;
 
 /// The keys that each process has besides `process`.
-const PROCESSES: [(&str, &[Key]); 5] = [
+const PROCESSES: [(&str, &[Key]); 6] = [
     (
         "telegraph",
         &[keys::LOW, keys::HIGH, keys::RATE_UP, keys::RATE_DOWN],
@@ -46,6 +46,7 @@ const PROCESSES: [(&str, &[Key]); 5] = [
         ],
     ),
     (SPECTRUM, &[keys::SAMPLE_STEP, keys::ENVELOPE]),
+    ("own", &[]),
 ];
 
 /// The process whose spectrum is in a file. It has the keys of a file, too.
@@ -111,6 +112,14 @@ pub(super) fn random_input(
             relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0),
             diffusion: table.number_or(keys::DIFFUSION, 1.0),
         },
+        "own" => {
+            if !matches!(sources.measured_from, MeasuredFrom::Stored(_)) {
+                let problem = "has realisations of its own, which a text does not hold";
+                let remedy = "give them with `inputs` in Python or `Problem::input` in Rust, or name another process";
+                sources.report(table.diagnostic_of_table(problem, remedy));
+            }
+            Process::Own(OwnProcess::missing())
+        }
         _ => {
             let (file, series) = spectrum?;
             let densities = series.values().to_vec();

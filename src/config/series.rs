@@ -165,7 +165,7 @@ impl Reader<'_> {
         let parameters: Vec<_> = parameters.map(|(name, value, _)| (name, value)).collect();
         let is_spectrum = random::process_of(table) == Some(random::SPECTRUM);
         let measured = match is_spectrum {
-            true => self.from_file(table)?,
+            true => self.file_of(table)?,
             false => self.in_memory(Arc::new(Series::nothing())),
         };
         let spectrum = is_spectrum.then(|| (measured.file.clone(), &*measured.series));
@@ -195,12 +195,12 @@ impl Reader<'_> {
     fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
         match random::is_process(table) {
             true => self.process(table),
-            false => self.from_file(table),
+            false => self.file_of(table),
         }
     }
 
     /// Read the values in the file that the table names.
-    fn from_file(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
+    fn file_of(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
         let sources = self.sources;
         let (value, example) = match self.is_input() {
             true => (
@@ -214,7 +214,7 @@ impl Reader<'_> {
         };
         let ColumnSource {
             file,
-            column,
+            mut column,
             unit,
             mut layout,
         } = source(table, value, None);
@@ -222,6 +222,7 @@ impl Reader<'_> {
             // A step is that of the samples, not one of the file.
             layout.step = None;
             layout.time.get_or_insert("frequency".into());
+            column.get_or_insert("density".into());
         }
         let mut measured = Measured {
             file: file.unwrap_or_default(),

@@ -94,13 +94,7 @@ impl RandomInput {
                 })
             }
             Process::Own(own) => {
-                let series = own.0.draw(path & !MIRROR, &mut stream, end);
-                series
-                    .times()
-                    .iter()
-                    .copied()
-                    .zip(series.values().iter().copied())
-                    .collect()
+                return own.0.draw(path & !MIRROR, &mut stream, end);
             }
         };
         series(samples)
@@ -173,7 +167,7 @@ fn telegraph(values: [f64; 2], rates: [f64; 2], stream: &mut Stream, end: f64) -
     let mut changes = Vec::new();
     loop {
         time += waiting(rates[at], stream);
-        if !(time <= end) {
+        if time > end {
             return steps(first, changes, end);
         }
         at = 1 - at;
@@ -187,7 +181,7 @@ fn pulses(rate: f64, size: Size, stream: &mut Stream, end: f64) -> Vec<(f64, f64
     let mut pulses = Vec::new();
     loop {
         time += waiting(rate, stream);
-        if !(time <= end) {
+        if time > end {
             return pulses;
         }
         let area = match size {

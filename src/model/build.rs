@@ -1,9 +1,11 @@
 //! Building a model step by step.
 
 use super::{
-    Drive, Force, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem,
+    Drive, Expression, ExpressionError, Force, Friction, Harmonic, InitialNoise, InputProcess,
+    NamedSeries, OrnsteinUhlenbeck, Oscillator, OwnProcess, Problem, Process, RandomInput, Series,
     Temperature,
 };
+use std::sync::Arc;
 
 /// A model is built from one of the bodies below, with what acts on it. The forces of all of them
 /// add up, as do several temperatures.
@@ -107,6 +109,51 @@ impl Problem {
             force: Some(force),
             ..self
         }
+    }
+
+    /// An input of this name that each path draws, for [`Problem::expression`].
+    pub fn input(mut self, name: &str, process: impl InputProcess + 'static) -> Self {
+        self.random.push(RandomInput {
+            name: format!("input.{name}"),
+            process: Process::Own(OwnProcess(Arc::new(process))),
+            step: 1.0,
+            envelope: None,
+        });
+        self
+    }
+
+    /// A force as a text in x, xdot, t, these parameters and the inputs. It replaces an earlier one.
+    ///
+    /// ```
+    /// use stickslip::prelude::*;
+    ///
+    /// // Two ground motions that take turns.
+    /// let ground = Realisations::new(vec![0.0, 1.0, 9.0], vec![0.0, 5.0, 0.0, 0.0, -5.0, 0.0])?;
+    /// let problem = Problem::free(2.0)
+    ///     .friction(3.0, 2.5)
+    ///     .input("ag", ground)
+    ///     .expression("-m*ag", &[("m", 2.0)])?;
+    /// let run = Run::new(problem).paths(4).end(9.0).simulate()?;
+    /// assert!(run[Statistic::DisplacementEndMean].estimate.abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn expression(
+        self,
+        text: &str,
+        parameters: &[(&str, f64)],
+    ) -> Result<Self, ExpressionError> {
+        let parameters: Vec<(String, f64)> = parameters
+            .iter()
+            .map(|(name, value)| (name.to_string(), *value))
+            .collect();
+        let inputs = self.random.iter().filter_map(|input| {
+            let name = input.name.strip_prefix("input.")?.to_string();
+            let series = Arc::new(Series::nothing());
+            Some(NamedSeries { name, series })
+        });
+        let inputs: Vec<NamedSeries> = inputs.collect();
+        let expression = Expression::with_inputs(text, &parameters, &inputs)?;
+        Ok(self.law(Force::new(expression)))
     }
 
     /// x(0), a length, and x'(0), a length per time; the body starts at rest at 0 otherwise.

@@ -51,8 +51,9 @@ pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::{Drive, Oscillator};
+pub use rand_core::Rng;
 pub use random_input::{
-    InputProcess, Moments, OwnProcess, Process, RandomInput, Shape, Size, Spectrum,
+    InputProcess, Moments, OwnProcess, Process, RandomInput, Realisations, Shape, Size, Spectrum,
 };
 pub use series::usual_spacing;
 pub use series::{NamedSeries, NoSeries, Series};

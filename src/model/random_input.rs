@@ -1,7 +1,7 @@
 //! Random functions of time that take the place of a measured input: their laws, without random
 //! numbers.
 
-use super::{Expression, Series};
+use super::{Expression, NoSeries, Series};
 use rand_core::Rng;
 use std::f64::consts::PI;
 use std::fmt::Debug;
@@ -119,6 +119,62 @@ pub trait InputProcess: Debug + Send + Sync {
     /// Its name in messages.
     fn name(&self) -> &str {
         "own"
+    }
+}
+
+impl OwnProcess {
+    /// The realisations of a run that is read from a file, which does not hold them.
+    pub fn missing() -> Self {
+        OwnProcess(Arc::new(Missing))
+    }
+}
+
+/// No realisations: every path is lost.
+#[derive(Debug)]
+struct Missing;
+
+impl InputProcess for Missing {
+    fn draw(&self, _: u64, _: &mut dyn Rng, _: f64) -> Series {
+        Series::unknown()
+    }
+}
+
+/// Realisations that are given as samples at common times. Path n takes number n, and begins again
+/// after the last.
+#[derive(Debug)]
+pub struct Realisations {
+    times: Vec<f64>,
+    /// The values, realisation after realisation.
+    values: Vec<f64>,
+}
+
+impl Realisations {
+    /// The realisations with these values at these times, which increase from 0. Fails if a row of
+    /// values is not as long as the times, or if there is none.
+    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, NoSeries> {
+        let is_whole = !values.is_empty() && values.len().is_multiple_of(times.len().max(1));
+        let first = values
+            .get(..times.len())
+            .filter(|_| is_whole)
+            .ok_or(NoSeries)?;
+        Series::new(times.clone(), first.to_vec())?;
+        match values.iter().all(|value| value.is_finite()) {
+            true => Ok(Realisations { times, values }),
+            false => Err(NoSeries),
+        }
+    }
+
+    /// Their number.
+    pub fn count(&self) -> usize {
+        self.values.len() / self.times.len()
+    }
+}
+
+impl InputProcess for Realisations {
+    fn draw(&self, path: u64, _: &mut dyn Rng, _: f64) -> Series {
+        let from = (path % self.count() as u64) as usize * self.times.len();
+        let values = self.values[from..from + self.times.len()].to_vec();
+        Series::new(self.times.clone(), values).unwrap_or_else(|_| Series::unknown())
     }
 }
 

@@ -46,6 +46,14 @@ impl Series {
         }
     }
 
+    /// A series without values: a path that meets it is lost.
+    pub fn unknown() -> Self {
+        Series {
+            times: vec![0.0, 1.0],
+            values: vec![f64::NAN; 2],
+        }
+    }
+
     /// Zero at all times.
     pub fn nothing() -> Self {
         Series {
