@@ -301,6 +301,8 @@ keys! {
         DECIMAL;
         START;
         HASH;
+        INTERPOLATION = other("interpolation", "between the rows of a file; constant holds each value")
+            .default("`\"linear\"`").allowed("`\"linear\"`, `\"constant\"`");
         PROCESS;
         ENVELOPE = other("envelope", "expression of t by which the samples of a process are multiplied")
             .default("none").allowed("an expression");

@@ -186,6 +186,7 @@ impl Reader<'_> {
             layout: Layout::timed("time"),
             max_gap: None,
             start: None,
+            is_held: false,
             repairs: Vec::new(),
             random: None,
         }
@@ -234,6 +235,8 @@ impl Reader<'_> {
             } else {
                 table.span_if_present(keys::MAX_GAP)
             },
+            is_held: self.is_input()
+                && table.word(keys::INTERPOLATION, &["linear", "constant"]) == Some("constant"),
             // If the samples are read from a file, this is overwritten with their first stamp.
             start: table.line_if_present(keys::START),
             ..self.in_memory(Arc::new(Series::nothing()))
@@ -296,8 +299,11 @@ impl Reader<'_> {
             )));
         };
         self.check_unit(column.unit).map_err(diagnostic)?;
-        let series = Series::new(column.times, column.values)
-            .map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
+        let series = match measured.is_held {
+            true => Series::held(&column.times, &column.values),
+            false => Series::with_jumps(column.times, column.values),
+        };
+        let series = series.map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
         let series = match random::is_process(table) {
             true => from_zero(&series, begin),
             false => series,

@@ -476,6 +476,7 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
         layout,
         max_gap,
         start,
+        is_held,
         random: process,
         ..
     } = measured;
@@ -524,6 +525,7 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
             max_gap.map(|gap| text.shown(keys::MAX_GAP.name, gap)),
         ),
         (keys::START, start.as_deref().map(string)),
+        (keys::INTERPOLATION, is_held.then(|| string("constant"))),
     ] {
         if let Some(given) = given {
             text.other(key, &given);

@@ -8,7 +8,7 @@ mod filter;
 #[cfg(test)]
 mod tests;
 
-use crate::model::{Problem, Process, RandomInput, Series, Shape, Size};
+use crate::model::{Problem, Process, RandomInput, Series, Shape, Size, before};
 use crate::noise::{MIRROR, Stream, Transition};
 use filter::Filter;
 use std::f64::consts::TAU;
@@ -16,9 +16,6 @@ use std::sync::Arc;
 
 /// The length of the pulse that stands for a kick, as a share of the duration of the run.
 const PULSE: f64 = 1e-9;
-
-/// The length of the line that stands for a jump, as a share of its time: four roundings.
-const JUMP: f64 = 9e-16;
 
 impl Problem {
     /// The problem of one path: every random input has its realisation up to `end`. `step` is that of
@@ -142,9 +139,8 @@ fn steps(first: f64, changes: impl IntoIterator<Item = (f64, f64)>, end: f64) ->
     let mut value = first;
     for (time, next) in changes {
         let last = samples[samples.len() - 1].0;
-        let before = time - JUMP * time;
-        if before > last {
-            samples.push((before, value));
+        if before(time) > last {
+            samples.push((before(time), value));
         }
         if time > last {
             samples.push((time, next));
@@ -233,7 +229,7 @@ fn decays(pulses: &[(f64, f64)], decay: f64, step: f64, end: f64) -> Vec<(f64, f
         let mut sample = |at: f64| samples.push((at, value * libm::exp((from - at) / decay)));
         let lines = ((next - from) / step).ceil();
         (1..lines as u64).for_each(|i| sample(from + (next - from) * (i as f64 / lines)));
-        sample(next - JUMP * next);
+        sample(before(next));
         value *= libm::exp((from - next) / decay);
         value += area / decay;
         time = next;

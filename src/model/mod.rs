@@ -55,8 +55,9 @@ pub use rand_core::Rng;
 pub use random_input::{
     InputProcess, Moments, OwnProcess, Process, RandomInput, Realisations, Shape, Size, Spectrum,
 };
-pub use series::usual_spacing;
+pub(crate) use series::before;
 pub use series::{NamedSeries, NoSeries, Series};
+pub use series::{is_jump, usual_spacing};
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
 pub use step_response::SETTLED;

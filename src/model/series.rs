@@ -62,6 +62,33 @@ impl Series {
         }
     }
 
+    /// The same, where two samples at one time are a jump: a line that is too short to matter, up to
+    /// that time.
+    pub fn with_jumps(mut times: Vec<f64>, values: Vec<f64>) -> Result<Self, NoSeries> {
+        for i in 1..times.len() {
+            if times[i] == times[i - 1] {
+                times[i - 1] = before(times[i]);
+            }
+        }
+        Series::new(times, values)
+    }
+
+    /// The same, where each value lasts until the next sample.
+    pub fn held(times: &[f64], values: &[f64]) -> Result<Self, NoSeries> {
+        if times.len() != values.len() {
+            return Err(NoSeries);
+        }
+        let mut samples: Vec<(f64, f64)> = Vec::with_capacity(2 * times.len());
+        for (i, (time, value)) in times.iter().zip(values).enumerate() {
+            if i > 0 && before(*time) > times[i - 1] {
+                samples.push((before(*time), values[i - 1]));
+            }
+            samples.push((*time, *value));
+        }
+        let (times, values) = samples.into_iter().unzip();
+        Series::new(times, values)
+    }
+
     /// The sum of several series, each times a factor, from 0 to the end of the shortest.
     pub fn sum(parts: &[(f64, &Series)]) -> Self {
         let ends = parts.iter().map(|(_, series)| series.end());
@@ -119,7 +146,6 @@ impl Series {
 
     /// Whether there are samples that are closer than rounding of their times resolves: jumps.
     pub fn has_jumps(&self) -> bool {
-        let is_jump = |pair: &[f64]| pair[1] - pair[0] < 1e-14 * pair[1];
         self.times.windows(2).any(is_jump)
     }
 
@@ -186,9 +212,20 @@ impl Series {
     }
 }
 
-/// The median time between two of these, at least two; of two middle ones the longer.
+/// The time at which the line that stands for a jump begins: four roundings before it.
+pub(crate) fn before(time: f64) -> f64 {
+    time - 9e-16 * time
+}
+
+/// Whether two times are the ends of a jump.
+pub fn is_jump(pair: &[f64]) -> bool {
+    pair[1] - pair[0] < 1e-14 * pair[1]
+}
+
+/// The median time between two of these, at least two, without jumps; of two middle ones the longer.
 pub fn usual_spacing(times: &[f64]) -> f64 {
-    let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let pairs = times.windows(2).filter(|pair| !is_jump(pair));
+    let mut spacings: Vec<f64> = pairs.map(|pair| pair[1] - pair[0]).collect();
     let middle = spacings.len() / 2;
     *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -6,7 +6,7 @@ use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
 use crate::model::{
     Drive, Friction, Harmonic, InitialNoise, LARGEST, OrnsteinUhlenbeck, Problem, Series,
-    Temperature, can_be_computed_with,
+    Temperature, can_be_computed_with, is_jump,
 };
 use crate::scheme::{CheckError, Scheme, divergence_bound};
 use stickslip_text::numbers::short;
@@ -78,7 +78,7 @@ impl Scenario {
                 series
                     .times()
                     .windows(2)
-                    .find(|t| t[1] - t[0] < CLOSEST * series.end())?[1],
+                    .find(|t| t[1] - t[0] < CLOSEST * series.end() && !is_jump(t))?[1],
             )
         };
         if let Some((what, time)) = all

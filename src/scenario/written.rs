@@ -58,6 +58,8 @@ pub struct Measured {
     pub max_gap: Option<f64>,
     /// The stamp of t = 0, if the file has stamps.
     pub start: Option<String>,
+    /// Whether each value of the file lasts until the next one, in place of a straight line.
+    pub is_held: bool,
     /// What was repaired in the file, in sentences; empty if the samples come from the file of a
     /// run.
     pub repairs: Vec<String>,

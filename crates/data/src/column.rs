@@ -395,7 +395,9 @@ pub(super) fn sorted(
         column.check_order(source)?;
     }
     repairs.unsorted = repairs.unsorted.max(column.sort());
-    repairs.repeated = repairs.repeated.max(column.leave_out_repeated(source)?);
+    if !column.is_strict() {
+        repairs.repeated = repairs.repeated.max(column.leave_out_repeated(source)?);
+    }
     column.check_strays(source)?;
     column.check_spacing(source)?;
     if column.is_strict() {
@@ -414,21 +416,28 @@ pub(super) fn sorted(
 }
 
 impl Column<'_> {
-    /// Check that each sample is later than the one in the row before.
+    /// Check that no sample is earlier than the one in the row before. Two at one time are a jump.
     fn check_order(&self, source: &SampleSource<'_>) -> Result<(), DataError> {
-        let mut pairs = self.samples.windows(2);
-        let Some([before, here]) = pairs.find(|pair| pair[1].0 <= pair[0].0) else {
+        let samples = &self.samples;
+        let is_wrong = |i: &usize| {
+            let [before, here] = [samples[i - 1].0, samples[*i].0];
+            here < before || here == before && (*i == 1 || samples[i - 2].0 == here)
+        };
+        let Some(wrong) = (1..samples.len()).find(is_wrong) else {
             return Ok(());
         };
-        let problem = format!(
-            "`{}` = {} is not later than {} in line {}",
-            self.name,
-            here.1,
-            before.1,
-            (source.line)(before.2)
-        );
-        let remedy =
-            "sort the rows, one for each time; rows of an input are not sorted or left out";
+        let [before, here] = [samples[wrong - 1], samples[wrong]];
+        let line = (source.line)(before.2);
+        let problem = match here.0 < before.0 {
+            true => format!("the time of this row is before that of line {line}"),
+            false if wrong == 1 => "two values at the first time".to_string(),
+            false => format!(
+                "a third value of `{}` at the time of line {line}",
+                self.name
+            ),
+        };
+        let remedy = "sort the rows, one for each time, or two where the input jumps; rows of an input are \
+                      not sorted or left out";
         Err(source.error(here.2, problem, remedy))
     }
 
@@ -503,8 +512,12 @@ impl Column<'_> {
         let samples = &self.samples;
         let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
         let mut pairs = samples.windows(2);
-        let Some([before, here]) = pairs.find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts))
-        else {
+        let is_jump = |apart: f64| apart == 0.0 && self.is_strict();
+        let is_wrong = |pair: &&[(f64, f64, u32)]| {
+            let apart = pair[1].0 - pair[0].0;
+            is_too_close(apart, lasts) && !is_jump(apart)
+        };
+        let Some([before, here]) = pairs.find(is_wrong) else {
             return Ok(());
         };
         let problem = format!(
