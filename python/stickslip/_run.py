@@ -99,7 +99,10 @@ def run(
             values are in the units of the scenario. Times may also be dates; they become seconds
             since the first of them, and the unit of time of the scenario must be the second.
         inputs: measured inputs by name, e.g. `{"ag": (times, accelerations)}`, in place of the
-            tables `[input.NAME]`. The first time is 0, and nothing is repaired.
+            tables `[input.NAME]`. The first time is 0, and nothing is repaired. An input, and the
+            temperature, may also have a realisation for each path: values of shape (paths, time), a
+            DataArray with a dimension `path`, or a pair (times, draw) with a function
+            draw(rng, times) that returns the values of a path.
         accuracy: a relative error from 1e-6 to 0.5, e.g. 0.01. Scheme, step or tolerance, and
             number of paths are chosen for this error, after a pilot run of about 8 s. It cannot be
             combined with `paths`, `scheme`, `step`, `tolerance` or a goal. The attribute `accuracy`

@@ -253,6 +253,7 @@ keys! {
         OF_PROCESS;
         RELAXATION_RATE;
         DIFFUSION;
+        INITIAL_NOISE;
     }
     "displacement" {
         SERIES;
@@ -334,6 +335,7 @@ keys! {
             .unit("of the process").default("required by these");
         RELAXATION_RATE;
         DIFFUSION;
+        INITIAL_NOISE;
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), added to b")

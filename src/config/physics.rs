@@ -7,9 +7,10 @@ use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Temperature,
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Process,
+    RandomInput, Temperature,
 };
-use crate::scenario::{AsWritten, Measured, SensorBearing, WhiteNoise};
+use crate::scenario::{AsWritten, Measured, SensorBearing, TEMPERATURE_SERIES, WhiteNoise};
 
 /// The model, and the sources of its parts.
 pub(super) struct Physics {
@@ -31,11 +32,21 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let harmonics = table.tables("harmonics").iter().map(harmonic).collect();
     let noises = table.one_or_more("noise");
     let white_noise = white_noise(sources, &noises);
+    let beside = white_noise.and(beside_white(&noises));
     let mut measured = measured_temperature(sources, root);
     let inputs = series::inputs(sources, root, &measured);
     let is_pinned = noises.iter().fold(false, |is_pinned, of| {
         is_pinned | of.flag_or(keys::PINNED, false)
     });
+    if let Some(of) = measured.first().filter(|_| beside.is_some()) {
+        let table = root.table("temperature").table("series");
+        let problem = "cannot be combined with white noise beside another noise";
+        let remedy = format!(
+            "remove one of the noises, or give `{}` as an input of `force.expression`",
+            of.table
+        );
+        sources.report(table.diagnostic_of_table(problem, &remedy));
+    }
     let noises = if white_noise.is_some() {
         Vec::new()
     } else {
@@ -74,6 +85,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         random: measured
             .iter()
             .filter_map(|measured| measured.random.clone())
+            .chain(beside.map(sampled))
             .collect(),
         initial_displacement,
         initial_velocity: table.number_or(keys::VELOCITY, 0.0),
@@ -86,6 +98,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
             named: Vec::new(),
             is_balanced,
             white_noise,
+            beside_white: beside,
             force: written_force,
             realised: Vec::new(),
         },
@@ -191,18 +204,32 @@ fn noise(table: &Fields<'_>) -> OrnsteinUhlenbeck {
     }
 }
 
-/// White noise, if one of the noises is white. It has no other keys, and no other noise beside it.
+/// The noise beside white noise, if there is one.
+fn beside_white(noises: &[Fields<'_>]) -> Option<OrnsteinUhlenbeck> {
+    let other = |of: &&Fields<'_>| of.word(keys::NOISE_KIND, &KINDS) != Some(WHITE);
+    noises.iter().find(other).map(noise)
+}
+
+/// A noise beside white noise as a random temperature. Between its samples it lacks a variance of
+/// (rho sigma)^2 step/6, a thousandth of what it has, and white noise is there all the more.
+fn sampled(noise: OrnsteinUhlenbeck) -> RandomInput {
+    RandomInput {
+        name: TEMPERATURE_SERIES.into(),
+        process: Process::OrnsteinUhlenbeck(noise),
+        step: 3e-3 / noise.relaxation_rate,
+        envelope: None,
+    }
+}
+
+/// White noise, if one of the noises is white. It has no other keys.
 fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNoise> {
     let table = noises
         .iter()
-        .find(|of| of.word(keys::NOISE_KIND, &["ornstein-uhlenbeck", WHITE]) == Some(WHITE))?;
-    if noises.len() > 1 {
-        let remedy = "remove the other noise, or approximate white noise by `relaxation_rate` = `diffusion` = \
-                      theta (large) and `intensity` = sqrt(2 D)";
-        sources.report(table.diagnostic_of_table(
-            "is white noise, which cannot be combined with another noise",
-            remedy,
-        ));
+        .find(|of| of.word(keys::NOISE_KIND, &KINDS) == Some(WHITE))?;
+    let white = |of: &&Fields<'_>| of.word(keys::NOISE_KIND, &KINDS) == Some(WHITE);
+    if noises.iter().filter(white).count() > 1 {
+        let remedy = "add up their strengths D in one table";
+        sources.report(table.diagnostic_of_table("is white noise, as another table is", remedy));
     }
     for key in [
         keys::INTENSITY,
@@ -231,3 +258,4 @@ fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNois
 
 /// The kind of a noise without memory.
 const WHITE: &str = "white";
+const KINDS: [&str; 2] = ["ornstein-uhlenbeck", WHITE];

@@ -4,7 +4,10 @@ use super::error::Diagnostic;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Sources};
-use crate::model::{Expression, OwnProcess, Process, RandomInput, Series, Shape, Size, Spectrum};
+use crate::model::{
+    Expression, InitialNoise, OrnsteinUhlenbeck, OwnProcess, Process, RandomInput, Series, Shape,
+    Size, Spectrum,
+};
 use std::sync::Arc;
 
 /// The keys that each process has besides `process`.
@@ -41,6 +44,7 @@ const PROCESSES: [(&str, &[Key]); 6] = [
             keys::OF_PROCESS,
             keys::RELAXATION_RATE,
             keys::DIFFUSION,
+            keys::INITIAL_NOISE,
             keys::SAMPLE_STEP,
             keys::ENVELOPE,
         ],
@@ -107,11 +111,15 @@ pub(super) fn random_input(
             damping_ratio: table.number(keys::DAMPING_RATIO),
             intensity: table.number(keys::OF_PROCESS),
         },
-        "ornstein-uhlenbeck" => Process::OrnsteinUhlenbeck {
+        "ornstein-uhlenbeck" => Process::OrnsteinUhlenbeck(OrnsteinUhlenbeck {
             intensity: table.number(keys::OF_PROCESS),
             relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0),
             diffusion: table.number_or(keys::DIFFUSION, 1.0),
-        },
+            initial: match table.number_or_word(keys::INITIAL_NOISE, &["stationary"]) {
+                Some(Ok(v0)) => InitialNoise::At(v0),
+                Some(Err(_)) | None => InitialNoise::Stationary,
+            },
+        }),
         "own" => {
             if !matches!(sources.measured_from, MeasuredFrom::Stored(_)) {
                 let problem = "has realisations of its own, which a text does not hold";
@@ -261,15 +269,16 @@ pub(super) fn written(
             (keys::DAMPING_RATIO, *damping_ratio),
             (keys::OF_PROCESS, *intensity),
         ]),
-        Process::OrnsteinUhlenbeck {
-            intensity,
-            relaxation_rate,
-            diffusion,
-        } => numbers(&[
-            (keys::OF_PROCESS, *intensity),
-            (keys::RELAXATION_RATE, *relaxation_rate),
-            (keys::DIFFUSION, *diffusion),
-        ]),
+        Process::OrnsteinUhlenbeck(noise) => {
+            numbers(&[
+                (keys::OF_PROCESS, noise.intensity),
+                (keys::RELAXATION_RATE, noise.relaxation_rate),
+                (keys::DIFFUSION, noise.diffusion),
+            ]);
+            if let InitialNoise::At(v0) = noise.initial {
+                numbers(&[(keys::INITIAL_NOISE, v0)]);
+            }
+        }
         Process::Spectrum(_) | Process::Own(_) => {}
     }
     if input.process.is_sampled() {

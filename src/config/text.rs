@@ -200,6 +200,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
         &model.temperature,
         series.first().copied(),
         written.white_noise,
+        written.beside_white.as_ref(),
     );
     inputs
         .into_iter()
@@ -372,7 +373,7 @@ fn friction(text: &mut Written, model: &Problem) {
 /// out, because its samples are in a separate file.
 pub fn temperature_part(temperature: &Temperature) -> String {
     let mut text = Written::default();
-    self::temperature(&mut text, temperature, None, None);
+    self::temperature(&mut text, temperature, None, None, None);
     text.lines
 }
 
@@ -381,6 +382,7 @@ fn temperature(
     of: &Temperature,
     measured: Option<&Measured>,
     white: Option<WhiteNoise>,
+    beside: Option<&OrnsteinUhlenbeck>,
 ) {
     let has_line = of.has_line()
         || ["offset", "trend"]
@@ -409,6 +411,15 @@ fn temperature(
     }
     if let Some(measured) = measured {
         series_of(text, measured, keys::VALUE);
+    }
+    if let Some(beside) = beside {
+        text.entry("temperature.noise", 0, "rho v, beside white noise");
+        noise(text, beside);
+        text.entry("temperature.noise", 1, "white noise");
+        for (white, simulated) in white.into_iter().zip(&of.noises) {
+            white_noise(text, white, simulated);
+        }
+        return;
     }
     match &of.noises[..] {
         [] => text.plain("\n# no [temperature.noise]: rho = 0"),

@@ -19,7 +19,8 @@ impl LimitCycle {
     pub fn of(scenario: &Scenario) -> Option<LimitCycle> {
         let model = &scenario.model;
         let felt = model.oscillator.force_per_temperature() != 0.0;
-        if felt && model.is_random() || scenario.time.end == 0.0 {
+        let is_random = felt && model.temperature.is_random() || !model.random.is_empty();
+        if is_random || scenario.time.end == 0.0 {
             return None;
         }
         let motion = CountedMotion::of(scenario)?;

@@ -8,7 +8,7 @@ mod filter;
 #[cfg(test)]
 mod tests;
 
-use crate::model::{Problem, Process, RandomInput, Series, Shape, Size, before};
+use crate::model::{InitialNoise, Problem, Process, RandomInput, Series, Shape, Size, before};
 use crate::noise::{MIRROR, Stream, Transition};
 use filter::Filter;
 use std::f64::consts::TAU;
@@ -60,19 +60,17 @@ impl RandomInput {
                     -w * (2.0 * damping_ratio * slope + w * y)
                 })
             }
-            Process::OrnsteinUhlenbeck {
-                intensity,
-                relaxation_rate,
-                diffusion,
-            } => {
-                let transition = Transition::new(*relaxation_rate, *diffusion, self.step);
-                let sd = diffusion / (2.0 * relaxation_rate).sqrt();
-                let mut v = sd * stream.normal();
+            Process::OrnsteinUhlenbeck(noise) => {
+                let transition = Transition::new(noise.relaxation_rate, noise.diffusion, self.step);
+                let mut v = match noise.initial {
+                    InitialNoise::At(v) => v,
+                    InitialNoise::Stationary => noise.stationary_sd() * stream.normal(),
+                };
                 self.sampled(end, |i| {
                     if i > 0 {
                         v = transition.next(v, stream.normal());
                     }
-                    intensity * v
+                    noise.intensity * v
                 })
             }
             Process::Spectrum(spectrum) => {

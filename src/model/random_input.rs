@@ -1,7 +1,7 @@
 //! Random functions of time that take the place of a measured input: their laws, without random
 //! numbers.
 
-use super::{Expression, NoSeries, Series};
+use super::{Expression, NoSeries, OrnsteinUhlenbeck, Series};
 use rand_core::Rng;
 use std::f64::consts::PI;
 use std::fmt::Debug;
@@ -52,15 +52,8 @@ pub enum Process {
         /// S0.
         intensity: f64,
     },
-    /// rho v(t) with dv = -theta v dt + sigma dW, from the stationary law.
-    OrnsteinUhlenbeck {
-        /// rho.
-        intensity: f64,
-        /// theta.
-        relaxation_rate: f64,
-        /// sigma.
-        diffusion: f64,
-    },
+    /// rho v(t) with dv = -theta v dt + sigma dW.
+    OrnsteinUhlenbeck(OrnsteinUhlenbeck),
     /// A Gaussian process with a one-sided spectrum in cycles per time, whose integral is the variance.
     Spectrum(Arc<Spectrum>),
     /// Realisations of the caller.
@@ -224,7 +217,7 @@ impl Process {
             Process::Telegraph { .. } => "telegraph",
             Process::Shot { .. } => "shot",
             Process::KanaiTajimi { .. } => "kanai-tajimi",
-            Process::OrnsteinUhlenbeck { .. } => "ornstein-uhlenbeck",
+            Process::OrnsteinUhlenbeck(_) => "ornstein-uhlenbeck",
             Process::Spectrum(_) => "spectrum",
             Process::Own(own) => own.0.name(),
         }
@@ -294,14 +287,10 @@ impl Process {
                     time: PI * intensity / variance,
                 }
             }
-            Process::OrnsteinUhlenbeck {
-                intensity,
-                relaxation_rate,
-                diffusion,
-            } => Moments {
+            Process::OrnsteinUhlenbeck(noise) => Moments {
                 mean: 0.0,
-                sd: intensity * diffusion / (2.0 * relaxation_rate).sqrt(),
-                time: 1.0 / relaxation_rate,
+                sd: noise.intensity * noise.stationary_sd(),
+                time: 1.0 / noise.relaxation_rate,
             },
             Process::Spectrum(spectrum) => {
                 let variance: f64 = spectrum.variances().map(|(_, variance)| variance).sum();
@@ -322,9 +311,7 @@ impl Process {
             Process::KanaiTajimi {
                 angular_frequency, ..
             } => Some(*angular_frequency),
-            Process::OrnsteinUhlenbeck {
-                relaxation_rate, ..
-            } => Some(*relaxation_rate),
+            Process::OrnsteinUhlenbeck(noise) => Some(noise.relaxation_rate),
             Process::Spectrum(spectrum) => {
                 let powers = || spectrum.variances().map(|(_, variance)| variance);
                 let total: f64 = powers().sum();

@@ -1,7 +1,9 @@
 //! How a text spells a scenario, in addition to the physics that it describes.
 
 use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
-use crate::model::{Expression, NamedSeries, Oscillator, Process, RandomInput, Series};
+use crate::model::{
+    Expression, NamedSeries, OrnsteinUhlenbeck, Oscillator, Process, RandomInput, Series,
+};
 use crate::scheme::CheckError;
 use std::sync::Arc;
 use stickslip_data::Layout;
@@ -19,6 +21,8 @@ pub struct AsWritten {
     pub is_balanced: bool,
     /// White noise, if the scenario has it; the model contains a fast noise instead.
     pub white_noise: Option<WhiteNoise>,
+    /// The noise beside white noise, which the model draws as a temperature of its own.
+    pub beside_white: Option<OrnsteinUhlenbeck>,
     /// The user-defined force, if there is one. A linear one is in the stiffness and the damping of
     /// the model.
     pub force: Option<WrittenForce>,
@@ -103,7 +107,7 @@ impl Measured {
 
 impl Scenario {
     /// The inputs that the force and the load may name, each with the values on the path of the
-    /// scenario ([`Scenario::of_path`]) and their unit.
+    /// scenario, the first unless it is replayed, and their unit.
     pub fn inputs_of_path(&self) -> Vec<(&str, &Arc<Series>, Option<&str>)> {
         let mut inputs = Vec::new();
         for measured in &self.written.measured {

@@ -113,11 +113,22 @@ impl<'a> Loop<'a> {
         let o = &self.model.oscillator;
         let c = o.force_per_temperature();
         let mut b = c * self.temperature[at.n as usize];
+        if let Some(force) = self.of_time() {
+            b += self.of(force, at, self.own(1.0, at));
+        }
         if let Some([_, scale, _]) = self.noise {
             b = (c * scale).mul_add(at.noise, b);
         }
         b = (-o.stiffness).mul_add(at.x, b);
         (-2.0 * o.damping).mul_add(at.v, b)
+    }
+
+    /// g, if it is a function of t alone, which is a part of the forcing.
+    fn of_time(&self) -> Option<&Force> {
+        self.model
+            .force
+            .as_ref()
+            .filter(|force| force.is_of_time_alone())
     }
 
     /// A force of the program, which must be `wanted` to rounding.
@@ -142,7 +153,8 @@ impl<'a> Loop<'a> {
     /// is added to b in a slip upwards and downwards. With a load or a direction this is g, less
     /// what friction exceeds its constant by.
     fn forces(&self, at: &State) -> [[f64; 2]; 2] {
-        let Some(force) = &self.model.force else {
+        let force = self.model.force.as_ref();
+        let Some(force) = force.filter(|force| !force.is_of_time_alone()) else {
             return [[0.0; 2]; 2];
         };
         let constant = self.model.friction;
@@ -161,15 +173,18 @@ impl<'a> Loop<'a> {
 
     /// b as an event reports it: at rest, the mean of both directions.
     fn force(&self, at: &State) -> f64 {
-        let own = self.model.force.as_ref().map(|force| {
-            let [up, down] = [1.0, -1.0].map(|e| self.own(e, at));
-            let wanted = match at.v {
-                v if v > 0.0 => up,
-                v if v < 0.0 => down,
-                _ => 0.5 * (up + down),
-            };
-            self.of(force, at, wanted)
-        });
+        let force = self.model.force.as_ref();
+        let own = force
+            .filter(|force| !force.is_of_time_alone())
+            .map(|force| {
+                let [up, down] = [1.0, -1.0].map(|e| self.own(e, at));
+                let wanted = match at.v {
+                    v if v > 0.0 => up,
+                    v if v < 0.0 => down,
+                    _ => 0.5 * (up + down),
+                };
+                self.of(force, at, wanted)
+            });
         own.map_or(self.linear(at), |own| self.linear(at) + own)
     }
 

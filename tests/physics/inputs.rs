@@ -112,6 +112,43 @@ fn an_input_acts_as_the_same_samples_of_a_temperature_do() {
     }
 }
 
+/// A body without a spring under a force of 3 from t = 1 to 2 and friction 1 moves at 2 in the end, and
+/// slides 1 + 2: with two samples at one time, and with values that last, linear and in any force.
+#[test]
+fn an_input_that_jumps_is_exact() {
+    let jumps = Series::with_jumps(
+        vec![0.0, 1.0, 1.0, 2.0, 2.0, 9.0],
+        vec![0.0, 0.0, 3.0, 3.0, 0.0, 0.0],
+    );
+    let held = Series::held(&[0.0, 1.0, 2.0, 9.0], &[0.0, 3.0, 0.0, 0.0]);
+    for series in [jumps, held].map(|series| series.expect("a series")) {
+        for force in ["s", "s + 0*abs(x)"] {
+            let given = NamedSeries {
+                name: "input.s".into(),
+                series: series.clone().into(),
+            };
+            let lines = format!(
+                "friction = {{ static = 1.2, dynamic = 1.0 }}\ntime.end = 8\nforce.expression = \"{force}\""
+            );
+            let text = format!("{BODY}{lines}").replace("stiffness = 1,", "stiffness = 0,");
+            let scenario = Scenario::parse_measured("test", &text, &[], &[given])
+                .unwrap_or_else(|error| panic!("{error}"));
+            let events = events(&scenario);
+            let times: Vec<f64> = events.iter().map(|event| event.time).collect();
+            assert!(
+                events.len() == 2
+                    && (times[0] - 1.0).abs() < 1e-12
+                    && (times[1] - 4.0).abs() < 1e-11,
+                "{force}: {times:?}"
+            );
+            assert!(
+                (events[1].displacement - 3.0).abs() < 1e-11,
+                "{force}: {events:?}"
+            );
+        }
+    }
+}
+
 /// 3 cos(0.5 t) sampled every 1e-3, whose lines are off by up to 1e-7, and written out: the same
 /// events, within 1e-6, and under noise within 1e-5 of each other on the same path.
 #[test]

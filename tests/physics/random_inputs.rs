@@ -480,6 +480,42 @@ fn a_realisation_depends_on_nothing_else() {
     }
 }
 
+/// Kicks and a telegraph beside noise: the means and standard deviations of x at the end of
+/// event-driven paths agree with those of `corrected-vi` with steps of 1e-3, within 4.5 standard
+/// errors and the step.
+#[test]
+fn random_inputs_act_beside_noise_in_every_scheme() {
+    for input in [
+        "process = \"shot\"\nrate = 0.4\nsize = 1.5\nsizes = \"exponential\"",
+        "process = \"telegraph\"\nlow = -1.5\nhigh = 2\nrate_up = 0.7",
+    ] {
+        let ends = |scheme: &str| {
+            let text = format!(
+                "oscillator = {{ mass = 1, stiffness = 0.5, damping = 0.1, force_per_temperature = 1 }}
+                 friction = {{ static = 1.2, dynamic = 1 }}\ninitial.displacement = 0
+                 temperature.noise = {{ intensity = 0.6 }}\ntemperature.harmonics = []
+                 force.expression = \"k\"\ntime.end = 12\nensemble.paths = 1500\n{scheme}
+                 [input.k]\n{input}"
+            );
+            let run = Run::of(&scenario(&text))
+                .without_bias()
+                .simulate()
+                .expect("a run");
+            [Statistic::DisplacementEndMean, Statistic::DisplacementEndSd].map(|of| run[of])
+        };
+        let exact = ends("scheme.kind = \"event-driven\"");
+        let steps = ends("scheme.kind = \"corrected-vi\"\ntime.step = 1e-3");
+        for (a, b) in exact.iter().zip(&steps) {
+            let error = a.standard_error.hypot(b.standard_error);
+            assert!(
+                (a.estimate - b.estimate).abs() < 4.5 * error + 0.01,
+                "{input}: {a:?} {b:?}"
+            );
+            assert!(error < 0.1, "{a:?}");
+        }
+    }
+}
+
 /// With a step, without one, in lanes of a block and alone, the path is the same.
 #[test]
 fn a_path_is_the_same_alone_and_in_a_block() {

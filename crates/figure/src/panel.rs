@@ -132,6 +132,14 @@ impl Panel {
         }
     }
 
+    /// The same panel with numbers at its horizontal axis, because there is none below.
+    pub fn last(self) -> Self {
+        Panel {
+            is_labelled: true,
+            ..self
+        }
+    }
+
     /// Adds a curve. It has a gap where a number is missing.
     pub fn line(&mut self, points: Vec<[f64; 2]>, stroke: Stroke) {
         self.layers.push(Layer::Line { points, stroke });

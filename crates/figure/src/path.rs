@@ -94,6 +94,8 @@ impl<'a> PathLayout<'a> {
         });
         if self.is_shared() {
             panels.push(self.shared());
+        } else if self.has_kicks() {
+            panels.extend(self.separate().into_iter().take(1).map(Panel::last));
         } else if !self.is_crowded {
             panels.extend(self.separate());
         }
@@ -104,18 +106,31 @@ impl<'a> PathLayout<'a> {
             &self.time_unit,
             &self.velocity_unit,
         ));
-        if !fills_plane(&self.trace) {
+        if !fills_plane(&self.trace) && !self.has_kicks() {
             panels.push(self.plane());
         }
         panels
     }
 
-    /// The inputs over time, in a panel each.
+    /// Whether forces are impulses, which have no size that could be drawn.
+    fn has_kicks(&self) -> bool {
+        let measured = &self.path.scenario.written.measured;
+        let mut random = measured.iter().filter_map(|of| of.random.as_ref());
+        random.any(|random| random.process.is_kicks())
+    }
+
+    /// The inputs over time, in a panel each; kicks as their impulses.
     fn inputs(&self) -> Vec<Panel> {
         let scenario = self.path.scenario;
         let inputs = scenario.inputs_of_path().into_iter();
         let panel = |(name, series, unit): (&str, &Arc<Series>, Option<&str>)| {
-            let points = sampled(series, [self.path.from, scenario.time.end]);
+            let measured = &scenario.written.measured;
+            let mut of_name = measured.iter().filter(|of| of.input() == Some(name));
+            let random = of_name.next().and_then(|of| of.random.as_ref());
+            let points = match random.is_some_and(|random| random.process.is_kicks()) {
+                true => impulses(series, [self.path.from, scenario.time.end]),
+                false => sampled(series, [self.path.from, scenario.time.end]),
+            };
             let unit = unit.and_then(input_unit);
             let unit = unit.map_or(String::new(), |(si, _)| si.replace('2', "\u{b2}"));
             let values = points.iter().map(|point| point[1]);
@@ -145,6 +160,9 @@ impl<'a> PathLayout<'a> {
             let sizes = self.trace.samples().map(|s| values(s).abs());
             sizes.fold(0.0, f64::max)
         };
+        if self.has_kicks() {
+            return false;
+        }
         let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
         let is_dimensionless = self.velocity_unit.is_empty() && self.force_unit.is_empty();
         is_dimensionless
@@ -245,7 +263,7 @@ impl<'a> PathLayout<'a> {
         legend.extend(
             names.map(|(k, name)| LegendEntry::line(solid(of_sub_phase(k, palette)), name)),
         );
-        if !self.is_crowded {
+        if !self.is_crowded && !self.has_kicks() {
             legend.push(LegendEntry::line(self.spring_stroke(), self.force_name()));
             legend.push(LegendEntry::line(self.friction_stroke(), "friction *F*"));
         }
@@ -263,6 +281,28 @@ impl<'a> PathLayout<'a> {
         }
         legend
     }
+}
+
+/// A line from impulse to impulse, along zero and up to each.
+fn impulses(series: &Series, [from, end]: [f64; 2]) -> Vec<[f64; 2]> {
+    let (times, values) = (series.times(), series.values());
+    let mut points = vec![[from, 0.0]];
+    let (mut begin, mut sum) = (from, 0.0);
+    for i in 1..times.len() {
+        let area = 0.5 * (values[i - 1] + values[i]) * (times[i] - times[i - 1]);
+        if sum == 0.0 {
+            begin = times[i - 1];
+        }
+        sum += area;
+        if values[i] == 0.0 && sum != 0.0 {
+            if (from..end).contains(&begin) {
+                points.extend([[begin, 0.0], [begin, sum], [begin, 0.0]]);
+            }
+            sum = 0.0;
+        }
+    }
+    points.push([end, 0.0]);
+    points
 }
 
 /// The colour of sub-phase k of a slip.

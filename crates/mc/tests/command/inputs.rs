@@ -290,12 +290,18 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
         "0.01,0.5",
         &[
             "quake.csv:4",
-            "= 0.5 is not later than",
-            "in line 3",
+            "the time of this row is before that of line 3",
             "sort the rows",
         ],
     );
-    file(row, "0.02,0.5", &["quake.csv:4", "= 0.5 is not later than"]);
+    file(
+        row,
+        "0.02,0.5\n0.02,0.7",
+        &[
+            "quake.csv:5",
+            "a third value of `acc (g)` at the time of line 4",
+        ],
+    );
     file(
         "acc (g)",
         "acc (furlong)",
