@@ -96,7 +96,7 @@ fn the_pictures_of_the_documentation_come_out_again() {
         .map(|entry| entry.expect("readable").path())
         .filter(|path| path.extension().is_some_and(|ending| ending == "png"))
         .collect();
-    assert_eq!(drawn.len(), 28);
+    assert_eq!(drawn.len(), 31);
     for path in drawn {
         let kept = root()
             .join("docs/pictures")
