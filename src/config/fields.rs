@@ -589,7 +589,10 @@ impl<'a> Fields<'a> {
         if self.is_misread {
             return key.range.stand_in();
         }
-        let (symbol, meaning) = (key.symbol, key.meaning);
+        let meaning = match key.symbol {
+            "" => key.meaning.to_string(),
+            symbol => format!("{symbol}, {}", key.meaning),
+        };
         let problem = format!("missing key `{}`", self.dotted(key.name));
         let under = if self.place.is_some() {
             "there"
@@ -601,7 +604,7 @@ impl<'a> Fields<'a> {
             instead => format!(", or {instead}"),
         };
         let remedy = format!(
-            "add `{} = ...` {under}: {symbol}, {meaning}; {}{instead}",
+            "add `{} = ...` {under}: {meaning}; {}{instead}",
             key.name,
             key.range.words()
         );
