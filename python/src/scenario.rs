@@ -11,7 +11,7 @@ use std::sync::Arc;
 use stickslip::advice::DerivedQuantity;
 use stickslip::config::{self, Override, ScenarioError, Shipped};
 use stickslip::model::{
-    InputProcess, NamedSeries, OwnProcess, Process, RandomInput, Realisations, Rng, Series,
+    InputProcess, NamedSeries, OwnProcess, RandomInput, RandomProcess, Realisations, Rng, Series,
 };
 use stickslip::scenario::Scenario as Checked;
 
@@ -209,14 +209,14 @@ fn own_input(
             })?;
             Arc::new(realisations)
         }
-        Err(_) => Arc::new(Function {
+        Err(_) => Arc::new(DrawnByPython {
             times,
             draw: values.clone().unbind(),
         }),
     };
     Ok(RandomInput {
         name,
-        process: Process::Own(OwnProcess(own)),
+        process: RandomProcess::Own(OwnProcess(own)),
         step: 1.0,
         envelope: None,
     })
@@ -224,12 +224,12 @@ fn own_input(
 
 /// A function of Python that draws the values of a path.
 #[derive(Debug)]
-struct Function {
+struct DrawnByPython {
     times: Vec<f64>,
     draw: Py<PyAny>,
 }
 
-impl InputProcess for Function {
+impl InputProcess for DrawnByPython {
     /// Without valid values, the path is lost, and the error is printed.
     fn draw(&self, path: u64, random: &mut dyn Rng, _: f64) -> Series {
         let drawn = Python::attach(|py| -> PyResult<Series> {

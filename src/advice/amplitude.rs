@@ -33,7 +33,6 @@ pub(super) fn expected_amplitude(model: &Problem, end: f64, step: Option<f64>) -
         initial_displacement: x0,
         ..
     } = model;
-    // That of another path may be far larger than that of the first.
     if !model.random.is_empty() {
         return f64::NAN;
     }

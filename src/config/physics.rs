@@ -7,8 +7,8 @@ use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{
-    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, Process,
-    RandomInput, Temperature,
+    Drive, Friction, Harmonic, InitialNoise, OrnsteinUhlenbeck, Oscillator, Problem, RandomInput,
+    RandomProcess, Temperature,
 };
 use crate::scenario::{AsWritten, Measured, SensorBearing, TEMPERATURE_SERIES, WhiteNoise};
 
@@ -38,14 +38,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let is_pinned = noises.iter().fold(false, |is_pinned, of| {
         is_pinned | of.flag_or(keys::PINNED, false)
     });
-    if let Some(of) = measured.first().filter(|_| beside.is_some()) {
-        let table = root.table("temperature").table("series");
-        let problem = "cannot be combined with white noise beside another noise";
-        let remedy = format!(
-            "remove one of the noises, or give `{}` as an input of `force.expression`",
-            of.table
-        );
-        sources.report(table.diagnostic_of_table(problem, &remedy));
+    if beside.is_some() && !measured.is_empty() {
+        report_crowded(sources, root);
     }
     let noises = if white_noise.is_some() {
         Vec::new()
@@ -215,10 +209,18 @@ fn beside_white(noises: &[Fields<'_>]) -> Option<OrnsteinUhlenbeck> {
 fn sampled(noise: OrnsteinUhlenbeck) -> RandomInput {
     RandomInput {
         name: TEMPERATURE_SERIES.into(),
-        process: Process::OrnsteinUhlenbeck(noise),
+        process: RandomProcess::OrnsteinUhlenbeck(noise),
         step: 3e-3 / noise.relaxation_rate,
         envelope: None,
     }
+}
+
+/// Report a measured temperature beside white noise and another noise.
+fn report_crowded(sources: &Sources<'_>, root: &Fields<'_>) {
+    let table = root.table("temperature").table("series");
+    let problem = "cannot be combined with white noise beside another noise";
+    let remedy = "remove one of the noises, or give the samples as an input of `force.expression`";
+    sources.report(table.diagnostic_of_table(problem, remedy));
 }
 
 /// White noise, if one of the noises is white. It has no other keys.

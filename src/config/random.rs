@@ -5,8 +5,8 @@ use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Sources};
 use crate::model::{
-    Expression, InitialNoise, OrnsteinUhlenbeck, OwnProcess, Process, RandomInput, Series, Shape,
-    Size, Spectrum,
+    Expression, InitialNoise, InputSpectrum, OrnsteinUhlenbeck, OwnProcess, PulseShape, PulseSize,
+    RandomInput, RandomProcess, Series,
 };
 use std::sync::Arc;
 
@@ -80,24 +80,11 @@ pub(super) fn random_input(
 ) -> Option<RandomInput> {
     let process = process_of(table)?;
     let (_, allowed) = PROCESSES.into_iter().find(|(name, _)| *name == process)?;
-    for key in all_keys().filter(|key| allowed.iter().all(|other| other.name != key.name)) {
-        if let Some(place) = table.place_of(key.name) {
-            let problem = format!(
-                "`{}` has no meaning for the process \"{process}\"",
-                table.dotted(key.name)
-            );
-            let of_process: Vec<&str> = allowed.iter().map(|key| key.name).collect();
-            let remedy = format!(
-                "remove it; the process has the keys {}",
-                of_process.join(", ")
-            );
-            sources.report(sources.diagnostic(Some(place), problem, remedy));
-        }
-    }
+    report_unused(sources, table, process, allowed);
     let process = match process {
         "telegraph" => {
             let up = table.number(keys::RATE_UP);
-            Process::Telegraph {
+            RandomProcess::Telegraph {
                 values: [
                     table.number_or(keys::LOW, -1.0),
                     table.number_or(keys::HIGH, 1.0),
@@ -106,12 +93,12 @@ pub(super) fn random_input(
             }
         }
         "shot" => shot(sources, table),
-        "kanai-tajimi" => Process::KanaiTajimi {
+        "kanai-tajimi" => RandomProcess::KanaiTajimi {
             angular_frequency: table.number(keys::OF_FILTER),
             damping_ratio: table.number(keys::DAMPING_RATIO),
             intensity: table.number(keys::OF_PROCESS),
         },
-        "ornstein-uhlenbeck" => Process::OrnsteinUhlenbeck(OrnsteinUhlenbeck {
+        "ornstein-uhlenbeck" => RandomProcess::OrnsteinUhlenbeck(OrnsteinUhlenbeck {
             intensity: table.number(keys::OF_PROCESS),
             relaxation_rate: table.number_or(keys::RELAXATION_RATE, 1.0),
             diffusion: table.number_or(keys::DIFFUSION, 1.0),
@@ -126,7 +113,7 @@ pub(super) fn random_input(
                 let remedy = "give them with `inputs` in Python or `Problem::input` in Rust, or name another process";
                 sources.report(table.diagnostic_of_table(problem, remedy));
             }
-            Process::Own(OwnProcess::missing())
+            RandomProcess::Own(OwnProcess::missing())
         }
         _ => {
             let (file, series) = spectrum?;
@@ -137,7 +124,7 @@ pub(super) fn random_input(
                     "give a one-sided spectrum: densities over frequencies in cycles per time";
                 sources.report(table.diagnostic_of_table(problem, remedy));
             }
-            Process::Spectrum(Arc::new(Spectrum {
+            RandomProcess::Spectrum(Arc::new(InputSpectrum {
                 file,
                 frequencies: series.times().to_vec(),
                 densities,
@@ -156,12 +143,30 @@ pub(super) fn random_input(
     })
 }
 
+/// Report the keys of other processes.
+fn report_unused(sources: &Sources<'_>, table: &Fields<'_>, process: &str, allowed: &[Key]) {
+    for key in all_keys().filter(|key| allowed.iter().all(|other| other.name != key.name)) {
+        if let Some(place) = table.place_of(key.name) {
+            let problem = format!(
+                "`{}` has no meaning for the process \"{process}\"",
+                table.dotted(key.name)
+            );
+            let of_process: Vec<&str> = allowed.iter().map(|key| key.name).collect();
+            let remedy = format!(
+                "remove it; the process has the keys {}",
+                of_process.join(", ")
+            );
+            sources.report(sources.diagnostic(Some(place), problem, remedy));
+        }
+    }
+}
+
 /// Every key of a process.
 fn all_keys() -> impl Iterator<Item = &'static Key> {
     PROCESSES.iter().flat_map(|(_, keys)| keys.iter())
 }
 
-fn shot(sources: &Sources<'_>, table: &Fields<'_>) -> Process {
+fn shot(sources: &Sources<'_>, table: &Fields<'_>) -> RandomProcess {
     let size = table.number(keys::SIZE);
     let law = table.word(keys::SIZES, &LAWS).unwrap_or(LAWS[0]);
     let shape = table.word(keys::SHAPE, &SHAPES).unwrap_or(SHAPES[0]);
@@ -179,17 +184,17 @@ fn shot(sources: &Sources<'_>, table: &Fields<'_>) -> Process {
         shape == "decay",
         "pulses without a decay",
     );
-    Process::Shot {
+    RandomProcess::Shot {
         rate: table.number(keys::RATE),
         size: match law {
-            "exponential" => Size::Exponential(size),
-            "normal" => Size::Normal(size, table.number_or(keys::SIZE_SD, 0.0)),
-            _ => Size::Fixed(size),
+            "exponential" => PulseSize::Exponential(size),
+            "normal" => PulseSize::Normal(size, table.number_or(keys::SIZE_SD, 0.0)),
+            _ => PulseSize::Fixed(size),
         },
         shape: match shape {
-            "rectangle" => Shape::Rectangle(table.number(keys::DURATION)),
-            "decay" => Shape::Decay(table.number(keys::DURATION)),
-            _ => Shape::Kick,
+            "rectangle" => PulseShape::Rectangle(table.number(keys::DURATION)),
+            "decay" => PulseShape::Decay(table.number(keys::DURATION)),
+            _ => PulseShape::Kick,
         },
     }
 }
@@ -233,7 +238,7 @@ pub(super) fn written(
         );
     };
     match &input.process {
-        Process::Telegraph {
+        RandomProcess::Telegraph {
             values: [low, high],
             rates: [up, down],
         } => numbers(&[
@@ -242,16 +247,16 @@ pub(super) fn written(
             (keys::RATE_UP, *up),
             (keys::RATE_DOWN, *down),
         ]),
-        Process::Shot { rate, size, shape } => {
+        RandomProcess::Shot { rate, size, shape } => {
             let (law, mean, sd) = match size {
-                Size::Fixed(mean) => (LAWS[0], mean, None),
-                Size::Exponential(mean) => (LAWS[1], mean, None),
-                Size::Normal(mean, sd) => (LAWS[2], mean, Some(*sd)),
+                PulseSize::Fixed(mean) => (LAWS[0], mean, None),
+                PulseSize::Exponential(mean) => (LAWS[1], mean, None),
+                PulseSize::Normal(mean, sd) => (LAWS[2], mean, Some(*sd)),
             };
             let (shape, duration) = match shape {
-                Shape::Kick => (SHAPES[0], None),
-                Shape::Rectangle(duration) => (SHAPES[1], Some(*duration)),
-                Shape::Decay(time) => (SHAPES[2], Some(*time)),
+                PulseShape::Kick => (SHAPES[0], None),
+                PulseShape::Rectangle(duration) => (SHAPES[1], Some(*duration)),
+                PulseShape::Decay(time) => (SHAPES[2], Some(*time)),
             };
             numbers(&[(keys::RATE, *rate), (keys::SIZE, *mean)]);
             sd.iter().for_each(|sd| numbers(&[(keys::SIZE_SD, *sd)]));
@@ -260,7 +265,7 @@ pub(super) fn written(
                 .for_each(|duration| numbers(&[(keys::DURATION, *duration)]));
             all.extend([(keys::SIZES, string(law)), (keys::SHAPE, string(shape))]);
         }
-        Process::KanaiTajimi {
+        RandomProcess::KanaiTajimi {
             angular_frequency,
             damping_ratio,
             intensity,
@@ -269,7 +274,7 @@ pub(super) fn written(
             (keys::DAMPING_RATIO, *damping_ratio),
             (keys::OF_PROCESS, *intensity),
         ]),
-        Process::OrnsteinUhlenbeck(noise) => {
+        RandomProcess::OrnsteinUhlenbeck(noise) => {
             numbers(&[
                 (keys::OF_PROCESS, noise.intensity),
                 (keys::RELAXATION_RATE, noise.relaxation_rate),
@@ -279,7 +284,7 @@ pub(super) fn written(
                 numbers(&[(keys::INITIAL_NOISE, v0)]);
             }
         }
-        Process::Spectrum(_) | Process::Own(_) => {}
+        RandomProcess::Spectrum(_) | RandomProcess::Own(_) => {}
     }
     if input.process.is_sampled() {
         all.push((keys::SAMPLE_STEP, number(keys::SAMPLE_STEP, input.step)));

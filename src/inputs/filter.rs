@@ -5,7 +5,7 @@ use crate::noise::Stream;
 use std::f64::consts::PI;
 
 /// y'' + 2 zeta w y' + w^2 y = sqrt(2 pi S0) xi(t), at every step.
-pub(super) struct Filter {
+pub(super) struct GroundFilter {
     /// The stationary standard deviations of y and y'.
     sds: [f64; 2],
     /// y and y' after a step, from y and y' before it.
@@ -15,7 +15,7 @@ pub(super) struct Filter {
     factor: [f64; 3],
 }
 
-impl Filter {
+impl GroundFilter {
     pub fn new(w: f64, zeta: f64, intensity: f64, step: f64) -> Self {
         let gamma = zeta * w;
         let response = ImpulseResponse::new(gamma, w);
@@ -36,7 +36,7 @@ impl Filter {
             0.0
         };
         let third = (added(1, 1) - second * second).max(0.0).sqrt();
-        Filter {
+        GroundFilter {
             sds: variances.map(f64::sqrt),
             matrix,
             factor: [first, second, third],

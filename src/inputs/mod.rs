@@ -8,9 +8,11 @@ mod filter;
 #[cfg(test)]
 mod tests;
 
-use crate::model::{InitialNoise, Problem, Process, RandomInput, Series, Shape, Size, before};
+use crate::model::{
+    InitialNoise, Problem, PulseShape, PulseSize, RandomInput, RandomProcess, Series, before,
+};
 use crate::noise::{MIRROR, Stream, Transition};
-use filter::Filter;
+use filter::GroundFilter;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -34,23 +36,25 @@ impl RandomInput {
     pub fn realised(&self, seed: u64, path: u64, end: f64, step: Option<f64>) -> Series {
         let mut stream = Stream::new(seed ^ fingerprint(&self.name), path);
         let samples = match &self.process {
-            Process::Telegraph { values, rates } => telegraph(*values, *rates, &mut stream, end),
-            Process::Shot { rate, size, shape } => {
+            RandomProcess::Telegraph { values, rates } => {
+                telegraph(*values, *rates, &mut stream, end)
+            }
+            RandomProcess::Shot { rate, size, shape } => {
                 let pulses = pulses(*rate, *size, &mut stream, end);
                 match (shape, step) {
-                    (Shape::Kick, None) => rectangles(&pulses, PULSE * end, end),
-                    (Shape::Kick, Some(step)) => means(&pulses, step, end),
-                    (Shape::Rectangle(duration), _) => rectangles(&pulses, *duration, end),
-                    (Shape::Decay(time), _) => decays(&pulses, *time, self.step, end),
+                    (PulseShape::Kick, None) => rectangles(&pulses, PULSE * end, end),
+                    (PulseShape::Kick, Some(step)) => means(&pulses, step, end),
+                    (PulseShape::Rectangle(duration), _) => rectangles(&pulses, *duration, end),
+                    (PulseShape::Decay(time), _) => decays(&pulses, *time, self.step, end),
                 }
             }
-            Process::KanaiTajimi {
+            RandomProcess::KanaiTajimi {
                 angular_frequency,
                 damping_ratio,
                 intensity,
             } => {
                 let w = *angular_frequency;
-                let mut filter = Filter::new(w, *damping_ratio, *intensity, self.step);
+                let mut filter = GroundFilter::new(w, *damping_ratio, *intensity, self.step);
                 let mut state = filter.start(&mut stream);
                 self.sampled(end, |i| {
                     if i > 0 {
@@ -60,7 +64,7 @@ impl RandomInput {
                     -w * (2.0 * damping_ratio * slope + w * y)
                 })
             }
-            Process::OrnsteinUhlenbeck(noise) => {
+            RandomProcess::OrnsteinUhlenbeck(noise) => {
                 let transition = Transition::new(noise.relaxation_rate, noise.diffusion, self.step);
                 let mut v = match noise.initial {
                     InitialNoise::At(v) => v,
@@ -73,7 +77,7 @@ impl RandomInput {
                     noise.intensity * v
                 })
             }
-            Process::Spectrum(spectrum) => {
+            RandomProcess::Spectrum(spectrum) => {
                 let waves = spectrum.variances().map(|(f, variance)| {
                     let [re, im] = [(); 2].map(|()| variance.sqrt() * stream.normal());
                     (TAU * f, re, im)
@@ -88,7 +92,7 @@ impl RandomInput {
                     waves.iter().map(wave).sum()
                 })
             }
-            Process::Own(own) => {
+            RandomProcess::Own(own) => {
                 return own.0.draw(path & !MIRROR, &mut stream, end);
             }
         };
@@ -170,7 +174,7 @@ fn telegraph(values: [f64; 2], rates: [f64; 2], stream: &mut Stream, end: f64) -
 }
 
 /// The times and areas of pulses.
-fn pulses(rate: f64, size: Size, stream: &mut Stream, end: f64) -> Vec<(f64, f64)> {
+fn pulses(rate: f64, size: PulseSize, stream: &mut Stream, end: f64) -> Vec<(f64, f64)> {
     let mut time = 0.0;
     let mut pulses = Vec::new();
     loop {
@@ -179,9 +183,9 @@ fn pulses(rate: f64, size: Size, stream: &mut Stream, end: f64) -> Vec<(f64, f64
             return pulses;
         }
         let area = match size {
-            Size::Fixed(area) => area,
-            Size::Exponential(mean) => -mean * libm::log(stream.uniform()),
-            Size::Normal(mean, sd) => mean + sd * stream.normal(),
+            PulseSize::Fixed(area) => area,
+            PulseSize::Exponential(mean) => -mean * libm::log(stream.uniform()),
+            PulseSize::Normal(mean, sd) => mean + sd * stream.normal(),
         };
         pulses.push((time, area));
     }

@@ -2,8 +2,8 @@
 
 use super::{
     Drive, Expression, ExpressionError, Force, Friction, Harmonic, InitialNoise, InputProcess,
-    NamedSeries, OrnsteinUhlenbeck, Oscillator, OwnProcess, Problem, Process, RandomInput, Series,
-    Temperature,
+    NamedSeries, OrnsteinUhlenbeck, Oscillator, OwnProcess, Problem, RandomInput, RandomProcess,
+    Series, Temperature,
 };
 use std::sync::Arc;
 
@@ -115,7 +115,7 @@ impl Problem {
     pub fn input(mut self, name: &str, process: impl InputProcess + 'static) -> Self {
         self.random.push(RandomInput {
             name: format!("input.{name}"),
-            process: Process::Own(OwnProcess(Arc::new(process))),
+            process: RandomProcess::Own(OwnProcess(Arc::new(process))),
             step: 1.0,
             envelope: None,
         });

@@ -53,7 +53,8 @@ pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::{Drive, Oscillator};
 pub use rand_core::Rng;
 pub use random_input::{
-    InputProcess, Moments, OwnProcess, Process, RandomInput, Realisations, Shape, Size, Spectrum,
+    InputProcess, InputSpectrum, OwnProcess, ProcessMoments, PulseShape, PulseSize, RandomInput,
+    RandomProcess, Realisations,
 };
 pub(crate) use series::before;
 pub use series::{NamedSeries, NoSeries, Series};

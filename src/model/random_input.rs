@@ -14,7 +14,7 @@ pub struct RandomInput {
     /// random numbers, so that another input does not change them.
     pub name: String,
     /// Its law.
-    pub process: Process,
+    pub process: RandomProcess,
     /// The time between two samples of a process that has no times of its own; between them the
     /// input is a straight line.
     pub step: f64,
@@ -24,7 +24,7 @@ pub struct RandomInput {
 
 /// The law of a random input.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Process {
+pub enum RandomProcess {
     /// Two values, which the input leaves at the times of two Poisson processes.
     Telegraph {
         /// The two values. It begins at one of them, by their shares of the time.
@@ -37,9 +37,9 @@ pub enum Process {
         /// Pulses per time.
         rate: f64,
         /// The law of the areas of pulses.
-        size: Size,
+        size: PulseSize,
         /// The shape of a pulse.
-        shape: Shape,
+        shape: PulseShape,
     },
     /// White noise through the filter of Kanai and Tajimi, a ground acceleration: -(2 zeta w y' + w^2 y),
     /// where y'' + 2 zeta w y' + w^2 y = sqrt(2 pi S0) xi(t). Its two-sided spectrum in angular
@@ -55,14 +55,14 @@ pub enum Process {
     /// rho v(t) with dv = -theta v dt + sigma dW.
     OrnsteinUhlenbeck(OrnsteinUhlenbeck),
     /// A Gaussian process with a one-sided spectrum in cycles per time, whose integral is the variance.
-    Spectrum(Arc<Spectrum>),
+    Spectrum(Arc<InputSpectrum>),
     /// Realisations of the caller.
     Own(OwnProcess),
 }
 
 /// The law of the area of a pulse, the integral over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Size {
+pub enum PulseSize {
     /// All pulses have this area.
     Fixed(f64),
     /// An exponential law with this mean, which may be negative.
@@ -73,7 +73,7 @@ pub enum Size {
 
 /// The shape of a pulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum PulseShape {
     /// An impulse: x' jumps, whatever friction is.
     Kick,
     /// A constant for this time.
@@ -84,7 +84,7 @@ pub enum Shape {
 
 /// A one-sided spectrum: densities at frequencies in cycles per time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum {
+pub struct InputSpectrum {
     /// The file as the scenario names it.
     pub file: String,
     /// Increasing frequencies, not negative.
@@ -171,18 +171,18 @@ impl InputProcess for Realisations {
     }
 }
 
-impl Size {
+impl PulseSize {
     /// E J and E J^2.
     pub fn moments(self) -> [f64; 2] {
         match self {
-            Size::Fixed(size) => [size, size * size],
-            Size::Exponential(mean) => [mean, 2.0 * mean * mean],
-            Size::Normal(mean, sd) => [mean, mean * mean + sd * sd],
+            PulseSize::Fixed(size) => [size, size * size],
+            PulseSize::Exponential(mean) => [mean, 2.0 * mean * mean],
+            PulseSize::Normal(mean, sd) => [mean, mean * mean + sd * sd],
         }
     }
 }
 
-impl Spectrum {
+impl InputSpectrum {
     /// The frequencies, each with the variance that it stands for by the trapezoidal rule.
     pub fn variances(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         let at = |i: usize| self.frequencies[i.min(self.frequencies.len() - 1)];
@@ -201,7 +201,7 @@ impl Spectrum {
 /// The mean, the standard deviation and the correlation time of a process without its envelope; the
 /// time is the integral of the normalised autocovariance, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moments {
+pub struct ProcessMoments {
     /// The mean.
     pub mean: f64,
     /// The standard deviation; infinite for kicks.
@@ -210,25 +210,25 @@ pub struct Moments {
     pub time: f64,
 }
 
-impl Process {
+impl RandomProcess {
     /// Its name in scenarios.
     pub fn name(&self) -> &str {
         match self {
-            Process::Telegraph { .. } => "telegraph",
-            Process::Shot { .. } => "shot",
-            Process::KanaiTajimi { .. } => "kanai-tajimi",
-            Process::OrnsteinUhlenbeck(_) => "ornstein-uhlenbeck",
-            Process::Spectrum(_) => "spectrum",
-            Process::Own(own) => own.0.name(),
+            RandomProcess::Telegraph { .. } => "telegraph",
+            RandomProcess::Shot { .. } => "shot",
+            RandomProcess::KanaiTajimi { .. } => "kanai-tajimi",
+            RandomProcess::OrnsteinUhlenbeck(_) => "ornstein-uhlenbeck",
+            RandomProcess::Spectrum(_) => "spectrum",
+            RandomProcess::Own(own) => own.0.name(),
         }
     }
 
     /// Whether it is sampled, and has no times of its own.
     pub fn is_sampled(&self) -> bool {
-        let is_decay = |shape: &Shape| matches!(shape, Shape::Decay(_));
+        let is_decay = |shape: &PulseShape| matches!(shape, PulseShape::Decay(_));
         match self {
-            Process::Telegraph { .. } | Process::Own(_) => false,
-            Process::Shot { shape, .. } => is_decay(shape),
+            RandomProcess::Telegraph { .. } | RandomProcess::Own(_) => false,
+            RandomProcess::Shot { shape, .. } => is_decay(shape),
             _ => true,
         }
     }
@@ -237,70 +237,70 @@ impl Process {
     pub fn is_kicks(&self) -> bool {
         matches!(
             self,
-            Process::Shot {
-                shape: Shape::Kick,
+            RandomProcess::Shot {
+                shape: PulseShape::Kick,
                 ..
             }
         )
     }
 
     /// Its moments in the stationary law; none for realisations of the caller.
-    pub fn moments(&self) -> Option<Moments> {
+    pub fn moments(&self) -> Option<ProcessMoments> {
         Some(match self {
-            Process::Telegraph {
+            RandomProcess::Telegraph {
                 values: [one, two],
                 rates: [leave_one, leave_two],
             } => {
                 let both = leave_one + leave_two;
                 let [first, second] = [leave_two / both, leave_one / both];
-                Moments {
+                ProcessMoments {
                     mean: first * one + second * two,
                     sd: (first * second).sqrt() * (one - two).abs(),
                     time: 1.0 / both,
                 }
             }
             // Campbell's theorem.
-            Process::Shot { rate, size, shape } => {
+            RandomProcess::Shot { rate, size, shape } => {
                 let [mean, square] = size.moments();
                 let (sd, time) = match shape {
-                    Shape::Kick => (f64::INFINITY, 0.0),
-                    Shape::Rectangle(duration) => {
+                    PulseShape::Kick => (f64::INFINITY, 0.0),
+                    PulseShape::Rectangle(duration) => {
                         ((rate * square / duration).sqrt(), 0.5 * duration)
                     }
-                    Shape::Decay(time) => ((0.5 * rate * square / time).sqrt(), *time),
+                    PulseShape::Decay(time) => ((0.5 * rate * square / time).sqrt(), *time),
                 };
-                Moments {
+                ProcessMoments {
                     mean: rate * mean,
                     sd,
                     time,
                 }
             }
-            Process::KanaiTajimi {
+            RandomProcess::KanaiTajimi {
                 angular_frequency: w,
                 damping_ratio: zeta,
                 intensity,
             } => {
                 let variance = PI * intensity * w * (1.0 + 4.0 * zeta * zeta) / (2.0 * zeta);
-                Moments {
+                ProcessMoments {
                     mean: 0.0,
                     sd: variance.sqrt(),
                     time: PI * intensity / variance,
                 }
             }
-            Process::OrnsteinUhlenbeck(noise) => Moments {
+            RandomProcess::OrnsteinUhlenbeck(noise) => ProcessMoments {
                 mean: 0.0,
                 sd: noise.intensity * noise.stationary_sd(),
                 time: 1.0 / noise.relaxation_rate,
             },
-            Process::Spectrum(spectrum) => {
+            RandomProcess::Spectrum(spectrum) => {
                 let variance: f64 = spectrum.variances().map(|(_, variance)| variance).sum();
-                Moments {
+                ProcessMoments {
                     mean: 0.0,
                     sd: variance.sqrt(),
                     time: 0.25 * spectrum.densities[0] / variance,
                 }
             }
-            Process::Own(_) => return None,
+            RandomProcess::Own(_) => return None,
         })
     }
 
@@ -308,11 +308,11 @@ impl Process {
     /// samples.
     pub fn fastest_rate(&self) -> Option<f64> {
         match self {
-            Process::KanaiTajimi {
+            RandomProcess::KanaiTajimi {
                 angular_frequency, ..
             } => Some(*angular_frequency),
-            Process::OrnsteinUhlenbeck(noise) => Some(noise.relaxation_rate),
-            Process::Spectrum(spectrum) => {
+            RandomProcess::OrnsteinUhlenbeck(noise) => Some(noise.relaxation_rate),
+            RandomProcess::Spectrum(spectrum) => {
                 let powers = || spectrum.variances().map(|(_, variance)| variance);
                 let total: f64 = powers().sum();
                 let mut sum = 0.0;
@@ -324,8 +324,8 @@ impl Process {
                 let most = cumulated.find(|(_, sum)| *sum >= 0.99 * total);
                 most.map(|(f, _)| 2.0 * PI * f)
             }
-            Process::Shot {
-                shape: Shape::Decay(time),
+            RandomProcess::Shot {
+                shape: PulseShape::Decay(time),
                 ..
             } => Some(1.0 / time),
             _ => None,

@@ -2,7 +2,7 @@
 
 use super::Scenario;
 use crate::ensemble::drawn;
-use crate::model::{Force, Process, RandomInput, Shape, Sign};
+use crate::model::{Force, PulseShape, RandomInput, RandomProcess, Sign};
 use crate::scheme::CheckError;
 use std::sync::Arc;
 use stickslip_text::numbers::short;
@@ -51,12 +51,12 @@ impl Scenario {
         random.iter().find_map(|input| {
             let (name, end) = (&input.name, self.time.end);
             let count = match &input.process {
-                Process::Telegraph { rates, .. } => end * rates[0].max(rates[1]),
-                Process::Shot { rate, shape, .. } => match shape {
-                    Shape::Decay(_) => end * rate + end / input.step,
+                RandomProcess::Telegraph { rates, .. } => end * rates[0].max(rates[1]),
+                RandomProcess::Shot { rate, shape, .. } => match shape {
+                    PulseShape::Decay(_) => end * rate + end / input.step,
                     _ => end * rate,
                 },
-                Process::Own(_) => 0.0,
+                RandomProcess::Own(_) => 0.0,
                 _ => end / input.step,
             };
             if count > MOST_SAMPLES {

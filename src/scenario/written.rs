@@ -2,7 +2,7 @@
 
 use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
 use crate::model::{
-    Expression, NamedSeries, OrnsteinUhlenbeck, Oscillator, Process, RandomInput, Series,
+    Expression, NamedSeries, OrnsteinUhlenbeck, Oscillator, RandomInput, RandomProcess, Series,
 };
 use crate::scheme::CheckError;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ impl Measured {
     /// Whether the samples belong to the scenario: a measurement, or a spectrum.
     pub(crate) fn is_in_file(&self) -> bool {
         let process = self.random.as_ref().map(|random| &random.process);
-        process.is_none_or(|process| matches!(process, Process::Spectrum(_)))
+        process.is_none_or(|process| matches!(process, RandomProcess::Spectrum(_)))
     }
 
     /// The name of an input, if it is one.

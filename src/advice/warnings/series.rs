@@ -1,7 +1,7 @@
 //! Warnings about a measured temperature.
 
 use super::case::Case;
-use crate::model::{Process, RandomInput, Shape};
+use crate::model::{PulseShape, RandomInput, RandomProcess};
 use stickslip_text::numbers::short;
 
 /// The file of a series was repaired as it was read.
@@ -40,12 +40,12 @@ pub(super) fn coarse_process(case: &Case) -> Vec<String> {
             ));
         }
         let rate = match process {
-            Process::Telegraph { rates, .. } => rates[0].max(rates[1]),
-            Process::Shot {
-                shape: Shape::Rectangle(duration),
+            RandomProcess::Telegraph { rates, .. } => rates[0].max(rates[1]),
+            RandomProcess::Shot {
+                shape: PulseShape::Rectangle(duration),
                 ..
             } => 1.0 / duration,
-            Process::Shot { rate, .. } => *rate,
+            RandomProcess::Shot { rate, .. } => *rate,
             _ => return None,
         };
         let h = case.step.filter(|h| too_long(*h, rate))?;
@@ -65,7 +65,7 @@ pub(super) fn coarse_process(case: &Case) -> Vec<String> {
 pub(super) fn repeats(case: &Case) -> Vec<String> {
     let end = case.scenario.time.end;
     let repeats = |RandomInput { name, process, .. }: &RandomInput| match process {
-        Process::Spectrum(spectrum) if spectrum.repeats_after() < end => Some(format!(
+        RandomProcess::Spectrum(spectrum) if spectrum.repeats_after() < end => Some(format!(
             "`{name}` repeats itself after {}, before time.end = {}: the frequencies of its spectrum are \
              too far apart. Give them at distances below {}",
             short(spectrum.repeats_after()),

@@ -9,7 +9,7 @@ use crate::{Failure, print_data};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use stickslip::advice::DerivedQuantity;
-use stickslip::model::{Moments, Oscillator, RandomInput};
+use stickslip::model::{Oscillator, ProcessMoments, RandomInput};
 use stickslip::scenario::{Measured, Scenario, WrittenForce};
 use stickslip_data::input_unit;
 
@@ -101,7 +101,7 @@ fn taken(measured: &Measured) -> String {
 /// The law of an input that each path draws, without its envelope.
 fn drawn(RandomInput { process, step, .. }: &RandomInput) -> String {
     let name = process.name();
-    let Some(Moments { mean, sd, time }) = process.moments() else {
+    let Some(ProcessMoments { mean, sd, time }) = process.moments() else {
         return format!("{name}: realisations of the caller");
     };
     let [mean, time, step] = [mean, time, *step].map(number);
