@@ -5,11 +5,9 @@
 //! matter, for a scheme with a step h the mean over the step in which it lies.
 
 mod filter;
-#[cfg(test)]
-mod tests;
 
 use crate::model::{
-    InitialNoise, Problem, PulseShape, PulseSize, RandomInput, RandomProcess, Series, before,
+    InitialNoise, Problem, PulseShape, PulseSize, RandomInput, RandomProcess, Series, before, fnv1a,
 };
 use crate::noise::{MIRROR, Stream, Transition};
 use filter::GroundFilter;
@@ -23,18 +21,29 @@ impl Problem {
     /// The problem of one path: every random input has its realisation up to `end`. `step` is that of
     /// the scheme, if it has one. With [`MIRROR`] in `path`, normals have the opposite sign.
     pub fn realised(&self, seed: u64, path: u64, end: f64, step: Option<f64>) -> Problem {
-        let realisations = self.random.iter().map(|input| {
-            let series = Arc::new(input.realised(seed, path, end, step));
-            (input.name.as_str(), series)
-        });
-        self.with_inputs(&realisations.collect::<Vec<_>>())
+        self.with_inputs(&self.realisations(seed, path, end, step))
+    }
+
+    /// The realisation of every random input on one path, by its name.
+    pub(crate) fn realisations(
+        &self,
+        seed: u64,
+        path: u64,
+        end: f64,
+        step: Option<f64>,
+    ) -> Vec<(String, Arc<Series>)> {
+        let realised = |input: &RandomInput| {
+            let series = input.realised(seed, path, end, step);
+            (input.name.clone(), Arc::new(series))
+        };
+        self.random.iter().map(realised).collect()
     }
 }
 
 impl RandomInput {
     /// The realisation on a path.
     pub fn realised(&self, seed: u64, path: u64, end: f64, step: Option<f64>) -> Series {
-        let mut stream = Stream::new(seed ^ fingerprint(&self.name), path);
+        let mut stream = Stream::new(seed ^ fnv1a(self.name.bytes()), path);
         let samples = match &self.process {
             RandomProcess::Telegraph { values, rates } => {
                 telegraph(*values, *rates, &mut stream, end)
@@ -115,18 +124,12 @@ impl RandomInput {
     }
 }
 
-/// A number that identifies a name: FNV-1a.
-fn fingerprint(name: &str) -> u64 {
-    name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
-/// The samples as a series; of samples at one time, the first counts.
+/// The samples as a series; of samples at one time, the first counts. A path with a value that is no
+/// number is lost.
 fn series(mut samples: Vec<(f64, f64)>) -> Series {
     samples.dedup_by(|next, before| next.0 <= before.0);
     let (times, values) = samples.into_iter().unzip();
-    Series::new(times, values).unwrap_or_else(|_| Series::nothing())
+    Series::new(times, values).unwrap_or_else(|_| Series::unknown())
 }
 
 /// An exponential time with this rate; infinite for the rate 0.
@@ -144,11 +147,9 @@ fn steps(first: f64, changes: impl IntoIterator<Item = (f64, f64)>, end: f64) ->
         if before(time) > last {
             samples.push((before(time), value));
         }
-        if time > last {
-            samples.push((time, next));
-        } else {
-            let end = samples.len() - 1;
-            samples[end].1 = next;
+        match samples.last_mut() {
+            Some(sample) if time <= last => sample.1 = next,
+            _ => samples.push((time, next)),
         }
         value = next;
     }

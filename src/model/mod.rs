@@ -56,8 +56,8 @@ pub use random_input::{
     InputProcess, InputSpectrum, OwnProcess, ProcessMoments, PulseShape, PulseSize, RandomInput,
     RandomProcess, Realisations,
 };
-pub(crate) use series::before;
 pub use series::{NamedSeries, NoSeries, Series};
+pub(crate) use series::{before, fnv1a};
 pub use series::{is_jump, usual_spacing};
 pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
@@ -97,9 +97,9 @@ impl Problem {
 
     /// The problem with these samples for its inputs and its measured temperature, by the names of
     /// their tables, and without random ones.
-    pub fn with_inputs(&self, samples: &[(&str, Arc<Series>)]) -> Problem {
+    pub fn with_inputs(&self, samples: &[(String, Arc<Series>)]) -> Problem {
         let found = |name: &str| {
-            let sample = samples.iter().find(|(of, _)| *of == name);
+            let sample = samples.iter().find(|(of, _)| of == name);
             sample.map(|(_, series)| series.clone())
         };
         let of_input = |name: &str| found(&format!("input.{name}"));

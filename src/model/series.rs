@@ -206,10 +206,15 @@ impl Series {
     pub fn fingerprint(&self) -> u64 {
         let numbers = self.times.iter().chain(&self.values);
         let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
+        fnv1a(bytes)
     }
+}
+
+/// FNV-1a of these bytes, a number that identifies them.
+pub(crate) fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }
 
 /// The time at which the line that stands for a jump begins: four roundings before it.

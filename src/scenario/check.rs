@@ -49,7 +49,7 @@ impl Scenario {
         }
         found.extend(statistics.check(time.end));
         found.extend(ensemble.check());
-        found.extend(self.check_random(&self.model.random));
+        found.extend(self.check_random());
         found
             .into_iter()
             .map(|check_error| self.as_written(check_error))

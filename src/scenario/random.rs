@@ -2,9 +2,8 @@
 
 use super::Scenario;
 use crate::ensemble::drawn;
-use crate::model::{Force, PulseShape, RandomInput, RandomProcess, Sign};
+use crate::model::{Force, PulseShape, RandomProcess, Sign};
 use crate::scheme::CheckError;
-use std::sync::Arc;
 use stickslip_text::numbers::short;
 
 /// The most samples, switches or pulses of an input on one path.
@@ -15,22 +14,16 @@ impl Scenario {
     /// inputs.
     pub(crate) fn of_path(&self, path: u64) -> Scenario {
         let mut of_path = self.clone();
-        let random = std::mem::take(&mut of_path.model.random);
         let (seed, path) = (
             self.ensemble.seed,
             drawn(&[path], self.ensemble.antithetic)[0],
         );
         let (end, step) = (self.time.end, self.scheme.step());
-        let series = |input: &RandomInput| Arc::new(input.realised(seed, path, end, step));
-        let samples: Vec<_> = random
-            .iter()
-            .map(|of| (of.name.as_str(), series(of)))
-            .collect();
-        of_path.model = of_path.model.with_inputs(&samples);
+        let realisations = self.model.realisations(seed, path, end, step);
+        of_path.model = self.model.with_inputs(&realisations);
         #[cfg(feature = "toml")]
         {
-            let named = samples.into_iter();
-            of_path.written.realised = named.map(|(name, of)| (name.into(), of)).collect();
+            of_path.written.realised = realisations;
         }
         of_path
     }
@@ -38,7 +31,7 @@ impl Scenario {
     /// The scenario whose model has the realisations of the first path for its random inputs.
     #[cfg(feature = "toml")]
     pub(crate) fn with_first_path(self) -> Self {
-        if self.model.random.is_empty() || self.check_random(&self.model.random).is_some() {
+        if self.model.random.is_empty() || self.check_random().is_some() {
             return self;
         }
         let mut first = self.of_path(0);
@@ -47,8 +40,8 @@ impl Scenario {
     }
 
     /// Why these inputs cannot be drawn, or not be used as they are.
-    pub(crate) fn check_random(&self, random: &[RandomInput]) -> Option<CheckError> {
-        random.iter().find_map(|input| {
+    pub(crate) fn check_random(&self) -> Option<CheckError> {
+        self.model.random.iter().find_map(|input| {
             let (name, end) = (&input.name, self.time.end);
             let count = match &input.process {
                 RandomProcess::Telegraph { rates, .. } => end * rates[0].max(rates[1]),

@@ -44,8 +44,8 @@ use super::columns::Seen;
 use super::event_driven::{
     self, Cascade, End, ExactTime, FollowedSlip, Kinematics, Knots, Known, MacroStep, Noiseless,
     ObservationTime, ObservedSegment, Path, PathObserver, PathSegment, PathSegments, Propagation,
-    Resolved, ScalarPaths, Scene, SharedObserver, Simulated, StepRules, WithUnfeltNoise, WorkLeft,
-    check_friction, noise_between,
+    Resolved, ScalarPaths, Scene, SharedObserver, Simulated, StepRules, WithTemperature, WorkLeft,
+    check_friction, noise_between, unfelt_noise,
 };
 use super::{
     Appearance, CheckError, DEFAULT_TOLERANCE, Discretisation, Method, Observer, Parameter,
@@ -603,7 +603,7 @@ impl Simulate for QuasiStaticSimulation {
             }
             Exits::Noiseless(cascade) => cascade.simulate(
                 paths.len(),
-                &mut WithUnfeltNoise::new(&self.model, observer, seed, paths),
+                &mut WithTemperature::new(observer, unfelt_noise(&self.model, seed, paths)),
             ),
         }
     }

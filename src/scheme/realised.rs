@@ -1,6 +1,7 @@
 //! A scheme on one model, ready to simulate: on the model itself, or, where it has random inputs, on
 //! that of each path.
 
+use super::columns::StateColumns;
 use super::{
     Instant, Observer, OfScheme, Scheme, Segment, Simulate, Simulated, Snapshot, Timeline,
 };
@@ -23,6 +24,20 @@ struct Options {
     work_limit: Option<u64>,
 }
 
+impl Options {
+    /// A simulation with all of them.
+    fn apply(self, to: OfScheme) -> OfScheme {
+        let asked = to
+            .fed_by_finer(self.refinement)
+            .observed_every(self.observed_every)
+            .with_additional_rows(self.row_stride);
+        match self.work_limit {
+            Some(limit) => asked.with_work_limit(limit),
+            None => asked,
+        }
+    }
+}
+
 impl Scheme {
     /// The scheme on this model, observed on this timeline.
     pub fn simulation(self, model: &Problem, timeline: &Timeline) -> Simulation {
@@ -42,25 +57,17 @@ impl Scheme {
 impl Simulation {
     /// The simulation of one path, and its model.
     fn of_path(&self, seed: u64, path: u64) -> (Problem, OfScheme) {
-        let (timeline, options) = (self.timeline(), self.options);
+        let timeline = self.timeline();
         let model = self.model().realised(seed, path, timeline.end, self.step());
-        let mut simulation = self
-            .scheme
-            .of_scheme(&model, timeline)
-            .fed_by_finer(options.refinement)
-            .observed_every(options.observed_every)
-            .with_additional_rows(options.row_stride);
-        if let Some(limit) = options.work_limit {
-            simulation = simulation.with_work_limit(limit);
-        }
-        (model, simulation)
+        let of_scheme = self.scheme.of_scheme(&model, timeline);
+        (model, self.options.apply(of_scheme))
     }
 
-    fn map(self, change: impl Fn(OfScheme) -> OfScheme, options: Options) -> Self {
+    fn with(self, options: Options) -> Self {
         Simulation {
-            scheme: self.scheme,
-            of_scheme: change(self.of_scheme),
+            of_scheme: options.apply(self.of_scheme),
             options,
+            ..self
         }
     }
 }
@@ -100,7 +107,10 @@ impl Simulate for Simulation {
                 all.lost.push(lane);
             }
         }
-        kept.report();
+        // A path that was stopped is not complete.
+        if !kept.is_stopped() {
+            kept.report();
+        }
         all
     }
 
@@ -123,35 +133,35 @@ impl Simulate for Simulation {
     }
 
     fn fed_by_finer(self, refinement: usize) -> Self {
-        let options = Options {
+        let options = self.options;
+        self.with(Options {
             refinement,
-            ..self.options
-        };
-        self.map(|of| of.fed_by_finer(refinement), options)
+            ..options
+        })
     }
 
     fn observed_every(self, steps: u64) -> Self {
-        let options = Options {
+        let options = self.options;
+        self.with(Options {
             observed_every: steps,
-            ..self.options
-        };
-        self.map(|of| of.observed_every(steps), options)
+            ..options
+        })
     }
 
     fn with_additional_rows(self, row_stride: usize) -> Self {
-        let options = Options {
+        let options = self.options;
+        self.with(Options {
             row_stride,
-            ..self.options
-        };
-        self.map(|of| of.with_additional_rows(row_stride), options)
+            ..options
+        })
     }
 
     fn with_work_limit(self, limit: u64) -> Self {
-        let options = Options {
+        let options = self.options;
+        self.with(Options {
             work_limit: Some(limit),
-            ..self.options
-        };
-        self.map(|of| of.with_work_limit(limit), options)
+            ..options
+        })
     }
 }
 
@@ -171,7 +181,7 @@ struct KeptPaths<'a> {
     happened: Vec<(Vec<Happened>, Vec<usize>)>,
     /// The instants with their times, and the states of the paths there, path after path.
     instants: Vec<(Instant, f64)>,
-    states: Vec<Vec<(f64, f64, f64, bool)>>,
+    states: Vec<StateColumns>,
 }
 
 impl<'a> KeptPaths<'a> {
@@ -213,18 +223,7 @@ impl<'a> KeptPaths<'a> {
             for (lane, (_, until)) in self.happened.iter().enumerate() {
                 tell(observer, lane, until[k]);
             }
-            let column = |of: fn(&(f64, f64, f64, bool)) -> f64| states.iter().map(of).collect();
-            let [displacement, velocity, temperature]: [Vec<f64>; 3] =
-                [column(|s| s.0), column(|s| s.1), column(|s| s.2)];
-            let is_static: Vec<bool> = states.iter().map(|s| s.3).collect();
-            let snapshot = Snapshot {
-                time: *time,
-                displacement: &displacement,
-                velocity: &velocity,
-                temperature: &temperature,
-                is_static: &is_static,
-            };
-            observer.snapshot(*instant, snapshot);
+            observer.snapshot(*instant, states.snapshot(*time));
         }
         for (lane, (happened, _)) in self.happened.iter().enumerate() {
             tell(observer, lane, happened.len());
@@ -251,15 +250,15 @@ impl Observer for KeptPaths<'_> {
         let k = before.len() - 1;
         if k == self.instants.len() {
             self.instants.push((instant, s.time));
-            self.states.push(Vec::with_capacity(self.paths));
+            self.states.push(StateColumns::new(self.paths));
         }
-        let state = (
+        let seen = (
             s.displacement[0],
             s.velocity[0],
             s.temperature[0],
             s.is_static[0],
         );
-        self.states[k].push(state);
+        self.states[k].set(self.happened.len() - 1, seen);
     }
 
     fn is_stopped(&self) -> bool {

@@ -8,7 +8,7 @@ use crate::common::{Keep, timeline};
 use stickslip::engine::Run;
 use stickslip::model::{EventKind, Problem, Series};
 use stickslip::scenario::Scenario;
-use stickslip::scheme::{EventDriven, Observer, Scheme, Segment, Simulate as _};
+use stickslip::scheme::{EventDriven, Instant, Observer, Scheme, Segment, Simulate as _, Snapshot};
 use stickslip::stats::Statistic;
 use stickslip::sums::Measurement;
 
@@ -625,4 +625,47 @@ fn a_path_is_the_same_alone_and_in_a_block() {
         (&all.rows[7], &all.events[7]),
         (&alone.rows[0], &alone.events[0])
     );
+}
+
+/// A run may be stopped at any moment, also in the last path: nothing is then reported of an incomplete
+/// one, and nothing fails.
+#[test]
+fn paths_with_random_inputs_may_be_stopped_at_any_moment() {
+    struct Stops {
+        asked: std::cell::Cell<u64>,
+        after: u64,
+        ends: u64,
+    }
+    impl Observer for Stops {
+        fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {
+            self.ends += 1;
+        }
+        fn is_stopped(&self) -> bool {
+            self.asked.set(self.asked.get() + 1);
+            self.asked.get() > self.after
+        }
+    }
+    let text = format!(
+        "{}friction = {{ static = 1.2, dynamic = 1 }}\ntime.end = 20\ntime.step = 0.01
+         [input.k]\nprocess = \"telegraph\"\nlow = -2\nhigh = 2\nrate_up = 0.5",
+        FREE.replace("event-driven", "discrete-vi")
+    );
+    let scenario = scenario(&text);
+    let simulation = scenario
+        .scheme
+        .simulation(&scenario.model, &scenario.timeline());
+    let run = |after: u64| {
+        let mut stops = Stops {
+            asked: 0.into(),
+            after,
+            ends: 0,
+        };
+        simulation.simulate(1, &[0, 1, 2], &mut stops);
+        (stops.ends, stops.asked.get())
+    };
+    let (all, asked) = run(u64::MAX);
+    assert!(all > 100 && asked > 100, "{all} {asked}");
+    for after in 0..asked {
+        assert_eq!(run(after).0, 0, "stopped after {after} of {asked}");
+    }
 }

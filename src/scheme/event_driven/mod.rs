@@ -9,14 +9,13 @@
 //!   scalar           a path crosses a macro step event by event, one path after the other
 //!   vectorised       all paths that are simulated together cross it together, in lanes
 //! user_force         a user-defined force, if there is one that is not absorbed
-//! given_temperature  the temperature without what an absorbed force adds to it
+//! with_temperature   the temperature with noise that is not felt, without an absorbed force
 //! work               a limit on the computing time of one path
 //! ```
 //!
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
-mod given_temperature;
 mod law;
 mod macro_step_loop;
 mod noiseless;
@@ -25,6 +24,7 @@ mod scalar;
 mod simulation;
 mod user_force;
 mod vectorised;
+mod with_temperature;
 mod work;
 
 pub use law::{
@@ -37,9 +37,10 @@ pub(super) use law::{Known, MacroStep, ObservationTime, Scene, StepRules, noise_
 pub(super) use macro_step_loop::{SharedObserver, simulate};
 pub(super) use noiseless::{
     End, ExactTime, FollowedSlip, Kinematics, Knots, Noiseless, PathSegment, PathSegments,
-    WithUnfeltNoise,
+    unfelt_noise,
 };
 pub(super) use scalar::{Cascade, ObservedSegment, Path, PathObserver, Propagation, ScalarPaths};
+pub(super) use with_temperature::WithTemperature;
 pub(super) use work::{Resolved, WorkLeft};
 
 use super::{Appearance, CheckError, Discretisation, Method, Parameter, Timeline};

@@ -1,10 +1,10 @@
 //! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
 //! once.
 
-use super::given_temperature::WithGivenTemperature;
 use super::law::{Resolution, Scene, StepRules};
-use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, WithUnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, PathSegments, unfelt_noise};
 use super::noisy::Noisy;
+use super::with_temperature::{WithTemperature, given as given_temperature};
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
 use crate::model::{Absorbed, Problem};
@@ -93,13 +93,13 @@ impl Simulate for EventDrivenSimulation {
         let mut observer: &mut dyn Observer = match &self.chosen {
             Chosen::Noisy(_) => observer,
             Chosen::Noiseless(_) | Chosen::General(_) => {
-                unfelt = WithUnfeltNoise::new(&self.model, observer, seed, paths);
+                unfelt = WithTemperature::new(observer, unfelt_noise(&self.model, seed, paths));
                 &mut unfelt
             }
         };
         let mut given;
         if let Some(absorbed) = &self.absorbed {
-            given = WithGivenTemperature::new(&self.model, absorbed, observer);
+            given = WithTemperature::new(observer, given_temperature(&self.model, absorbed));
             observer = &mut given;
         }
         match &self.chosen {

@@ -23,4 +23,4 @@ pub use exact_time::ExactTime;
 pub use general::GeneralNoiseless;
 pub use one_path::Noiseless;
 pub use path_segment::{End, PathSegment, PathSegments};
-pub use unfelt_noise::WithUnfeltNoise;
+pub use unfelt_noise::unfelt_noise;

@@ -6,43 +6,41 @@
 //! or in its stationary law. Its exact transition from one instant to the next is added to the T of
 //! every snapshot.
 
-use crate::model::{Event, InitialNoise, OrnsteinUhlenbeck, Problem};
+use crate::model::{InitialNoise, OrnsteinUhlenbeck, Problem};
 use crate::noise::{Stream, Transition};
-use crate::scheme::{Instant, Observer, Segment, Snapshot};
 
-/// An observer that adds the fluctuations of each path to T in every snapshot, and passes
-/// everything on to another one.
-pub struct WithUnfeltNoise<'a> {
-    observer: &'a mut dyn Observer,
-    /// None if the temperature has no diffusion.
-    noise: Option<OrnsteinUhlenbeck>,
-    lanes: Vec<Lane>,
-    /// The time of the last snapshot.
-    time: f64,
-    temperature: Vec<f64>,
-}
-
-impl<'a> WithUnfeltNoise<'a> {
-    /// The observer of these paths of a model.
-    pub fn new(model: &Problem, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> Self {
-        let noise = model
-            .temperature
-            .effective_noise()
-            .filter(OrnsteinUhlenbeck::is_random);
-        let start = |noise| {
-            paths
-                .iter()
-                .map(|&path| Lane::start(noise, Stream::new(seed, path)))
-                .collect()
+/// What adds the fluctuations of each of these paths to T at the next instant.
+pub fn unfelt_noise(
+    model: &Problem,
+    seed: u64,
+    paths: &[u64],
+) -> impl FnMut(f64, &[f64], &mut Vec<f64>) + use<> {
+    let noise = model
+        .temperature
+        .effective_noise()
+        .filter(OrnsteinUhlenbeck::is_random);
+    let start = |noise| {
+        paths
+            .iter()
+            .map(|&path| Lane::start(noise, Stream::new(seed, path)))
+            .collect()
+    };
+    let mut lanes: Vec<Lane> = noise.as_ref().map_or(Vec::new(), start);
+    let mut last = 0.0;
+    move |time, mean, temperature| {
+        let Some(noise) = noise else {
+            return temperature.extend_from_slice(mean);
         };
-        let lanes = noise.as_ref().map_or(Vec::new(), start);
-        WithUnfeltNoise {
-            observer,
-            noise,
-            lanes,
-            time: 0.0,
-            temperature: Vec::new(),
+        if time > last {
+            let step = Transition::new(noise.relaxation_rate, noise.diffusion, time - last);
+            for lane in &mut lanes {
+                lane.fluctuation = step.next(lane.fluctuation, lane.draws.normal());
+            }
+            last = time;
         }
+        let fluctuating = mean.iter().zip(&lanes);
+        temperature
+            .extend(fluctuating.map(|(mean, lane)| mean + noise.intensity * lane.fluctuation));
     }
 }
 
@@ -59,51 +57,5 @@ impl Lane {
             InitialNoise::Stationary => noise.stationary_sd() * draws.normal(),
         };
         Lane { fluctuation, draws }
-    }
-}
-
-impl Observer for WithUnfeltNoise<'_> {
-    fn event(&mut self, lane: usize, event: Event) {
-        self.observer.event(lane, event);
-    }
-
-    fn follows(&self) -> bool {
-        self.observer.follows()
-    }
-
-    fn segment(&mut self, lane: usize, segment: &Segment) {
-        self.observer.segment(lane, segment);
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.observer.is_stopped()
-    }
-
-    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
-        let Some(noise) = self.noise else {
-            return self.observer.snapshot(instant, snapshot);
-        };
-        if snapshot.time > self.time {
-            let step = Transition::new(
-                noise.relaxation_rate,
-                noise.diffusion,
-                snapshot.time - self.time,
-            );
-            for lane in &mut self.lanes {
-                lane.fluctuation = step.next(lane.fluctuation, lane.draws.normal());
-            }
-            self.time = snapshot.time;
-        }
-        self.temperature.clear();
-        let lanes = snapshot.temperature.iter().zip(&self.lanes);
-        self.temperature
-            .extend(lanes.map(|(mean, lane)| mean + noise.intensity * lane.fluctuation));
-        self.observer.snapshot(
-            instant,
-            Snapshot {
-                temperature: &self.temperature,
-                ..snapshot
-            },
-        );
     }
 }
