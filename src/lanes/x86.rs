@@ -170,10 +170,12 @@ pub(super) fn gathers() -> bool {
     GATHERS.load(Ordering::Relaxed)
 }
 
-/// Measure the faster way on this processor, in about 20 us, for tables that hold what this one does.
-pub(super) fn choose_lookup(table: &LookupTable) {
-    type Way = fn(&LookupTable, &[u64]) -> u64;
-    let ways: Option<[Way; 2]> = match InstructionSet::detect() {
+/// The sum of the entries for some keys.
+type Way = fn(&LookupTable, &[u64]) -> u64;
+
+/// By gather instructions and one by one, in the lanes of this processor.
+pub(super) fn ways() -> Option<[Way; 2]> {
+    match InstructionSet::detect() {
         // SAFETY: the processor has the instruction set.
         InstructionSet::Avx512 => Some([
             |table, keys| unsafe { sum_of_eights(table, keys, true) },
@@ -184,8 +186,12 @@ pub(super) fn choose_lookup(table: &LookupTable) {
             |table, keys| unsafe { sum_of_fours(table, keys, false) },
         ]),
         InstructionSet::Portable => None,
-    };
-    let Some(ways) = ways else { return };
+    }
+}
+
+/// Measure the faster way on this processor, in about 20 us, for tables that hold what this one does.
+pub(super) fn choose_lookup(table: &LookupTable) {
+    let Some(ways) = ways() else { return };
     // Keys as doubles of both signs and all sizes up to 2^63, like those of random integers.
     let key = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) as i64 as f64).to_bits();
     let keys: Vec<u64> = (1..=TRIED).map(key).collect();

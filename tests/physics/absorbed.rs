@@ -29,8 +29,15 @@ fn samples(name: &str) -> NamedSeries {
 /// The events and rows of four paths.
 #[track_caller]
 fn simulated(scheme: &str, lines: &str, measured: &[NamedSeries]) -> Keep {
-    let text = format!("scheme.kind = \"{scheme}\"\n{BODY}{lines}");
-    let scenario = Scenario::parse_measured("test", &text, &[], measured)
+    of_text(
+        &format!("scheme.kind = \"{scheme}\"\n{BODY}{lines}"),
+        measured,
+    )
+}
+
+#[track_caller]
+fn of_text(text: &str, measured: &[NamedSeries]) -> Keep {
+    let scenario = Scenario::parse_measured("test", text, &[], measured)
         .unwrap_or_else(|error| panic!("{error}"));
     let mut keep = Keep::lanes(4);
     let simulation = scenario
@@ -142,15 +149,10 @@ fn a_temperature_that_does_not_act_stays_as_it_is() {
     let lines = |more: &str| format!("{more}force.expression = \"3*cos(0.5*t)\"");
     let body = BODY.replace("force_per_temperature = 2", "force_per_temperature = 0");
     let run = |lines: &str| {
-        let text = format!("scheme.kind = \"event-driven\"\n{body}{lines}");
-        let scenario =
-            Scenario::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
-        let mut keep = Keep::lanes(4);
-        let simulation = scenario
-            .scheme
-            .simulation(&scenario.model, &scenario.timeline());
-        assert!(simulation.simulate(1, &[0, 1, 2, 3], &mut keep).is_empty());
-        keep
+        of_text(
+            &format!("scheme.kind = \"event-driven\"\n{body}{lines}"),
+            &[],
+        )
     };
     let (silent, noisy) = (run(&lines("")), run(&lines(NOISE)));
     assert_eq!(silent.events, noisy.events);
