@@ -117,9 +117,9 @@ impl Noisy {
     }
 
     /// Whether the paths can be simulated vectorised: all macro steps have one length, there is
-    /// only one noise, and no user-defined force.
+    /// only one noise, and neither has friction a load nor a force a direction.
     pub fn has_equal_macro_steps(&self) -> bool {
-        !self.scene.own.is_some()
+        !self.scene.own.has_load()
             && self.scene.two_noises.is_none()
             && self.propagation.grid.is_even()
     }

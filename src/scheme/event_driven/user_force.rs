@@ -1,6 +1,6 @@
 //! A user-defined force g(x, x', t), with the instructions that evaluate it, or none.
 
-use crate::lanes::InstructionSet;
+use crate::lanes::{InstructionSet, Lanes, ROW};
 use crate::model::{Force, Hold, Problem, Sign};
 
 /// The g of a scene; 0 where there is none.
@@ -63,18 +63,25 @@ impl UserForce {
         }
     }
 
-    /// g in a slip in this direction at eight places and times.
+    /// g in a slip in this direction at these places and times of one path, or of several in lanes.
     #[inline(always)]
-    pub fn at_each(
-        &self,
-        direction: Sign,
-        x: &[f64; 8],
-        velocity: &[f64; 8],
-        time: &[f64; 8],
-    ) -> [f64; 8] {
-        match &self.0 {
-            Some((force, set)) => force.in_slip(direction).at_each(*set, x, velocity, time),
-            None => [0.0; 8],
+    pub fn at_points<L: Lanes>(&self, direction: Sign, at: [&[L]; 3], g: &mut [L]) {
+        let Some((force, set)) = &self.0 else { return };
+        let (force, points) = (force.in_slip(direction), at[0].len());
+        // Eight numbers are evaluated at once; the last point fills what is left of them.
+        let together = ROW / L::WIDTH;
+        for from in (0..points).step_by(together) {
+            let mut numbers = [[0.0; ROW]; 3];
+            for (numbers, values) in numbers.iter_mut().zip(at) {
+                for i in 0..together {
+                    values[(from + i).min(points - 1)].store(&mut numbers[i * L::WIDTH..]);
+                }
+            }
+            let [x, velocity, time] = &numbers;
+            let all = force.at_each(*set, x, velocity, time);
+            for i in 0..together.min(points - from) {
+                g[from + i] = L::load(&all[i * L::WIDTH..]);
+            }
         }
     }
 

@@ -354,11 +354,11 @@ impl<L: Lanes> Interval<L> {
 
 /// x and x' in the middle of the quintic between two ends a time h apart, from x, x' and x'' there.
 #[inline(always)]
-pub fn middle(h: f64, [x0, x1]: [f64; 2], [v0, v1]: [f64; 2], [a0, a1]: [f64; 2]) -> (f64, f64) {
-    let x = 0.5 * (x0 + x1) + h * (0.15625 * (v0 - v1) + 0.015625 * h * (a0 + a1));
+pub fn middle<L: Lanes>(h: L, [x0, x1]: [L; 2], [v0, v1]: [L; 2], [a0, a1]: [L; 2]) -> (L, L) {
+    let x = (x0 + x1) * 0.5 + h * ((v0 - v1) * 0.15625 + h * 0.015625 * (a0 + a1));
     (
         x,
-        1.875 * ((x1 - x0) / h) - 0.4375 * (v0 + v1) + 0.03125 * h * (a1 - a0),
+        (x1 - x0) / h * 1.875 - (v0 + v1) * 0.4375 + h * 0.03125 * (a1 - a0),
     )
 }
 

@@ -14,6 +14,7 @@
 //! ```
 
 mod first_stop;
+mod forced_step;
 mod inside;
 mod macro_step;
 mod scene;
@@ -29,6 +30,7 @@ mod two_noises;
 mod velocity_bounds;
 
 pub use first_stop::*;
+pub use forced_step::*;
 pub use inside::*;
 pub use macro_step::*;
 pub use scene::*;

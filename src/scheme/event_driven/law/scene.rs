@@ -183,6 +183,19 @@ impl Scene {
         self.oscillator.stiffness * x - self.own.hold(x, time).pull
     }
 
+    /// The same in lanes, where friction has no load and the force no direction.
+    #[inline(always)]
+    pub fn spring_at<L: Lanes>(&self, x: L, time: L) -> L {
+        let spring = x * self.oscillator.stiffness;
+        if !self.own.is_some() {
+            return spring;
+        }
+        let mut pull = [spring];
+        let at = [&[x][..], &[L::splat(0.0)], &[time]];
+        self.own.at_points(Sign::Positive, at, &mut pull);
+        spring - pull[0]
+    }
+
     /// Draws n(0) of a path. Returns n(0) and the part of it that belongs to the second noise (0 if
     /// there is only one).
     pub fn draw_initial_noise(&self, path: AddressedDraws) -> (f64, f64) {

@@ -3,8 +3,8 @@
 //! ([`super::user_force`]).
 
 use super::super::law::{
-    Known, MacroStep, ObservationTime, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop,
-    SlipVelocity, WHOLE_PLACE, force, forcing, motion, noise_between,
+    ForcedStart, Known, MacroStep, ObservationTime, SAME_LENGTH, SHORTEST, Scene, SlipPoint,
+    SlipStep, SlipStop, SlipVelocity, WHOLE_PLACE, force, forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::{Resolved, Unresolved};
@@ -126,7 +126,7 @@ impl Slip<'_> {
             self.macro_step.set_terms(path.after, terms);
         }
         let mut first = self.motion(path);
-        let mut own = UserForceSteps::new(&self.noisy.scene, self.direction, self.time(path), path);
+        let mut own = UserForceSteps::new(self, path);
         loop {
             let remaining = self.macro_step.length - path.after;
             if remaining <= SHORTEST * self.macro_step.length {
@@ -148,7 +148,7 @@ impl Slip<'_> {
             };
             self.take(step, is_last, path, terms, own.as_ref());
             if let Some(own) = &mut own {
-                own.correct(self, step, start, path);
+                own.correct(self, step, path);
             }
             let last = self.motion(path);
             if !last.is_finite() {
@@ -159,7 +159,7 @@ impl Slip<'_> {
                 (start.x, first),
                 (path.displacement, last),
             );
-            let push = own.as_ref().map_or(0.0, |own| own.push);
+            let push = own.as_ref().map_or(0.0, UserForceSteps::push);
             let flow = StepFlow::new(self, step, (began, start), searched, push, flow);
             let stop = flow.first_stop(path, pending, passed, observer.is_observing())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
@@ -236,7 +236,7 @@ impl Slip<'_> {
                 .normal_pair(),
             false => path.draws.normal_pair(),
         };
-        let friction = own.map_or(self.friction(), |own| self.friction() - own.push);
+        let friction = own.map_or(self.friction(), |own| self.friction() - own.push());
         let end = step
             .transition
             .drawn(step.mean(start, terms, friction), noise, normals);
@@ -249,6 +249,20 @@ impl Slip<'_> {
     #[inline(always)]
     pub fn friction(&self) -> f64 {
         self.direction.value() * self.noisy.scene.friction.dynamic_force
+    }
+
+    /// Where a path is, at which g is `here`.
+    #[inline(always)]
+    pub fn forced_start(&self, path: &Path<f64>, here: f64) -> ForcedStart {
+        ForcedStart {
+            direction: self.direction,
+            x: path.displacement,
+            v: path.motion,
+            force: path.force,
+            acceleration: (path.force - self.friction()) / self.noisy.scene.oscillator.mass,
+            time: self.time(path),
+            here,
+        }
     }
 
     /// eps x' and its derivative.

@@ -130,7 +130,9 @@ impl<'a> StepFlow<'a> {
             &mut path.work,
             keep,
         )?;
+        // Under g, the motion without noise is not known better than the quintic.
         if let Some(stop) = &mut stop
+            && !self.slip.noisy.scene.own.is_some()
             && search.noise * self.searched.root_length < FEEBLE * stop.acceleration.abs()
         {
             *stop = self.on_the_flow(*stop);

@@ -200,6 +200,19 @@ impl Jobs {
         places
     }
 
+    /// The same rows, but those of the first lane where there is none. So a user-defined force is
+    /// evaluated only where paths are.
+    #[inline(always)]
+    pub fn known<L: Lanes>(&self, rows: &RowNumbers) -> RowNumbers {
+        let (nobody, mut known) = (self.nobody(), *rows);
+        for i in 1..L::WIDTH {
+            if known[i] == nobody {
+                known[i] = rows[0];
+            }
+        }
+        known
+    }
+
     /// The rows of the lanes of a mask; for the other lanes the row that belongs to no path.
     #[inline(always)]
     pub fn only<L: Lanes>(&self, rows: &RowNumbers, lanes: u32) -> RowNumbers {

@@ -12,11 +12,15 @@
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
 //! in lanes: such a lane crosses the macro step again in scalar form.
 //!
+//! Under a user-defined force, sticks are treated in lanes if it does not depend on t, and steps of
+//! slips where it is resolved; macro steps with output times inside are crossed in scalar form.
+//!
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
 //! macro step. Then only sticks are treated in lanes, and a lane with a slip crosses the macro step
 //! in scalar form.
 
 mod crossing;
+mod forced;
 mod jobs;
 mod observe;
 mod records;

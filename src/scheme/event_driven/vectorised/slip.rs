@@ -6,6 +6,7 @@ use super::super::law::{
 };
 use super::super::noisy::Noisy;
 use super::crossing::{Crossing, Task};
+use super::forced::ForcedStep;
 use super::jobs::{Count, DEPTH, Jobs, RowNumbers};
 use super::states::Border;
 use super::stick::SearchedStick;
@@ -61,8 +62,9 @@ impl<L: Lanes> SearchedSlip<L> {
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [velocity, acceleration, after, travel, count, x, start, eps] =
-            L::gather_rows(&jobs.left, rows);
-        let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
+            L::gather_rows(&jobs.left, &jobs.known::<L>(rows));
+        let (interval, origin, key) =
+            interval_of(L::gather_rows(&jobs.right, &jobs.known::<L>(rows)));
         let (left, count) = (
             SlipVelocity {
                 velocity,
@@ -282,6 +284,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             .lt(L::splat(f64::INFINITY));
         let step = L::splat(self.macro_step.length) - searched.start;
         let is_felt = (step.sqrt() * search.noise).ge(acceleration.abs() * FEEBLE);
+        // Under g, the motion without noise is not known better than the quintic.
+        let own = self.paths.noisy.scene.own.is_some();
+        let is_felt = if own { L::always() } else { is_felt };
         let good = L::bitmask(L::and(is_finite, is_felt)) & found;
         let missed = lanes & !found;
         let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64 - 1.0)) & missed;
@@ -309,14 +314,18 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let (body, eps) = (&scene.oscillator, searched.eps);
         let after = searched.start + searched.after;
         let x = searched.x + eps * searched.travel;
-        let spring = x * body.stiffness;
+        let spring = scene.spring_at(x, after + self.macro_step.start);
         let force =
             eps * scene.friction.dynamic_force + eps * body.mass * searched.left.acceleration;
         let forcing = self.macro_step.forcing(after);
         let noise = force - forcing.value + spring;
         let f_s = L::splat(scene.friction.static_force);
         let held = L::bitmask(force.abs().le(f_s)) & lanes;
-        let edge = L::bitmask(force.abs().ge(f_s)) & held;
+        let end_force = L::splat(self.macro_step.last.value) - spring + self.end_noise(rows);
+        let is_finite = end_force.abs().lt(L::splat(f64::INFINITY));
+        let inside = L::bitmask(L::and(force.abs().lt(f_s), is_finite));
+        let is_moved = scene.own.depends_on_time();
+        let edge = if is_moved { held } else { held & !inside };
         let turned = lanes & !held;
         self.report(rows, lanes, (after, x, force), |force, lane| {
             EventKind::at_rest(held >> lane & 1 == 1, force)
@@ -350,7 +359,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 curvature: forcing.curvature,
             };
             let end_noise = self.end_noise(rows);
-            let end_force = L::splat(self.macro_step.last.value) - spring + end_noise;
             let curvature = L::splat(self.macro_step.last.curvature);
             let right = Node {
                 after: L::splat(self.macro_step.length),
@@ -367,7 +375,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 origin,
                 key,
             };
-            self.begin_stick(rows, held, &piece);
+            self.begin_stick(rows, held, &piece, spring);
         }
     }
 
@@ -417,7 +425,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             v: zero,
             n: noise,
         };
-        let (end, end_force) = self.drawn_to_the_end(&begun, start, remaining, rows);
+        let (end, end_force, is_resolved) = self.drawn_to_the_end(&begun, start, remaining, rows);
         let Noisy { scene, search, .. } = self.paths.noisy;
         let (first, interval) = Extent::new(remaining, search.noise).between(
             scene,
@@ -428,7 +436,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
         let is_long = remaining.gt(L::splat(SHORTEST * length));
         let is_part = remaining.lt(L::splat(length * (1.0 - SAME_LENGTH)));
-        let good = L::bitmask(L::and(L::and(is_long, is_part), interval.end.is_finite())) & lanes;
+        let is_good = L::and(L::and(is_long, is_part), interval.end.is_finite());
+        let good = L::bitmask(L::and(is_good, is_resolved)) & lanes;
         self.fall_back(rows, lanes & !good);
         let next = Border {
             x: end.x,
@@ -442,7 +451,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         };
         self.set_next(rows, good, next, true);
         self.began(rows, good, noise, force);
-        let count = count.drawn(1).spent();
+        let mut count = count.drawn(1).spent();
+        if scene.own.is_some() {
+            // The trial of the step.
+            count = count.spent();
+        }
         let searched = SearchedSlip {
             left: first,
             after: zero,
@@ -467,7 +480,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
     }
 
-    /// Draws the state at the end of the macro step of a sub-phase that begins in it, and b there.
+    /// Draws the state at the end of the macro step of a sub-phase that begins in it, and b there;
+    /// and where one step suffices for that.
     #[inline(always)]
     fn drawn_to_the_end(
         &self,
@@ -475,13 +489,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         start: SlipPoint<L>,
         remaining: L,
         rows: &RowNumbers,
-    ) -> (SlipPoint<L>, L) {
+    ) -> (SlipPoint<L>, L, L::Mask) {
         let Noisy {
             scene, oscillator, ..
         } = self.paths.noisy;
         let mut transition = oscillator.series(remaining);
         transition.given_noise = given_noise(&transition.covariance);
-        let friction = begun.eps * scene.friction.dynamic_force;
+        let own = self.forced_step(begun.eps, (start, begun.force), begun.after, remaining);
+        let friction = begun.eps * scene.friction.dynamic_force - ForcedStep::push(&own);
         let (mean, forcing) = self.mean_state(&transition, start, begun.after, friction);
         let draws = begun
             .count
@@ -491,7 +506,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             self.end_noise(rows),
             draws.normal_pair(self.paths.normals, 0),
         );
-        (end, force(&scene.oscillator, forcing, end))
+        let drawn = (end, force(&scene.oscillator, forcing, end));
+        let (end, end_force) = self.corrected(&own, &transition, begun.after, drawn);
+        let is_resolved = own.map_or(L::always(), |own| own.is_resolved);
+        (end, end_force, is_resolved)
     }
 
     /// Notes n and b at the start of a step, for observing it.
@@ -595,6 +613,7 @@ impl<L: Lanes> Begun<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
+        let rows = &jobs.known::<L>(rows);
         let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
         let (origin, key) = (origin.to_bits(), key.to_bits());
         Begun {

@@ -51,6 +51,7 @@ impl<L: Lanes> SearchedStick<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
+        let rows = &jobs.known::<L>(rows);
         let [after, noise, force, curvature, count, x, side, _] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
         SearchedStick {
@@ -129,11 +130,16 @@ fn node_of<L: Lanes>(
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
-    /// Begins a stick in the macro step, in these lanes.
+    /// Begins a stick in the macro step, in these lanes, in which K x - g is `spring`.
     #[inline(always)]
-    pub(super) fn begin_stick(&mut self, rows: &RowNumbers, lanes: u32, piece: &SearchedStick<L>) {
+    pub(super) fn begin_stick(
+        &mut self,
+        rows: &RowNumbers,
+        lanes: u32,
+        piece: &SearchedStick<L>,
+        spring: L,
+    ) {
         let zero = L::splat(0.0);
-        let spring = piece.x * self.paths.noisy.scene.oscillator.stiffness;
         let end_force = L::splat(self.macro_step.last.value) + piece.right.noise - spring;
         let SearchedStick {
             x,
@@ -208,7 +214,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let noise = weight * (piece.left.noise + piece.right.noise) + sd * normal;
         let after = piece.left.after + h * 0.5;
         let forcing = self.macro_step.forcing(after);
-        let force = forcing.value - piece.x * scene.oscillator.stiffness + noise;
+        let spring = scene.spring_at(piece.x, L::splat(self.macro_step.start));
+        let force = forcing.value - spring + noise;
         self.paths
             .jobs
             .place_behind(rows, piece.count, piece.row_of(&piece.right));
@@ -300,7 +307,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let lanes = lanes & !again;
         let after = piece.left.after + passed;
         let force = side * scene.friction.static_force;
-        let noise = force - self.macro_step.forcing(after).value + x * scene.oscillator.stiffness;
+        let spring = scene.spring_at(x, L::splat(self.macro_step.start));
+        let noise = force - self.macro_step.forcing(after).value + spring;
         let exit = Node {
             after,
             noise,

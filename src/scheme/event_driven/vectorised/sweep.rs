@@ -5,6 +5,7 @@ use super::super::law::{EVENT_PLACE, Extent, NOISE_PLACE, Node, SlipPoint, WHOLE
 use super::super::noisy::Noisy;
 use super::Vectorised;
 use super::crossing::{Crossing, Task};
+use super::forced::ForcedStep;
 use super::jobs::{Count, RowNumbers};
 use super::shared_step::SharedStep;
 use super::slip::SearchedSlip;
@@ -30,15 +31,29 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let nobody = self.paths.jobs.nobody();
         let whole = SharedStep::<L>::new(&self.paths.noisy.step, self.macro_step);
         let has_one_step = self.paths.noisy.has_one_step_a_macro_step();
+        let is_forced = self.paths.noisy.scene.own.is_some();
         while let Some((rows, lanes)) = self.paths.slips.pop::<L>(nobody) {
             if has_one_step {
+                // The trial of a step under g is an evaluation of its own.
+                for i in 0..if is_forced {
+                    lanes.count_ones() as usize
+                } else {
+                    0
+                } {
+                    self.paths.spent[rows[i] as usize] += 1;
+                }
                 self.slip_whole(&whole, &rows, lanes);
             } else {
                 self.fall_back(&rows, lanes);
             }
         }
+        let is_moved = self.paths.noisy.scene.own.depends_on_time();
         while let Some((rows, lanes)) = self.paths.sticks.pop::<L>(nobody) {
-            self.stick_whole(&rows, lanes);
+            if is_moved {
+                self.fall_back(&rows, lanes);
+            } else {
+                self.stick_whole(&rows, lanes);
+            }
         }
     }
 
@@ -65,11 +80,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn stick_whole(&mut self, rows: &RowNumbers, lanes: u32) {
         let scene = &self.paths.noisy.scene;
-        let now = Border::<L>::get(&self.paths.now, rows);
+        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known::<L>(rows));
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
-        let force1 =
-            L::splat(self.macro_step.last.value) + end_noise - x * scene.oscillator.stiffness;
+        let spring = scene.spring_at(x, L::splat(self.macro_step.start));
+        let force1 = L::splat(self.macro_step.last.value) + end_noise - spring;
         Border {
             n: end_noise,
             force: force1,
@@ -82,8 +97,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             force,
             curvature: L::splat(self.macro_step.first.curvature),
         };
-        let end_force =
-            L::splat(self.macro_step.last.value) - x * scene.oscillator.stiffness + end_noise;
+        let end_force = L::splat(self.macro_step.last.value) - spring + end_noise;
         let curvature = L::splat(self.macro_step.last.curvature);
         let right = Node {
             after: L::splat(self.macro_step.length),
@@ -91,7 +105,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             force: end_force,
             curvature,
         };
-        let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
+        let is_inside = force.abs().lt(L::splat(scene.friction.static_force));
+        let is_finite = end_force.abs().lt(L::splat(f64::INFINITY));
+        let is_out = lanes & !L::bitmask(L::and(is_inside, is_finite));
         let reach = self.paths.noisy.propagation.band.reach(
             scene,
             right.after,
@@ -123,22 +139,26 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
         let scene = &self.paths.noisy.scene;
-        let now = Border::<L>::get(&self.paths.now, rows);
+        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known::<L>(rows));
         let end_noise = self.end_noise_of(&now);
-        let eps = now.eps;
+        let (eps, zero) = (now.eps, L::splat(0.0));
         let start = SlipPoint {
             x: now.x,
             v: now.v,
             n: now.n,
         };
-        let friction = eps * scene.friction.dynamic_force;
+        let transition = &whole.transition;
+        let own = self.forced_step(eps, (start, now.force), zero, transition.length);
+        let friction = eps * scene.friction.dynamic_force - ForcedStep::push(&own);
         let normals = now
             .draws(self.macro_step.index << 32)
             .normal_pair(self.paths.normals, WHOLE_PLACE);
-        let end = whole
-            .transition
-            .drawn(whole.mean(start, friction), end_noise, normals);
+        let end = transition.drawn(whole.mean(start, friction), end_noise, normals);
         let end_force = force(&scene.oscillator, L::splat(whole.forcing), end);
+        let (end, end_force) = self.corrected(&own, transition, zero, (end, end_force));
+        let resolved = own.map_or(lanes, |own| lanes & L::bitmask(own.is_resolved));
+        self.fall_back(rows, lanes & !resolved);
+        let lanes = resolved;
         Border {
             x: end.x,
             v: end.v,
@@ -155,7 +175,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = lanes & !clear;
         if flagged != 0 {
-            let zero = L::splat(0.0);
             let searched = SearchedSlip {
                 left: first,
                 after: zero,

@@ -5,7 +5,7 @@ use super::super::scalar::ScalarPaths;
 use super::Vectorised;
 use crate::lanes::InstructionSet;
 use crate::model::tests::paper;
-use crate::model::{Event, Harmonic, Problem};
+use crate::model::{Event, Expression, Force, Harmonic, Problem};
 use crate::noise::MIRROR;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
@@ -60,7 +60,20 @@ fn scenes() -> Vec<(&'static str, Problem)> {
     // A slip takes some thirty steps a macro step.
     let mut stiff = paper(0.25, 0.25);
     stiff.oscillator.mass = 1e-3;
+    let forced = |expression: &str| {
+        let mut model = paper(0.25, 0.25);
+        model.initial_displacement = 3.0;
+        let law = Expression::parse(expression, &[]).expect("an expression");
+        model.force = Some(Force::new(law));
+        model
+    };
     vec![
+        ("cubic", forced("-0.02*x^3")),
+        (
+            "of all",
+            forced("-0.5*tanh(x)*(1 + 0.1*xdot) + 0.2*sin(0.3*t)"),
+        ),
+        ("steep", forced("-0.3*xdot*abs(xdot) - 0.1*x^5")),
         ("stiff", stiff),
         ("paper", paper(0.25, 0.25)),
         ("loud", paper(0.25, 2.0)),
