@@ -72,7 +72,7 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts. The product of the upper part and an integer below 2^20 is exact.
 const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
 
-/// e^x for x <= 1, with an error of at most two roundings. Below x = -700 the result is e^-700,
+/// e^x for x <= 700, with an error of at most two roundings. Below x = -700 the result is e^-700,
 /// which is 1e-304.
 #[inline(always)]
 pub fn exp<L: Lanes>(x: L) -> L {

@@ -1,7 +1,7 @@
 //! The operations of an expression. None of them depends on the lanes: they are correctly rounded,
-//! or computed by `libm` lane by lane.
+//! computed with the same operations in each lane, or by `libm` lane by lane.
 
-use crate::lanes::{Lanes, ROW};
+use crate::lanes::{Lanes, ROW, exp};
 
 /// An operation on one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,7 +26,7 @@ impl Unary {
             Unary::Abs => f64::abs,
             Unary::Sign => sign,
             Unary::Sqrt => f64::sqrt,
-            Unary::Exp => libm::exp,
+            Unary::Exp => exponential_of_one,
             Unary::Log => libm::log,
             Unary::Sin => libm::sin,
             Unary::Cos => libm::cos,
@@ -99,6 +99,28 @@ pub(super) fn least<L: Lanes>(a: L, b: L) -> L {
 pub(super) fn greatest<L: Lanes>(a: L, b: L) -> L {
     L::select(a.gt(b), a, L::select(b.ge(a), b, a + b))
 }
+
+/// e^a, with an error of at most two roundings.
+#[inline(always)]
+pub(super) fn exponential<L: Lanes>(a: L) -> L {
+    let is_usual = a.abs().lt(L::splat(USUAL_EXPONENT));
+    if L::bitmask(is_usual) == L::bitmask(L::always()) {
+        exp(a)
+    } else {
+        each(a, exponential_of_one)
+    }
+}
+
+fn exponential_of_one(a: f64) -> f64 {
+    if a.abs() < USUAL_EXPONENT {
+        exp(a)
+    } else {
+        libm::exp(a)
+    }
+}
+
+/// The exponents for which lanes compute e^a.
+const USUAL_EXPONENT: f64 = 700.0;
 
 /// The function in each lane.
 #[inline(always)]

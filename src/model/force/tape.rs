@@ -4,7 +4,7 @@
 //! needed. The choice of an operation is made once for several registers.
 
 use super::error::ExpressionError;
-use super::operation::{Binary, Unary, each, greatest, least, power, sign};
+use super::operation::{Binary, Unary, each, exponential, greatest, least, power, sign};
 use super::tree::{DIRECTION, Formula, INPUT, Term};
 use crate::lanes::{Lanes, ROW};
 use crate::model::Series;
@@ -203,6 +203,7 @@ impl Tape {
                 Code::Unary(Unary::Abs) => set!(|a| a.abs()),
                 Code::Unary(Unary::Sign) => set!(|a| sign(a)),
                 Code::Unary(Unary::Sqrt) => set!(|a| a.sqrt()),
+                Code::Unary(Unary::Exp) => set!(|a| exponential(a)),
                 Code::Unary(elementary) => {
                     let function = elementary.function();
                     set!(|a| each(a, function));

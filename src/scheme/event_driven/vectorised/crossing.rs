@@ -210,15 +210,13 @@ impl Vectorised<'_> {
     }
 
     /// Whether all paths cross the macro step in scalar form: if most of them would have to cross
-    /// it again in scalar form, if there are additional observation times (only for few paths), if
-    /// they are observed under a user-defined force, or if they move at t = 0.
+    /// it again in scalar form, if there are additional observation times (only for few paths), or
+    /// if they move at t = 0.
     fn go_scalar(&self, macro_step: &MacroStep, instants: &[ObservationTime]) -> bool {
         let falls_back = self.fell_back * MOST_FALLBACK > self.swept && self.swept > SWEPT;
         let have_initial_velocity =
             macro_step.index == 0 && self.noisy.scene.initial_velocity != 0.0;
-        let is_forced = self.noisy.scene.own.is_some();
-        let is_scalar = |instant: &ObservationTime| is_forced || instant.is_additional;
-        falls_back || have_initial_velocity || instants.iter().any(is_scalar)
+        falls_back || have_initial_velocity || instants.iter().any(|instant| instant.is_additional)
     }
 
     /// Marks all lanes to cross the macro step in scalar form.

@@ -11,8 +11,7 @@ pub(super) struct ForcedStep<L: Lanes> {
     start: ForcedStart<L>,
     trial: Trial<L>,
     friction: L,
-    /// Where g is resolved.
-    pub is_resolved: L::Mask,
+    is_resolved: L::Mask,
 }
 
 impl<L: Lanes> ForcedStep<L> {
@@ -20,6 +19,12 @@ impl<L: Lanes> ForcedStep<L> {
     #[inline(always)]
     pub fn push(own: &Option<Self>) -> L {
         own.as_ref().map_or(L::splat(0.0), |own| own.trial.means[0])
+    }
+
+    /// Where g is resolved.
+    #[inline(always)]
+    pub fn is_resolved(own: &Option<Self>) -> L::Mask {
+        own.as_ref().map_or(L::always(), |own| own.is_resolved)
     }
 }
 

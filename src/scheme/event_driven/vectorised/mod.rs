@@ -13,7 +13,7 @@
 //! in lanes: such a lane crosses the macro step again in scalar form.
 //!
 //! Under a user-defined force, sticks are treated in lanes if it does not depend on t, and steps of
-//! slips where it is resolved; macro steps with output times inside are crossed in scalar form.
+//! slips where it is resolved.
 //!
 //! Where the body oscillates much faster than forcing and noise change, a slip takes many steps per
 //! macro step. Then only sticks are treated in lanes, and a lane with a slip crosses the macro step
@@ -68,8 +68,9 @@ pub struct Vectorised<'a> {
     jobs: Jobs,
     /// The pieces in which the paths are observed.
     records: Records,
-    /// n and b of each lane at the start of the slip step that began last inside the macro step.
-    begun: [Vec<f64>; 2],
+    /// n and b of each lane at the start of the slip step that began last in the macro step, and the
+    /// constant for g in it.
+    begun: [Vec<f64>; 3],
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,
     /// The lanes that cross the macro step again in scalar form.
@@ -110,7 +111,7 @@ impl<'a> Vectorised<'a> {
             lost: BTreeMap::new(),
             jobs: Jobs::new(lanes),
             records: Records::default(),
-            begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
+            begun: std::array::from_fn(|_| vec![0.0; lanes + ROW]),
             events: Vec::new(),
             fallback: Vec::new(),
             swept: 0,

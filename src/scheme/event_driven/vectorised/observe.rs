@@ -14,6 +14,7 @@ use super::shared_step::SharedStep;
 use super::slip::SearchedSlip;
 use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
+use crate::model::Sign;
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
 use crate::scheme::columns::{LOST, StateColumns};
 
@@ -25,6 +26,8 @@ struct StepStart<L: Lanes> {
     state: SlipPoint<L>,
     motion: SlipVelocity<L>,
     eps: L,
+    /// The constant that stands for g.
+    push: L,
 }
 
 /// A slip that lasts throughout the macro step, from the last instant at which it was observed.
@@ -60,12 +63,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             }
         }
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
-            let rows = rows_from(lane);
+            let rows = rows_from(lane).map(|row| row.min(self.paths.count as u32 - 1));
             let now = Border::<L>::get(&self.paths.now, &rows);
             let next = Border::<L>::get(&self.paths.next, &rows);
             let is_slip = now.eps.abs().gt(L::splat(0.0));
             let mut stick = self.clear_stick(&now, &next);
-            let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
+            let push = at::<L>(&self.paths.begun[2], &rows);
+            let mut slip = self.clear_slip(&now, &next, push, [&nothing, &whole]);
             let mut known_fallback = 0;
             for (i, &instant) in inside.instants.iter().enumerate() {
                 let draws = now.draws(self.macro_step.index << 32 | instant.place);
@@ -128,6 +132,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         &self,
         now: &Border<L>,
         next: &Border<L>,
+        push: L,
         ends: [&SharedStep<L>; 2],
     ) -> ClearSlip<L> {
         let (scene, zero, eps) = (&self.paths.noisy.scene, L::splat(0.0), now.eps);
@@ -149,6 +154,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             state,
             motion: start,
             eps,
+            push,
         };
         let until = interval.length;
         let piece = SlipSegment {
@@ -190,7 +196,30 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_felt = piece.is_felt(scene, instant, &here, L::splat(self.macro_step.length));
         let (x, v) = piece.seen(&there);
         *piece = piece.parted_at(instant, &there)[1];
-        ((x, v, there.noise), is_felt)
+        (
+            (x, v, self.noise_in_slip(step, there.noise, (x, v), instant)),
+            is_felt,
+        )
+    }
+
+    /// n in a slip, from a balance of forces in which a constant stands for g.
+    #[inline(always)]
+    fn noise_in_slip(
+        &self,
+        step: &StepStart<L>,
+        noise: L,
+        (x, v): (L, L),
+        instant: ObservationTime,
+    ) -> L {
+        let scene = &self.paths.noisy.scene;
+        if !scene.own.is_some() {
+            return noise;
+        }
+        let (mut here, time) = ([step.push], L::splat(instant.at));
+        scene
+            .own
+            .at_points(Sign::Positive, [&[x], &[v], &[time]], &mut here);
+        noise - (here[0] - step.push)
     }
 
     /// The step and the piece of a recorded slip. The piece is without its motion without noise.
@@ -203,7 +232,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) -> (StepStart<L>, SlipSegment<L>) {
         let scene = &self.paths.noisy.scene;
         let zero = L::splat(0.0);
-        let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
+        let [velocity, acceleration, after, travel, began, x0, eps, push] = left;
         let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
         let interval = Interval {
             end: SlipVelocity {
@@ -230,6 +259,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             state,
             motion: motion(&scene.oscillator, eps, state.v, force0, friction),
             eps,
+            push,
         };
         let start = SlipVelocity {
             velocity,
@@ -278,7 +308,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 let is_felt = piece.is_felt(scene, *instant, &here, step_length);
                 fallback |= !L::bitmask(is_felt) & held;
                 let (x, v) = piece.seen(&there);
-                let seen = (x, v, scene.temperature(instant.forcing, there.noise));
+                let noise = self.noise_in_slip(&step, there.noise, (x, v), *instant);
+                let seen = (x, v, scene.temperature(instant.forcing, noise));
                 set(&mut inside.seen[i], &rows, held, seen, false);
                 let rest = piece.parted_at(*instant, &there)[1];
                 piece = SlipSegment {
@@ -428,14 +459,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         Bridge {
             mean,
             sd,
-            rest: L::splat(instant.forcing) - piece.displacement * scene.oscillator.stiffness,
+            rest: L::splat(instant.forcing)
+                - scene.spring_at(piece.displacement, L::splat(instant.at)),
         }
     }
 
     /// The motion without noise of a step that begins with the macro step, at the end of `part`.
     #[inline(always)]
     fn shared_way(&self, step: &StepStart<L>, part: &SharedStep<L>, since: f64) -> Way<L> {
-        let friction = step.eps * self.paths.noisy.scene.friction.dynamic_force;
+        let friction = step.eps * self.paths.noisy.scene.friction.dynamic_force - step.push;
         let mean = part.mean(step.state, friction);
         self.way_to(step, mean, L::splat(part.forcing), L::splat(since))
     }
@@ -446,7 +478,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let noisy = self.paths.noisy;
         let since = after - step.after;
         let transition = noisy.oscillator.series(since);
-        let friction = step.eps * noisy.scene.friction.dynamic_force;
+        let friction = step.eps * noisy.scene.friction.dynamic_force - step.push;
         let (mean, forcing) = self.mean_state(&transition, step.state, step.after, friction);
         self.way_to(step, mean, forcing, since)
     }
@@ -455,7 +487,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn way_to(&self, step: &StepStart<L>, mean: SlipPoint<L>, forcing: L, since: L) -> Way<L> {
         let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, step.eps);
-        let friction = eps * scene.friction.dynamic_force;
+        let friction = eps * scene.friction.dynamic_force - step.push;
         let motion = motion(body, eps, mean.v, force(body, forcing, mean), friction);
         let travel = resolved_travel(eps * step.state.x, eps * mean.x, step.motion, motion, since);
         Way {
@@ -513,10 +545,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 inverse,
                 noise,
             } = *interval;
-            let [noise0, force0] = [
-                at::<L>(&self.paths.begun[0], rows),
-                at::<L>(&self.paths.begun[1], rows),
-            ];
+            let [noise0, force0, push] = [0, 1, 2].map(|i| at::<L>(&self.paths.begun[i], rows));
             let left = [
                 left.velocity,
                 left.acceleration,
@@ -525,7 +554,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 start,
                 x,
                 eps,
-                eps,
+                push,
             ];
             let right = [
                 end.velocity,

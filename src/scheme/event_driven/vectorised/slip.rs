@@ -425,7 +425,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             v: zero,
             n: noise,
         };
-        let (end, end_force, is_resolved) = self.drawn_to_the_end(&begun, start, remaining, rows);
+        let (end, end_force, own) = self.drawn_to_the_end(&begun, start, remaining, rows);
+        let is_resolved = ForcedStep::is_resolved(&own);
         let Noisy { scene, search, .. } = self.paths.noisy;
         let (first, interval) = Extent::new(remaining, search.noise).between(
             scene,
@@ -450,7 +451,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             flip: count.flip(),
         };
         self.set_next(rows, good, next, true);
-        self.began(rows, good, noise, force);
+        self.began(rows, good, [noise, force, ForcedStep::push(&own)]);
         let mut count = count.drawn(1).spent();
         if scene.own.is_some() {
             // The trial of the step.
@@ -480,8 +481,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
     }
 
-    /// Draws the state at the end of the macro step of a sub-phase that begins in it, and b there;
-    /// and where one step suffices for that.
+    /// Draws the state at the end of the macro step of a sub-phase that begins in it, and b there.
+    /// Also returns its step under g.
     #[inline(always)]
     fn drawn_to_the_end(
         &self,
@@ -489,7 +490,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         start: SlipPoint<L>,
         remaining: L,
         rows: &RowNumbers,
-    ) -> (SlipPoint<L>, L, L::Mask) {
+    ) -> (SlipPoint<L>, L, Option<ForcedStep<L>>) {
         let Noisy {
             scene, oscillator, ..
         } = self.paths.noisy;
@@ -508,21 +509,20 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         );
         let drawn = (end, force(&scene.oscillator, forcing, end));
         let (end, end_force) = self.corrected(&own, &transition, begun.after, drawn);
-        let is_resolved = own.map_or(L::always(), |own| own.is_resolved);
-        (end, end_force, is_resolved)
+        (end, end_force, own)
     }
 
-    /// Notes n and b at the start of a step, for observing it.
+    /// Notes n and b at the start of a step, and the constant for g in it, for observing it.
     #[inline(always)]
-    fn began(&mut self, rows: &RowNumbers, lanes: u32, noise: L, force: L) {
+    pub(super) fn began(&mut self, rows: &RowNumbers, lanes: u32, start: [L; 3]) {
         if self.paths.records.is_observed() {
-            let (mut noises, mut forces) = ([0.0; ROW], [0.0; ROW]);
-            noise.store(&mut noises);
-            force.store(&mut forces);
             let own = self.paths.jobs.only::<L>(rows, lanes);
-            for i in 0..L::WIDTH {
-                self.paths.begun[0][own[i] as usize] = noises[i];
-                self.paths.begun[1][own[i] as usize] = forces[i];
+            for (values, column) in start.into_iter().zip(&mut self.paths.begun) {
+                let mut numbers = [0.0; ROW];
+                values.store(&mut numbers);
+                for i in 0..L::WIDTH {
+                    column[own[i] as usize] = numbers[i];
+                }
             }
         }
     }

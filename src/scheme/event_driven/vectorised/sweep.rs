@@ -156,8 +156,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let end = transition.drawn(whole.mean(start, friction), end_noise, normals);
         let end_force = force(&scene.oscillator, L::splat(whole.forcing), end);
         let (end, end_force) = self.corrected(&own, transition, zero, (end, end_force));
-        let resolved = own.map_or(lanes, |own| lanes & L::bitmask(own.is_resolved));
+        let resolved = lanes & L::bitmask(ForcedStep::is_resolved(&own));
         self.fall_back(rows, lanes & !resolved);
+        self.began(rows, resolved, [now.n, now.force, ForcedStep::push(&own)]);
         let lanes = resolved;
         Border {
             x: end.x,
