@@ -354,7 +354,7 @@ fn print_ratios() {
             "event-driven, cubic spring / linear",
             measured("event-driven", "cubic spring", BLOCK_SIZE as f64),
             measured("event-driven", "linear", BLOCK_SIZE as f64),
-            AtMost(6.0),
+            AtMost(4.0),
         ),
         (
             "no noise / noise",

@@ -237,6 +237,7 @@ keys! {
         PROCESS = other("process", "a law, from which each path draws the values, instead of a file")
             .default("none").allowed("[a process](noise.md)");
         SAMPLE_STEP;
+        REUSE;
         ENVELOPE;
         LOW;
         HIGH;
@@ -305,6 +306,8 @@ keys! {
         INTERPOLATION = other("interpolation", "between the rows of a file; constant holds each value")
             .default("`\"linear\"`").allowed("`\"linear\"`, `\"constant\"`");
         PROCESS;
+        REUSE = other("reuse", "whether paths take the realisations of a file again after the last")
+            .default("`false`").allowed("`true`, `false`");
         ENVELOPE = other("envelope", "expression of t by which the samples of a process are multiplied")
             .default("none").allowed("an expression");
         LOW = number("low", "", "lower value of a telegraph", Any)

@@ -6,12 +6,13 @@ use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Sources};
 use crate::model::{
     Expression, InitialNoise, InputSpectrum, OrnsteinUhlenbeck, OwnProcess, PulseShape, PulseSize,
-    RandomInput, RandomProcess, Series,
+    RandomInput, RandomProcess, Realisations,
 };
+use crate::scenario::Measured;
 use std::sync::Arc;
 
 /// The keys that each process has besides `process`.
-const PROCESSES: [(&str, &[Key]); 6] = [
+const PROCESSES: [(&str, &[Key]); 7] = [
     (
         "telegraph",
         &[keys::LOW, keys::HIGH, keys::RATE_UP, keys::RATE_DOWN],
@@ -50,10 +51,12 @@ const PROCESSES: [(&str, &[Key]); 6] = [
         ],
     ),
     (SPECTRUM, &[keys::SAMPLE_STEP, keys::ENVELOPE]),
+    (Realisations::OF_FILE, &[keys::REUSE]),
     ("own", &[]),
 ];
 
-/// The process whose spectrum is in a file. It has the keys of a file, too.
+/// The process whose spectrum is in a file. It has the keys of a file, too, like
+/// [`Realisations::OF_FILE`].
 pub(super) const SPECTRUM: &str = "spectrum";
 
 /// The name of the process of a table, if it has one.
@@ -70,12 +73,12 @@ pub(super) fn is_process(table: &Fields<'_>) -> bool {
 const LAWS: [&str; 3] = ["fixed", "exponential", "normal"];
 const SHAPES: [&str; 3] = ["kick", "rectangle", "decay"];
 
-/// Read the process of a table; `spectrum` holds the spectrum of its file.
+/// Read the process of a table; `file` holds what was read from its file.
 pub(super) fn random_input(
     sources: &Sources<'_>,
     table: &Fields<'_>,
     name: &str,
-    spectrum: Option<(String, &Series)>,
+    file: Option<&Measured>,
     parameters: &[(String, f64)],
 ) -> Option<RandomInput> {
     let process = process_of(table)?;
@@ -115,8 +118,9 @@ pub(super) fn random_input(
             }
             RandomProcess::Own(OwnProcess::missing())
         }
+        Realisations::OF_FILE => file?.random.as_ref()?.process.clone(),
         _ => {
-            let (file, series) = spectrum?;
+            let Measured { file, series, .. } = file?;
             let densities = series.values().to_vec();
             if densities.iter().any(|density| *density < 0.0) || series.bound() == 0.0 {
                 let problem = "holds a negative density, or none above 0";
@@ -125,7 +129,7 @@ pub(super) fn random_input(
                 sources.report(table.diagnostic_of_table(problem, remedy));
             }
             RandomProcess::Spectrum(Arc::new(InputSpectrum {
-                file,
+                file: file.clone(),
                 frequencies: series.times().to_vec(),
                 densities,
             }))
@@ -284,6 +288,7 @@ pub(super) fn written(
                 numbers(&[(keys::INITIAL_NOISE, v0)]);
             }
         }
+        RandomProcess::Own(own) if own.0.is_reused() => all.push((keys::REUSE, "true".into())),
         RandomProcess::Spectrum(_) | RandomProcess::Own(_) => {}
     }
     if input.process.is_sampled() {

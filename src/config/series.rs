@@ -7,12 +7,13 @@ use super::keys::{self, Key};
 use super::random;
 use super::source::{MeasuredFrom, Place, Sources};
 use super::tree::SECONDS;
-use crate::model::{RandomInput, Series};
+use crate::model::{OwnProcess, RandomInput, RandomProcess, Realisations, Series};
 use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use stickslip_data::{
-    ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit,
+    ColumnQuantity, ColumnSource, DataColumn, DataError, DateOrder, Layout, Name, Origin, Table,
+    Wanted, input_unit,
 };
 
 /// The longest time between two temperatures, in seconds, if a scenario gives none: six hours.
@@ -163,15 +164,28 @@ impl Reader<'_> {
     fn process(&self, table: &Fields<'_>) -> Result<Measured, Box<Diagnostic>> {
         let parameters = self.root.numbers(keys::PARAMETERS).into_iter();
         let parameters: Vec<_> = parameters.map(|(name, value, _)| (name, value)).collect();
-        let is_spectrum = random::process_of(table) == Some(random::SPECTRUM);
-        let measured = match is_spectrum {
+        let process = random::process_of(table);
+        let has_file = [random::SPECTRUM, Realisations::OF_FILE]
+            .map(Some)
+            .contains(&process);
+        let measured = match has_file {
             true => self.file_of(table)?,
             false => self.in_memory(Arc::new(Series::nothing())),
         };
-        let spectrum = is_spectrum.then(|| (measured.file.clone(), &*measured.series));
-        let random = random::random_input(self.sources, table, &self.name, spectrum, &parameters);
+        let file = has_file.then_some(&measured);
+        let random = random::random_input(self.sources, table, &self.name, file, &parameters);
         // An invalid process was reported.
         Ok(Measured { random, ..measured })
+    }
+
+    /// The input with these realisations.
+    fn own(&self, realisations: OwnProcess) -> RandomInput {
+        RandomInput {
+            name: self.name.clone(),
+            process: RandomProcess::Own(realisations),
+            step: 1.0,
+            envelope: None,
+        }
     }
 
     /// The description of values that come from memory and not from a file.
@@ -219,9 +233,12 @@ impl Reader<'_> {
             unit,
             mut layout,
         } = source(table, value, None);
-        if random::is_process(table) {
+        let process = random::process_of(table);
+        if process.is_some() {
             // A step is that of the samples, not one of the file.
             layout.step = None;
+        }
+        if process == Some(random::SPECTRUM) {
             layout.time.get_or_insert("frequency".into());
             column.get_or_insert("density".into());
         }
@@ -257,7 +274,12 @@ impl Reader<'_> {
             _ => None,
         };
         match stored {
-            Some(stored) => measured.series = stored.series.clone(),
+            Some(stored) => {
+                measured.series = stored.series.clone();
+                if process == Some(Realisations::OF_FILE) {
+                    measured.random = Some(self.own(OwnProcess::missing()));
+                }
+            }
             None => self.read(table, &mut measured)?,
         }
         let found = format!("{:016x}", measured.series.fingerprint());
@@ -282,7 +304,8 @@ impl Reader<'_> {
                 .of(&format!("{}.file", self.name))
                 .value(format!("\"{file}\""))
         };
-        let found = self.table(place, measured).map_err(diagnostic)?;
+        let is_every = random::process_of(table) == Some(Realisations::OF_FILE);
+        let found = self.table(place, measured, is_every).map_err(diagnostic)?;
         self.check_seconds(&found).map_err(diagnostic)?;
         let Table {
             start,
@@ -292,6 +315,10 @@ impl Reader<'_> {
             repairs,
             ..
         } = found;
+        let realisations = match is_every {
+            true => Some(realisations(table, &columns).map_err(diagnostic)?),
+            false => None,
+        };
         let Some(column) = columns.into_iter().next() else {
             return Err(diagnostic((
                 format!("has no {} column", self.quantity.word()),
@@ -304,9 +331,9 @@ impl Reader<'_> {
             false => Series::with_jumps(column.times, column.values),
         };
         let series = series.map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
-        let series = match random::is_process(table) {
-            true => from_zero(&series, begin),
-            false => series,
+        let series = match random::process_of(table) {
+            Some(random::SPECTRUM) => from_zero(&series, begin),
+            _ => series,
         };
         *measured = Measured {
             series: Arc::new(series),
@@ -323,13 +350,20 @@ impl Reader<'_> {
             },
             start: start.map(|start| start.to_string()),
             repairs: repairs.sentences(),
+            random: realisations.map(|all| self.own(all)),
             ..measured.clone()
         };
         Ok(())
     }
 
-    /// The table in the file, and the limit of its gaps if it is the default.
-    fn table(&self, place: Option<Place>, measured: &mut Measured) -> Result<Table, Wrong> {
+    /// The table in the file, with every column if so, and the limit of its gaps if it is the
+    /// default.
+    fn table(
+        &self,
+        place: Option<Place>,
+        measured: &mut Measured,
+        is_every: bool,
+    ) -> Result<Table, Wrong> {
         let sources = self.sources;
         let text = sources
             .data(&measured.file)
@@ -345,8 +379,13 @@ impl Reader<'_> {
             let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
             let wanted =
                 Wanted::called(self.quantity, column, self.word(), measured.unit.as_deref());
+            let column = match is_every {
+                true => Name::Every,
+                false => wanted.column,
+            };
             let wanted = [Wanted {
                 max_gap: measured.max_gap,
+                column,
                 ..wanted
             }];
             match text {
@@ -406,6 +445,20 @@ impl Reader<'_> {
             ),
         ))
     }
+}
+
+/// The realisations in the columns of a file.
+fn realisations(table: &Fields<'_>, columns: &[DataColumn]) -> Result<OwnProcess, Wrong> {
+    let times = columns.first().map_or(&[][..], |column| &column.times);
+    if let Some(other) = columns.iter().find(|column| column.times != times) {
+        let problem = format!("lacks values of `{}`, or repeats them", other.name);
+        return Err((problem, "give a value of every column in every row".into()));
+    }
+    let values = columns.iter().flat_map(|column| &column.values).copied();
+    Realisations::new(times.to_vec(), values.collect())
+        .map(|all| all.of_file(table.flag_or(keys::REUSE, false)))
+        .map(|all| OwnProcess(Arc::new(all)))
+        .map_err(|error| (error.to_string(), "fix the file".into()))
 }
 
 /// A spectrum whose rows begin at a frequency: zero from 0 to there.

@@ -113,6 +113,16 @@ pub trait InputProcess: Debug + Send + Sync {
     fn name(&self) -> &str {
         "own"
     }
+
+    /// The number of paths that have a realisation, if it is limited.
+    fn count(&self) -> Option<u64> {
+        None
+    }
+
+    /// Whether paths take the same realisations again after the last.
+    fn is_reused(&self) -> bool {
+        false
+    }
 }
 
 impl OwnProcess {
@@ -139,6 +149,8 @@ pub struct Realisations {
     times: Vec<f64>,
     /// The values, realisation after realisation.
     values: Vec<f64>,
+    /// Whether they are reused, if they were read from a file.
+    file: Option<bool>,
 }
 
 impl Realisations {
@@ -152,22 +164,45 @@ impl Realisations {
             .ok_or(NoSeries)?;
         Series::new(times.clone(), first.to_vec())?;
         match values.iter().all(|value| value.is_finite()) {
-            true => Ok(Realisations { times, values }),
+            true => Ok(Realisations {
+                times,
+                values,
+                file: None,
+            }),
             false => Err(NoSeries),
         }
     }
 
-    /// Their number.
-    pub fn count(&self) -> usize {
-        self.values.len() / self.times.len()
+    /// The name of the process whose realisations are in the columns of a file.
+    pub(crate) const OF_FILE: &str = "realisations";
+
+    /// The same, as read from a file.
+    #[cfg(feature = "toml")]
+    pub(crate) fn of_file(self, is_reused: bool) -> Self {
+        let file = Some(is_reused);
+        Realisations { file, ..self }
     }
 }
 
 impl InputProcess for Realisations {
     fn draw(&self, path: u64, _: &mut dyn Rng, _: f64) -> Series {
-        let from = (path % self.count() as u64) as usize * self.times.len();
+        let count = (self.values.len() / self.times.len()) as u64;
+        let from = (path % count) as usize * self.times.len();
         let values = self.values[from..from + self.times.len()].to_vec();
         Series::new(self.times.clone(), values).unwrap_or_else(|_| Series::unknown())
+    }
+
+    fn name(&self) -> &str {
+        self.file.map_or("own", |_| Realisations::OF_FILE)
+    }
+
+    fn count(&self) -> Option<u64> {
+        let is_limited = self.file == Some(false);
+        is_limited.then(|| (self.values.len() / self.times.len()) as u64)
+    }
+
+    fn is_reused(&self) -> bool {
+        self.file == Some(true)
     }
 }
 

@@ -60,6 +60,17 @@ impl Scenario {
                 let remedy = "increase its step, lower its rate, or shorten the run";
                 return Some(CheckError::new(&[], problem, remedy));
             }
+            if let RandomProcess::Own(own) = &input.process
+                && let Some(found) = own.0.count()
+                && self.ensemble.paths > found
+            {
+                let problem = format!(
+                    "`{name}` has {found} realisations, fewer than `ensemble.paths` = {}",
+                    self.ensemble.paths
+                );
+                let remedy = "give a file with a column for each path, lower `ensemble.paths`, or write `reuse = true`";
+                return Some(CheckError::new(&[], problem, remedy));
+            }
             let is_misused = input.process.is_kicks() && !self.adds_kicks(name);
             is_misused.then(|| {
                 let problem = format!(

@@ -2,7 +2,8 @@
 
 use super::{INPUT, Scenario, TEMPERATURE_SERIES, WhiteNoise};
 use crate::model::{
-    Expression, NamedSeries, OrnsteinUhlenbeck, Oscillator, RandomInput, RandomProcess, Series,
+    Expression, NamedSeries, OrnsteinUhlenbeck, Oscillator, RandomInput, RandomProcess,
+    Realisations, Series,
 };
 use crate::scheme::CheckError;
 use std::sync::Arc;
@@ -93,10 +94,13 @@ impl PartialEq for Measured {
 }
 
 impl Measured {
-    /// Whether the samples belong to the scenario: a measurement, or a spectrum.
+    /// Whether the samples belong to the scenario: a measurement, a spectrum or realisations.
     pub(crate) fn is_in_file(&self) -> bool {
         let process = self.random.as_ref().map(|random| &random.process);
-        process.is_none_or(|process| matches!(process, RandomProcess::Spectrum(_)))
+        process.is_none_or(|process| {
+            let is_spectrum = matches!(process, RandomProcess::Spectrum(_));
+            is_spectrum || process.name() == Realisations::OF_FILE
+        })
     }
 
     /// The name of an input, if it is one.

@@ -169,7 +169,7 @@ fn stepped<'a>(
     wanted: &Wanted<'_>,
 ) -> Result<Sampling<'a>, DataError> {
     let column = match wanted.column {
-        Name::Beginning(_) => None,
+        Name::Beginning(_) | Name::Every => None,
         Name::Exactly(name) => match name.parse().ok().filter(|number| *number >= 1) {
             Some(number) => Some(number),
             None => {

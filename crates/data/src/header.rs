@@ -381,6 +381,17 @@ impl Sought<'_> {
     /// The columns of times and of the values that are wanted.
     fn columns(&self, wanted: &[Wanted<'_>]) -> Result<(Vec<usize>, Vec<usize>), DataError> {
         let times = self.times();
+        if let [
+            Wanted {
+                column: Name::Every,
+                ..
+            },
+        ] = wanted
+        {
+            let times = times?;
+            let values = (0..self.names.len()).filter(|field| !times.contains(field));
+            return Ok((times.clone(), values.collect()));
+        }
         let (found, missing): (Vec<_>, Vec<_>) = wanted
             .iter()
             .map(|one| self.value(one))
@@ -585,6 +596,7 @@ impl Sought<'_> {
                     whole
                 }
             }
+            Name::Every => Vec::new(),
         };
         match (&found[..], name) {
             ([field], _) => Ok(*field),
@@ -669,7 +681,10 @@ impl Sought<'_> {
 
     /// The error if no column matches. The remedy is followed by the existing names.
     fn none(&self, name: Name<'_>, remedy: &str) -> DataError {
-        let (Name::Exactly(text) | Name::Beginning(text)) = name;
+        let text = match name {
+            Name::Exactly(text) | Name::Beginning(text) => text,
+            Name::Every => "",
+        };
         let alike = |column: &&String| strsim::jaro_winkler(text, column);
         let near = self.names.iter().filter(|column| alike(column) > 0.8);
         let nearest = near.max_by(|a, b| alike(a).total_cmp(&alike(b)));

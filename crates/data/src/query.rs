@@ -243,6 +243,8 @@ pub enum Name<'a> {
     Exactly(&'a str),
     /// The only column whose name begins with this text, or else with its first four letters.
     Beginning(&'a str),
+    /// All columns that hold no times.
+    Every,
 }
 
 impl Name<'_> {
@@ -251,6 +253,7 @@ impl Name<'_> {
         match self {
             Name::Exactly(name) => format!("is called `{name}`"),
             Name::Beginning(start) => format!("has a name that begins with `{start}`"),
+            Name::Every => "holds values".into(),
         }
     }
 }

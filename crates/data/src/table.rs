@@ -143,8 +143,10 @@ impl<'a> TableReading<'a> {
             above.map_or(Ok(()), |unit| column.take_unit(unit))?;
             Ok(column)
         };
+        // One that wants every column stands for them all.
         let columns = wanted
             .iter()
+            .cycle()
             .zip(&header.values)
             .map(column)
             .collect::<Result<Vec<_>, _>>()
