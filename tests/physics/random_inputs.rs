@@ -479,8 +479,8 @@ fn plain(input: &Series, cubic: f64) -> Vec<[f64; 2]> {
 
 /// Over 4 000 realisations, the mean, the variance and the covariance of the values at two times,
 /// and mean and variance at t = 0, agree with the closed forms within 4.5 standard errors each (false
-/// alarms, 7e-6): of a telegraph with unequal rates, of an Ornstein-Uhlenbeck process, of decays, and
-/// of a spectrum, whose covariance is the sum of its lines.
+/// alarms, 7e-6): of a telegraph with unequal rates, of Ornstein-Uhlenbeck and Kanai-Tajimi noise, of
+/// rectangles and decays, and of a spectrum, whose covariance is the sum of its lines.
 #[test]
 fn realisations_have_the_moments_of_their_law() {
     let spectrum = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/physics/spectrum.csv");
@@ -504,6 +504,15 @@ fn realisations_have_the_moments_of_their_law() {
     // Shares of 1.5 and 3 per time: 2/3 of the time at -1, 1/3 at 2.
     let share = (1.5 / 4.5) * (3.0 / 4.5) * 9.0;
     let decays = 2.0 * 2.0 * 0.49 / (2.0 * 0.8);
+    // Kanai-Tajimi with w = 4, zeta = 0.5 and S0 = 0.3: the integral of the spectrum.
+    let ground = |lag: f64| {
+        let at = |i: u32| {
+            let omega = 1e-3 * (f64::from(i) + 0.5);
+            let r = (omega / 4.0).powi(2);
+            (1.0 + r) / ((1.0 - r).powi(2) + r) * (omega * lag).cos()
+        };
+        2.0 * 0.3 * 1e-3 * (0..2_000_000).map(at).sum::<f64>()
+    };
     for (process, mean, variance, covariance) in [
         (
             "process = \"telegraph\"\nlow = -1\nhigh = 2\nrate_up = 1.5\nrate_down = 3",
@@ -516,6 +525,18 @@ fn realisations_have_the_moments_of_their_law() {
             0.0,
             4.0 * 0.36 / 1.4,
             4.0 * 0.36 / 1.4 * (-0.7 * lag).exp(),
+        ),
+        (
+            "process = \"kanai-tajimi\"\nangular_frequency = 4\ndamping_ratio = 0.5\nintensity = 0.3\nstep = 0.01",
+            0.0,
+            std::f64::consts::PI * 0.3 * 4.0 * 2.0,
+            ground(lag),
+        ),
+        (
+            "process = \"shot\"\nrate = 2\nsize = 0.7\nsizes = \"exponential\"\nshape = \"rectangle\"\nduration = 1.1",
+            1.4,
+            2.0 * 0.98 / 1.1,
+            2.0 * 0.98 * (1.1 - lag) / (1.1 * 1.1),
         ),
         (
             "process = \"shot\"\nrate = 2\nsize = 0.7\nsizes = \"exponential\"\nshape = \"decay\"\nduration = 0.8\nstep = 0.01",
