@@ -203,11 +203,11 @@ impl Jobs {
     /// The same rows, but those of the first lane where there is none. So a user-defined force is
     /// evaluated only where paths are.
     #[inline(always)]
-    pub fn known<L: Lanes>(&self, rows: &RowNumbers) -> RowNumbers {
+    pub fn known(&self, rows: &RowNumbers) -> RowNumbers {
         let (nobody, mut known) = (self.nobody(), *rows);
-        for i in 1..L::WIDTH {
-            if known[i] == nobody {
-                known[i] = rows[0];
+        for row in &mut known[1..] {
+            if *row == nobody {
+                *row = rows[0];
             }
         }
         known

@@ -62,9 +62,8 @@ impl<L: Lanes> SearchedSlip<L> {
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [velocity, acceleration, after, travel, count, x, start, eps] =
-            L::gather_rows(&jobs.left, &jobs.known::<L>(rows));
-        let (interval, origin, key) =
-            interval_of(L::gather_rows(&jobs.right, &jobs.known::<L>(rows)));
+            L::gather_rows(&jobs.left, &jobs.known(rows));
+        let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, &jobs.known(rows)));
         let (left, count) = (
             SlipVelocity {
                 velocity,
@@ -613,7 +612,7 @@ impl<L: Lanes> Begun<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
-        let rows = &jobs.known::<L>(rows);
+        let rows = &jobs.known(rows);
         let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
         let (origin, key) = (origin.to_bits(), key.to_bits());
         Begun {

@@ -51,7 +51,7 @@ impl<L: Lanes> SearchedStick<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
-        let rows = &jobs.known::<L>(rows);
+        let rows = &jobs.known(rows);
         let [after, noise, force, curvature, count, x, side, _] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
         SearchedStick {

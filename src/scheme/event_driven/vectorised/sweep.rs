@@ -35,12 +35,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         while let Some((rows, lanes)) = self.paths.slips.pop::<L>(nobody) {
             if has_one_step {
                 // The trial of a step under g is an evaluation of its own.
-                for i in 0..if is_forced {
-                    lanes.count_ones() as usize
-                } else {
-                    0
-                } {
-                    self.paths.spent[rows[i] as usize] += 1;
+                if is_forced {
+                    let rows = &rows[..lanes.count_ones() as usize];
+                    rows.iter()
+                        .for_each(|row| self.paths.spent[*row as usize] += 1);
                 }
                 self.slip_whole(&whole, &rows, lanes);
             } else {
@@ -80,7 +78,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn stick_whole(&mut self, rows: &RowNumbers, lanes: u32) {
         let scene = &self.paths.noisy.scene;
-        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known::<L>(rows));
+        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known(rows));
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
         let spring = scene.spring_at(x, L::splat(self.macro_step.start));
@@ -139,7 +137,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
         let scene = &self.paths.noisy.scene;
-        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known::<L>(rows));
+        let now = Border::<L>::get(&self.paths.now, &self.paths.jobs.known(rows));
         let end_noise = self.end_noise_of(&now);
         let (eps, zero) = (now.eps, L::splat(0.0));
         let start = SlipPoint {
