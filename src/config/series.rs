@@ -178,16 +178,6 @@ impl Reader<'_> {
         Ok(Measured { random, ..measured })
     }
 
-    /// The input with these realisations.
-    fn own(&self, realisations: OwnProcess) -> RandomInput {
-        RandomInput {
-            name: self.name.clone(),
-            process: RandomProcess::Own(realisations),
-            step: 1.0,
-            envelope: None,
-        }
-    }
-
     /// The description of values that come from memory and not from a file.
     fn in_memory(&self, series: Arc<Series>) -> Measured {
         Measured {
@@ -274,13 +264,23 @@ impl Reader<'_> {
             _ => None,
         };
         match stored {
-            Some(stored) => {
-                measured.series = stored.series.clone();
-                if process == Some(Realisations::OF_FILE) {
-                    measured.random = Some(self.own(OwnProcess::missing()));
-                }
-            }
+            Some(stored) => measured.series = stored.series.clone(),
             None => self.read(table, &mut measured)?,
+        }
+        if process == Some(Realisations::OF_FILE) {
+            let is_reused = table.flag_or(keys::REUSE, false);
+            let all = Realisations::unpacked(&measured.series, is_reused);
+            let damaged = |_| {
+                let problem = "holds no realisations";
+                self.sources
+                    .diagnostic(place, problem, "give the file of the run")
+            };
+            measured.random = Some(RandomInput {
+                name: self.name.clone(),
+                process: RandomProcess::Own(OwnProcess(Arc::new(all.map_err(damaged)?))),
+                step: 1.0,
+                envelope: None,
+            });
         }
         let found = format!("{:016x}", measured.series.fingerprint());
         if !hash.is_empty() && !is_override && hash != found {
@@ -312,11 +312,13 @@ impl Reader<'_> {
             begin,
             time,
             columns,
-            repairs,
+            mut repairs,
             ..
         } = found;
-        let realisations = match is_every {
-            true => Some(realisations(table, &columns).map_err(diagnostic)?),
+        // What was repaired in one of many columns is said of the first alone.
+        repairs.columns.truncate(1);
+        let packed = match is_every {
+            true => Some(packed(&columns).map_err(diagnostic)?),
             false => None,
         };
         let Some(column) = columns.into_iter().next() else {
@@ -333,7 +335,7 @@ impl Reader<'_> {
         let series = series.map_err(|e| diagnostic((e.to_string(), "fix the file".into())))?;
         let series = match random::process_of(table) {
             Some(random::SPECTRUM) => from_zero(&series, begin),
-            _ => series,
+            _ => packed.unwrap_or(series),
         };
         *measured = Measured {
             series: Arc::new(series),
@@ -350,7 +352,6 @@ impl Reader<'_> {
             },
             start: start.map(|start| start.to_string()),
             repairs: repairs.sentences(),
-            random: realisations.map(|all| self.own(all)),
             ..measured.clone()
         };
         Ok(())
@@ -447,8 +448,8 @@ impl Reader<'_> {
     }
 }
 
-/// The realisations in the columns of a file.
-fn realisations(table: &Fields<'_>, columns: &[DataColumn]) -> Result<OwnProcess, Wrong> {
+/// The realisations in the columns of a file, packed.
+fn packed(columns: &[DataColumn]) -> Result<Series, Wrong> {
     let times = columns.first().map_or(&[][..], |column| &column.times);
     if let Some(other) = columns.iter().find(|column| column.times != times) {
         let problem = format!("lacks values of `{}`, or repeats them", other.name);
@@ -456,8 +457,7 @@ fn realisations(table: &Fields<'_>, columns: &[DataColumn]) -> Result<OwnProcess
     }
     let values = columns.iter().flat_map(|column| &column.values).copied();
     Realisations::new(times.to_vec(), values.collect())
-        .map(|all| all.of_file(table.flag_or(keys::REUSE, false)))
-        .map(|all| OwnProcess(Arc::new(all)))
+        .and_then(|all| all.packed())
         .map_err(|error| (error.to_string(), "fix the file".into()))
 }
 

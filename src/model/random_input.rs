@@ -176,11 +176,23 @@ impl Realisations {
     /// The name of the process whose realisations are in the columns of a file.
     pub(crate) const OF_FILE: &str = "realisations";
 
-    /// The same, as read from a file.
+    /// All of them as one series, as a file of results holds it: the number of times, the times,
+    /// and all values, at 0, 1, 2 and so on.
     #[cfg(feature = "toml")]
-    pub(crate) fn of_file(self, is_reused: bool) -> Self {
+    pub(crate) fn packed(&self) -> Result<Series, NoSeries> {
+        let count = [self.times.len() as f64];
+        let values = [&count[..], &self.times, &self.values].concat();
+        Series::new((0..values.len()).map(|i| i as f64).collect(), values)
+    }
+
+    /// Those of a packed series, which are in a file.
+    #[cfg(feature = "toml")]
+    pub(crate) fn unpacked(packed: &Series, is_reused: bool) -> Result<Self, NoSeries> {
+        let (count, rest) = packed.values().split_first().ok_or(NoSeries)?;
+        let (times, values) = rest.split_at_checked(*count as usize).ok_or(NoSeries)?;
         let file = Some(is_reused);
-        Realisations { file, ..self }
+        let all = Realisations::new(times.to_vec(), values.to_vec())?;
+        Ok(Realisations { file, ..all })
     }
 }
 

@@ -598,7 +598,8 @@ fn realisations_have_the_moments_of_their_law() {
 }
 
 /// Path n takes column n of a file, and with `reuse` begins again after the last; without it, fewer
-/// columns than paths are an error. The text of the scenario describes the same file.
+/// columns than paths are an error. The text of the scenario describes the same file, and the samples
+/// that a file of results holds are enough.
 #[test]
 fn a_file_has_a_realisation_for_each_path() {
     let file = concat!(env!("CARGO_TARGET_TMPDIR"), "/realisations.csv");
@@ -615,7 +616,10 @@ fn a_file_has_a_realisation_for_each_path() {
     let columns = [[1.0, 4.0, 0.0], [2.0, -5.0, 0.0], [3.0, 6.0, 0.5]];
     for (scenario, paths) in [(&three, 3), (&reused, 5)] {
         let again = self::scenario(&scenario.to_toml());
-        for of in [scenario, &again] {
+        let text = scenario.to_toml().replace("realisations.csv", "gone.csv");
+        let stored = Scenario::parse_stored("test", &text, &[], &scenario.samples());
+        let stored = stored.expect("the samples are in the file");
+        for of in [scenario, &again, &stored] {
             for path in 0..paths {
                 let series = of.model.random[0].realised(1, path, 20.0, None);
                 assert_eq!(series.times(), [0.0, 5.0, 20.0]);

@@ -102,7 +102,7 @@ fn taken(measured: &Measured) -> String {
 fn drawn(RandomInput { process, step, .. }: &RandomInput) -> String {
     let name = process.name();
     let Some(ProcessMoments { mean, sd, time }) = process.moments() else {
-        return format!("{name}: realisations of the caller");
+        return format!("{name}: samples of their own for every path");
     };
     let [mean, time, step] = [mean, time, *step].map(number);
     let spread = match sd.is_finite() {
