@@ -112,7 +112,7 @@ impl UserForceSteps {
 }
 
 /// A step twice as long is tried if the error of the last one was below this share of the largest
-/// that is allowed: twice the length makes the error 16 times as large.
+/// that is allowed: twice the length makes the error 16 to 64 times as large.
 const GROWTH: f64 = 1.0 / 32.0;
 
 #[cfg(test)]
