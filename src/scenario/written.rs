@@ -111,19 +111,14 @@ impl Measured {
 
 impl Scenario {
     /// The inputs that the force and the load may name, each with the values on the path of the
-    /// scenario, the first unless it is replayed, and their unit.
-    pub fn inputs_of_path(&self) -> Vec<(&str, &Arc<Series>, Option<&str>)> {
-        let mut inputs = Vec::new();
-        for measured in &self.written.measured {
-            let Some(name) = measured.input() else {
-                continue;
-            };
+    /// scenario, the first unless it is replayed.
+    pub fn inputs_of_path(&self) -> impl Iterator<Item = (&Measured, &Series)> {
+        let all = self.written.measured.iter();
+        all.filter(|of| of.input().is_some()).map(|of| {
             let mut all = self.written.realised.iter();
-            let realised = all.find(|(name, _)| *name == measured.table);
-            let series = realised.map_or(&measured.series, |(_, series)| series);
-            inputs.push((name, series, measured.unit.as_deref()));
-        }
-        inputs
+            let realised = all.find(|(name, _)| *name == of.table);
+            (of, &**realised.map_or(&of.series, |(_, series)| series))
+        })
     }
 
     /// All measured values, each by the table that describes it.

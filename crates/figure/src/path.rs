@@ -14,9 +14,9 @@ use super::{
     sheet, solid,
 };
 use std::ops::Range;
-use std::sync::Arc;
 use stickslip::model::Series;
 use stickslip::model::{Drive, Problem, Sign};
+use stickslip::scenario::Measured;
 use stickslip::stats::Dimension;
 use stickslip_data::input_unit;
 
@@ -122,25 +122,22 @@ impl<'a> PathLayout<'a> {
     /// The inputs over time, in a panel each; kicks as their impulses.
     fn inputs(&self) -> Vec<Panel> {
         let scenario = self.path.scenario;
-        let inputs = scenario.inputs_of_path().into_iter();
-        let panel = |(name, series, unit): (&str, &Arc<Series>, Option<&str>)| {
-            let measured = &scenario.written.measured;
-            let mut of_name = measured.iter().filter(|of| of.input() == Some(name));
-            let random = of_name.next().and_then(|of| of.random.as_ref());
+        let panel = |(of, series): (&Measured, &Series)| {
+            let random = of.random.as_ref();
             let points = match random.is_some_and(|random| random.process.is_kicks()) {
                 true => impulses(series, [self.path.from, scenario.time.end]),
                 false => sampled(series, [self.path.from, scenario.time.end]),
             };
-            let unit = unit.and_then(input_unit);
+            let unit = of.unit.as_deref().and_then(input_unit);
             let unit = unit.map_or(String::new(), |(si, _)| si.replace('2', "\u{b2}"));
             let values = points.iter().map(|point| point[1]);
-            let axis = Axis::around(values, letter(name), &unit);
+            let axis = Axis::around(values, letter(of.input().unwrap_or_default()), &unit);
             let mut panel = Panel::new(self.time(), axis, 60.0);
             panel.level(0.0, Stroke::solid(self.palette.faint, 0.4));
             panel.line(points, Stroke::solid(self.palette.fourth, THIN));
             panel.above_another()
         };
-        inputs.map(panel).collect()
+        scenario.inputs_of_path().map(panel).collect()
     }
 
     fn duration(&self) -> f64 {

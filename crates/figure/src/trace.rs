@@ -366,8 +366,7 @@ impl PathTrace {
         };
         let window = [from, scenario.time.end];
         let temperature = scenario.model.temperature.series.as_deref();
-        let inputs = scenario.inputs_of_path();
-        let inputs = inputs.iter().map(|(_, series, _)| &***series);
+        let inputs = scenario.inputs_of_path().map(|(_, series)| series);
         let samples = temperature
             .into_iter()
             .chain(inputs)
