@@ -68,8 +68,8 @@ pub struct Vectorised<'a> {
     jobs: Jobs,
     /// The pieces in which the paths are observed.
     records: Records,
-    /// n and b of each lane at the start of the slip step that began last in the macro step, and the
-    /// constant for g in it.
+    /// n and b of each lane at the start of the slip step that began last inside the macro step, or,
+    /// under g, with it; and the constant for g in this step.
     begun: [Vec<f64>; 3],
     /// The events in the macro step, with their lanes.
     events: Vec<(u32, Event)>,

@@ -61,9 +61,10 @@ impl<L: Lanes> SearchedSlip<L> {
 
     #[inline(always)]
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
+        let rows = &jobs.known(rows);
         let [velocity, acceleration, after, travel, count, x, start, eps] =
-            L::gather_rows(&jobs.left, &jobs.known(rows));
-        let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, &jobs.known(rows)));
+            L::gather_rows(&jobs.left, rows);
+        let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
         let (left, count) = (
             SlipVelocity {
                 velocity,

@@ -156,7 +156,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let (end, end_force) = self.corrected(&own, transition, zero, (end, end_force));
         let resolved = lanes & L::bitmask(ForcedStep::is_resolved(&own));
         self.fall_back(rows, lanes & !resolved);
-        self.began(rows, resolved, [now.n, now.force, ForcedStep::push(&own)]);
+        if own.is_some() {
+            self.began(rows, resolved, [now.n, now.force, ForcedStep::push(&own)]);
+        }
         let lanes = resolved;
         Border {
             x: end.x,
