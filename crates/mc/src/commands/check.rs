@@ -102,7 +102,7 @@ fn taken(measured: &Measured) -> String {
 fn drawn(RandomInput { process, step, .. }: &RandomInput) -> String {
     let name = process.name();
     let Some(ProcessMoments { mean, sd, time }) = process.moments() else {
-        return format!("{name}: samples of their own for every path");
+        return format!("{name}: each path has a series of its own");
     };
     let [mean, time, step] = [mean, time, *step].map(number);
     let spread = match sd.is_finite() {
